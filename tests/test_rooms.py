@@ -30,7 +30,7 @@ ROOMS = (
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "dependencies", "errors", "evidence", "geometry"),
+    *("acceptances", "config", "dependencies", "errors", "evidence", "field", "geometry"),
     *("instance_name", "sandbox", "limits", "strong_components", "text"),
 )
 """What every room may import, and what imports no room."""

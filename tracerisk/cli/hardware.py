@@ -1,4 +1,4 @@
-"""`tracerisk hardware`: convert, show and start a hardware description, or print its schema."""
+"""`tracerisk hardware`: convert, show, start and update a hardware description."""
 
 from __future__ import annotations
 
@@ -209,10 +209,83 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
     }
 
 
+def _add_update(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", metavar="FILE", help="the description, .yaml")
+    parser.add_argument(
+        "--failures",
+        metavar="CSV",
+        required=True,
+        help="what failed: component, failures, and hours, demands or missions",
+    )
+    parser.add_argument(
+        "--field",
+        metavar="JSON",
+        help="a profile by `tracerisk field`, for failures counted in missions",
+    )
+    parser.add_argument("--robot", metavar="NAME|FILE", help="robot (default: that of the field)")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", help="file to write (default: the description itself)"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="print the new figures alone")
+    shared.add_json(parser)
+
+
+def _update(options: argparse.Namespace) -> int:
+    from tracerisk.field.file import read_field
+    from tracerisk.hardware.formats import format_of_name, read_description
+    from tracerisk.pipeline.results.hardware_update import read_failures, updated_yaml, updates
+
+    if format_of_name(options.file) != "yaml":
+        raise InputError(
+            "is SysML; `tracerisk hardware convert` makes YAML of it, which can be brought up to "
+            "date",
+            Location(options.file),
+        )
+    hardware = read_description(Path(options.file))
+    field = None if options.field is None else read_field(Path(options.field))
+    units = None
+    if field is not None:
+        name = options.robot or field.robot or hardware.robot
+        if name is None:
+            raise InputError("the field tells no robot; give --robot", Location(options.field))
+        bound = _bound(hardware, _robot(name))
+        units = {each: bound[each].elements for each in bound}
+    rows = read_failures(Path(options.failures))
+    found = updates(hardware, rows, options.failures, field, units)
+    if not options.dry_run:
+        target = options.output or options.file
+        _write(target, updated_yaml(Path(options.file), found))
+        note(f"{target}: {len(found)} figures of the field", quiet=options.quiet)
+    if options.json:
+        print_json(
+            "hardware",
+            action="update",
+            updates=[
+                {
+                    "component": each.component,
+                    "before": each.before.value,
+                    "after": each.after.value,
+                    "error_factor": each.after.error_factor,
+                    "failures": each.failures,
+                    "exposure": each.exposure,
+                    "per": each.before.per.value,
+                    "alpha": each.posterior.alpha,
+                    "beta": each.posterior.beta,
+                    "source": each.after.source,
+                }
+                for each in found
+            ],
+        )
+        return 0
+    show(*map(str, found))
+    return 0
+
+
 _Action = tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int], str]
 _ACTIONS: dict[str, _Action] = {
     "convert": (_add_convert, _convert, "write a description in the other format"),
     "show": (_add_show, _show, "list the components: units, figures, where the twin sees them"),
     "init": (_add_init, _init, "write a first description of a robot, to go on from"),
+    "update": (_add_update, _update, "bring figures up to date with failures in the field"),
     "schema": (_add_schema, _schema, "print the JSON Schema by which editors complete the YAML"),
 }

@@ -184,7 +184,8 @@ def add_profile(parser: argparse.ArgumentParser) -> None:
         metavar="FUNCTION:TARGET=SHARE,...",
         action="append",
         default=[],
-        help="what follows a function, and how often: place:init=0.9,done=0.1",
+        help="what follows a function, and how often: place:init=0.9,done=0.1; or a file by "
+        "`tracerisk field`",
     )
 
 
@@ -317,6 +318,16 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
     """
     profile: ProfileText = {}
     for text in options.profile:
+        if text.endswith(".json"):
+            from pathlib import Path
+
+            from tracerisk.field.file import read_field
+
+            found = read_field(Path(text)).shares()
+            if twice := sorted(found.keys() & profile.keys()):
+                raise InputError(f"--profile names '{twice[0]}' twice; give each function once")
+            profile |= found
+            continue
         # Two colons are part of a name in C++.
         function, *rest = re.split(r"(?<!:):(?!:)", text, maxsplit=1)
         if not rest or not function:

@@ -1,0 +1,67 @@
+"""`tracerisk field`: what recorded missions show together, and how far the twin is from it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import (
+    note,
+    print_json,
+    print_text,
+    show,
+    terminal_width,
+    use_color,
+    write_file,
+)
+from tracerisk.errors import ExitCode
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.results.field_profile import Apart
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "recordings", metavar="FILE", nargs="+", help="the trace or log of one mission"
+    )
+    parser.add_argument(
+        "--against",
+        metavar="TRACE",
+        help="the trace of the twin; exit 1 where its exposures leave the field's intervals",
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", help="write the field profile as JSON")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.field.file import dump_field, field_data
+    from tracerisk.pipeline.results.field_profile import (
+        apart_from_twin,
+        gather_field,
+        read_mission,
+    )
+    from tracerisk.report.field_table import render_field
+
+    found = gather_field(
+        [read_mission(Path(each)) for each in options.recordings], options.recordings
+    )
+    apart: list[Apart] = []
+    if options.against is not None:
+        apart = apart_from_twin(found, read_mission(Path(options.against)))
+    code = ExitCode.WOULD_CHANGE if apart else ExitCode.FINE
+    if options.output is not None:
+        write_file(options.output, dump_field(found))
+        note(f"{options.output}: the profile of {found.missions} missions", quiet=options.quiet)
+    if options.json:
+        print_json(
+            "field", exit_code=int(code), field=field_data(found), apart=list(map(str, apart))
+        )
+        return int(code)
+    print_text(render_field(found, width=terminal_width(), color=use_color()))
+    if options.against is not None:
+        show(*(map(str, apart) if apart else ["the twin lies within the field's intervals"]))
+    return int(code)

@@ -1,0 +1,1 @@
+"""The field: what many recorded missions show together, as data and as a file."""

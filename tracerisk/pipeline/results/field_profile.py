@@ -1,0 +1,191 @@
+"""From the traces of recorded missions to a field profile, and what sets it apart from the twin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk import trace_json
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.figures.computed import next_counts
+from tracerisk.errors import InputError, Location
+from tracerisk.field.profile import (
+    QUANTITIES,
+    Estimate,
+    FieldProfile,
+    FieldStep,
+    following,
+    ratio,
+)
+from tracerisk.trace import FunctionRef, Trace, Visit
+from tracerisk.trace_log import read_log
+
+ROOM = 0.03
+"""By what share of its mean a field interval is widened: a twin is no closer than this."""
+LEAST_S = 0.05
+"""Differences below this are noise [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Apart:
+    """What the field does otherwise than the twin: a function, an element, a quantity."""
+
+    function: str
+    element: str
+    """Empty for the time of a visit."""
+    quantity: str
+    twin: float
+    field: Estimate
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        what = f"{self.element} {self.quantity}" if self.element else self.quantity
+        low = self.field.mean if self.field.low is None else self.field.low
+        high = self.field.mean if self.field.high is None else self.field.high
+        return (
+            f"{self.function}: {what} is {self.twin:.4g} on the twin, and {self.field.mean:.4g} "
+            f"({low:.4g} to {high:.4g}) in the field"
+        )
+
+
+def read_mission(path: Path) -> Trace:
+    """Return the trace of one recorded mission: a trace as JSON, or a log in the published form.
+
+    Raises InputError where the file is neither, or its run failed.
+    """
+    where = Location(str(path))
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot be read: {error}", where) from error
+    if not text.lstrip().startswith("{"):
+        return read_log(text, str(path), controller="")
+    trace = trace_json.loads(text, str(path))
+    if not trace.visits:
+        raise InputError("has no visit of a function: it shows no mission", where)
+    return trace
+
+
+def gather_field(traces: Sequence[Trace], names: Sequence[str]) -> FieldProfile:
+    """Return what the missions show together; `names` are how messages call each of them.
+
+    Raises InputError where they are of different controllers or robots, or there are none.
+    """
+    if not traces:
+        raise InputError("no recording is given; name traces or logs of missions")
+    first = traces[0]
+    for trace, name in zip(traces, names, strict=True):
+        if (trace.controller, trace.robot) != (first.controller, first.robot):
+            raise InputError(
+                f"is of {_of(trace)}, but {names[0]} of {_of(first)}; give those of one controller "
+                "on one robot",
+                Location(name),
+            )
+    refs = list(dict.fromkeys(each.ref for trace in traces for each in trace.functions))
+    model = model_names(refs)
+    steps = tuple(_step(ref, model[ref], traces, model) for ref in refs)
+    elements = list(dict.fromkeys(each.name for trace in traces for each in trace.elements))
+    totals = {
+        element: {
+            name: sum(_amount(visit, element, name) for trace in traces for visit in trace.visits)
+            for name in QUANTITIES
+        }
+        for element in elements
+        if all(visit.exposures.get(element, 0) is not None for t in traces for visit in t.visits)
+    }
+    return FieldProfile(
+        controller=first.controller,
+        robot=first.robot,
+        missions=len(traces),
+        steps=steps,
+        totals={name: row for name, row in totals.items() if any(row.values())},
+        duration_s=_duration(traces),
+    )
+
+
+def apart_from_twin(found: FieldProfile, twin: Trace) -> list[Apart]:
+    """Return what of the twin's run lies outside the intervals of the field.
+
+    Each interval is widened by 3 % of its mean, the accuracy that the twin itself is held to.
+    """
+    expected = {step.name: step for step in gather_field([twin], [twin.controller]).steps}
+    result: list[Apart] = []
+    for step in found.steps:
+        here = expected.get(step.name)
+        if here is None:
+            result.append(Apart(step.name, "", "visits", 0.0, step.per_mission))
+            continue
+        if step.duration_s is not None and here.duration_s is not None:
+            told = here.duration_s.mean
+            if step.duration_s.excludes(told, within=ROOM) and _differ(told, step.duration_s):
+                result.append(Apart(step.name, "", "duration_s", told, step.duration_s))
+        for element, row in step.uses.items():
+            for name, estimate in row.items():
+                told = here.uses[element][name].mean if element in here.uses else 0.0
+                if estimate.excludes(told, within=ROOM) and _differ(told, estimate):
+                    result.append(Apart(step.name, element, name, told, estimate))
+    known = {step.name for step in found.steps}
+    result += [
+        Apart(name, "", "visits", step.per_mission.mean, Estimate(0.0, 0.0, 0.0))
+        for name, step in expected.items()
+        if name not in known
+    ]
+    return result
+
+
+def _differ(told: float, estimate: Estimate) -> bool:
+    return abs(told - estimate.mean) >= LEAST_S
+
+
+def _of(trace: Trace) -> str:
+    return f"{trace.controller or 'a log'} on {trace.robot}" if trace.robot else "a log"
+
+
+def _step(
+    ref: FunctionRef, name: str, traces: Sequence[Trace], model: dict[FunctionRef, str]
+) -> FieldStep:
+    visits = [[each for each in trace.visits if each.function == ref] for trace in traces]
+    numbers = [float(len(each)) for each in visits]
+    counts: dict[str, int] = {}
+    for trace in traces:
+        own = {each.ref: each for each in trace.functions}
+        if ref in own:
+            short = model_names([each.ref for each in trace.functions])
+            full = {short[each]: model[each] for each in own}
+            for target, count in next_counts(trace)[ref].items():
+                key = full.get(target, target)
+                counts[key] = counts.get(key, 0) + count
+    times = [[each.duration_s for each in row] for row in visits]
+    known = all(each is not None for row in times for each in row)
+    used = dict.fromkeys(element for row in visits for each in row for element in each.exposures)
+    uses = {
+        element: {
+            name_of: ratio(
+                [sum(_amount(each, element, name_of) for each in row) for row in visits], numbers
+            )
+            for name_of in QUANTITIES
+        }
+        for element in used
+        if all(each.exposures.get(element, 0) is not None for row in visits for each in row)
+    }
+    return FieldStep(
+        name=name,
+        visits=int(sum(numbers)),
+        per_mission=ratio(numbers, [1.0] * len(numbers)),
+        duration_s=ratio([sum(each or 0.0 for each in row) for row in times], numbers)
+        if known
+        else None,
+        uses=uses,
+        following=following(counts) if counts else {},
+    )
+
+
+def _amount(visit: Visit, element: str, name: str) -> float:
+    exposure = visit.exposures.get(element)
+    return 0.0 if exposure is None else float(getattr(exposure, name))
+
+
+def _duration(traces: Sequence[Trace]) -> float | None:
+    times = [each.duration_s for trace in traces for each in trace.visits]
+    return None if None in times else sum(each for each in times if each is not None)
