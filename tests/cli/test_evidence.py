@@ -336,7 +336,10 @@ def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, 
     assert not (example.folder / "junk").exists()
 
 
-def test_a_killed_campaign_leaves_no_process(example, quick):
+def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
+    example, quick, tmp_path_factory
+):
+    kept = tmp_path_factory.mktemp("kept")
     example.write("controller.py", quick())
     example.write("one.yaml", HARDWARE)
     example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
@@ -354,16 +357,18 @@ def test_a_killed_campaign_leaves_no_process(example, quick):
     begun = subprocess.Popen(
         [sys.executable, "-m", "tracerisk", "evidence", "controller.py", "-j", "2", "-q"],
         cwd=example.folder,
-        env={**os.environ, "TRACERISK_TEST_MARK": "killed"},
+        env={**os.environ, "TRACERISK_TEST_MARK": "killed", "TMPDIR": str(kept)},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
     deadline = time.monotonic() + 60.0
-    while len(ours()) < 3 and time.monotonic() < deadline:
-        time.sleep(0.2)
+    while len(list(kept.glob("tracerisk-evidence-*"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.05)
     assert len(ours()) >= 3
     begun.send_signal(signal.SIGKILL)
     begun.wait()
     while ours() and time.monotonic() < deadline:
         time.sleep(0.2)
     assert not ours()
+    # That of the process which was killed is all that is left.
+    assert len(list(kept.glob("tracerisk-evidence-*"))) == 1

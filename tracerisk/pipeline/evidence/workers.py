@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import multiprocessing
 import os
 import threading
@@ -94,6 +95,8 @@ def _end_with(parent: int) -> None:
     def watch() -> None:
         while os.getppid() == parent:
             time.sleep(_LOOK_S)
+        # The folders that this process was to remove at its end.
+        atexit._run_exitfuncs()
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
