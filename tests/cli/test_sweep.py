@@ -9,7 +9,7 @@ import pytest
 from tracerisk import api
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence.sweep import Factor, SweepPoint, parse_factor
-from tracerisk.report.sweep import csv_text, plot_svg, render_points
+from tracerisk.report.series.sweep import csv_text, plot_svg, render_points
 
 SWEEP = (
     "sweep",

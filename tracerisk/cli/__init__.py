@@ -24,6 +24,7 @@ VERBS = {
     "annotate": "write risk blocks into a controller from a trace or a log",
     "strip": "remove the risk blocks from sources, every other byte kept",
     "diff": "print what a change between git versions does to the risk",
+    "history": "print how the risk went over the commits, and what raised it",
     "report": "write an HTML report of annotated sources that needs no network",
     "overrides": "list what was set by hand in blocks, why, and how it drifted",
     "hardware": "convert, show or start a hardware description; print its schema",
@@ -48,7 +49,7 @@ GROUPS = {
         "annotate",
         "strip",
     ),
-    "for reviewers of changes": ("diff", "report", "overrides"),
+    "for reviewers of changes": ("diff", "history", "report", "overrides"),
     "for safety engineers": (
         "hardware",
         "evidence",

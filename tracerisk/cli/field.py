@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
         gather_field,
         read_mission,
     )
-    from tracerisk.report.field_table import render_field
+    from tracerisk.report.series.field import render_field
 
     found = gather_field(
         [read_mission(Path(each)) for each in options.recordings], options.recordings

@@ -43,7 +43,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb; 0 whatever the points show."""
     from tracerisk import api
-    from tracerisk.report import sweep as report
+    from tracerisk.report.series import sweep as report
 
     with bar_of_cells(quiet=options.quiet) as told:
         points = api.sweep(

@@ -156,6 +156,15 @@ def _reviewed(
     return ReviewedController(name, was, before, after)
 
 
+def version_of(version: GitVersion, controller: str) -> ControllerVersion:
+    """Return a controller as one version has it, by its path from the top.
+
+    Raises InputError, telling the version, where a lock cannot be read.
+    """
+    locks = _Locks(version, lambda path: path)
+    return _version(locks, locks.known(controller), [], controller)
+
+
 def _version(
     locks: _Locks, known: _Known | None, guesses: list[str], controller: str
 ) -> ControllerVersion:

@@ -78,7 +78,7 @@ def diff(
     before = ControllerVersion(before_sources, None, ".")
     after = ControllerVersion(after_sources, None, ".")
     first = next(iter([*after_sources, *before_sources]), "")
-    return _difference(ReviewedController(name or first, None, before, after), None)
+    return difference(ReviewedController(name or first, None, before, after), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +120,18 @@ def _reviewed(
         shown.version(controller.after),
     )
     try:
-        return _difference(named, versions)
+        return difference(named, versions)
     except TraceRiskError as error:
         return error
 
 
-def _difference(
+def difference(
     controller: ReviewedController, versions: tuple[_VersionName, _VersionName] | None
 ) -> RiskDiff:
+    """Return what became of a controller's risk between two versions.
+
+    Raises where the blocks of one are malformed; `versions` are named in it.
+    """
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
     renamed = {}

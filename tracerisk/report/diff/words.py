@@ -43,14 +43,14 @@ def headline(review: Review) -> str:
     if not review.controllers:
         return f"No risk block differs between {review.before} and {review.after}."
     if len(review.controllers) == 1:
-        return f"{_sentence(review.controllers[0])}."
+        return f"{sentence(review.controllers[0])}."
     if apart:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
-        return f"{lead} cannot be compared, first of all {_sentence(apart[0])}."
+        return f"{lead} cannot be compared, first of all {sentence(apart[0])}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
-    return f"{lead}, most of all {_sentence(changed[0])}."
+    return f"{lead}, most of all {sentence(changed[0])}."
 
 
 def verdict_lines(review: Review) -> list[str]:
@@ -112,7 +112,8 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
     return f"{told}; the two runs cannot be compared"
 
 
-def _sentence(diff: RiskDiff) -> str:
+def sentence(diff: RiskDiff) -> str:
+    """Return what a change did to one controller's risk, without the full stop."""
     if diff.verdicts is not None and not diff.verdicts.is_comparable:
         return _incomparable(diff, diff.verdicts)
     if diff.before is None:

@@ -14,11 +14,13 @@ from tracerisk.report.tables import rendered, share_text, table_of
 _WIDTH, _HEIGHT = 640.0, 360.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 84.0, 20.0, 24.0, 56.0
 _COLOURS = ("#1f4fa3", "#b3541e", "#2f7d4f", "#7a3b8f", "#8a6d1f", "#35788a", "#a33a5a", "#555555")
+_LETTER = 7.3
+"""The width of a letter [px]."""
 _STYLE = "font: 12px monospace; fill: #222"
 
 
-class Point(Protocol):
-    """What is shown of a point: see `tracerisk.pipeline.evidence.sweep.SweepPoint`."""
+class PlotPoint(Protocol):
+    """What a drawing takes of a point."""
 
     @property
     def values(self) -> Mapping[str, Any]:
@@ -31,6 +33,10 @@ class Point(Protocol):
     @property
     def verdict(self) -> str:
         """How far the run can be taken."""
+
+
+class Point(PlotPoint, Protocol):
+    """What is shown of a point: see `tracerisk.pipeline.evidence.sweep.SweepPoint`."""
 
     @property
     def simulated_s(self) -> float | None:
@@ -87,7 +93,7 @@ def csv_text(points: Sequence[Point]) -> str:
     return stream.getvalue()
 
 
-def plot_svg(points: Sequence[Point]) -> str:
+def plot_svg(points: Sequence[PlotPoint]) -> str:
     """Return a drawing: the figure over the first factor, a line for each value of the others.
 
     Figures that span more than a factor of ten have a logarithmic axis.
@@ -113,7 +119,7 @@ def plot_svg(points: Sequence[Point]) -> str:
     figures = [each.failure_probability or 0.0 for each in shown]
     axis = _Axis(min(figures), max(figures))
     _axes(root, first, xs, axis)
-    lines: dict[str, list[Point]] = {}
+    lines: dict[str, list[PlotPoint]] = {}
     for each in shown:
         label = ", ".join(f"{name} {each.values[name]}" for name in others)
         lines.setdefault(label, []).append(each)
@@ -172,7 +178,9 @@ def _axes(root: Element, name: str, xs: Sequence[Any], axis: _Axis) -> None:
         way = f"M{_LEFT:g} {y:.1f} H{right:g}"
         SubElement(root, "path", {"d": way, "fill": "none", "stroke": "#ddd"})
         _text(root, _LEFT - 8, y + 4, f"{value:.3g}", "end")
-    step = max(1, math.ceil(len(xs) / 12))
+    # As many labels as have room beside each other.
+    label = _LETTER * max(len(str(each)) for each in xs) + 12.0
+    step = max(1, math.ceil(len(xs) * label / (right - _LEFT)))
     for value in xs[::step]:
         _text(root, _x(xs, value), bottom + 18, str(value), "middle")
     _text(root, (_LEFT + right) / 2, bottom + 40, name, "middle")

@@ -1,0 +1,154 @@
+"""`tracerisk history`: the risk over commits, from the blocks that git holds."""
+
+from __future__ import annotations
+
+import subprocess
+from xml.etree import ElementTree as ET
+
+import pytest
+
+FIGURES = ("1e-07", "1e-07", "4e-07", "2e-07", "8e-07")
+
+
+@pytest.fixture
+def grown(repository, annotated_source):
+    """A controller over five commits, of which the second changes no risk."""
+    for number, figure in enumerate(FIGURES):
+        source = annotated_source(pick=("done 1", f"gripper = {figure}"))
+        repository.write("cell.py", f"# {number}\n{source}")
+        repository.commit()
+    return repository
+
+
+def commits(repository):
+    return repository.git("log", "--format=%H", "--reverse").split()
+
+
+def rows(outcome, name="cell.py"):
+    assert outcome.code in (0, 1), outcome.err
+    return outcome.json["controllers"][name]
+
+
+def test_each_commit_that_changed_the_risk_is_a_row(grown):
+    found = rows(grown.run("history", "cell.py", "--json"))
+    hashes = commits(grown)[-5:]
+    assert [each["commit"] for each in found["commits"]] == [
+        hashes[0],
+        hashes[2],
+        hashes[3],
+        hashes[4],
+    ]
+    assert [each["failure_probability"] for each in found["commits"]] == pytest.approx(
+        [1e-7, 4e-7, 2e-7, 8e-7]
+    )
+    assert "through gripper" in found["commits"][1]["change"]
+
+
+def test_the_commit_that_raised_it_most_is_told(grown):
+    found = rows(grown.run("history", "cell.py", "--json"))
+    hashes = commits(grown)[-5:]
+    assert found["largest_rise"]["commit"] in (hashes[2], hashes[4])
+    assert found["largest_rise"]["ratio"] == pytest.approx(4.0)
+    told = grown.run("history", "cell.py")
+    assert "largest rise: x4 by" in told.out
+
+
+@pytest.mark.parametrize(("limit", "since"), [("5e-7", 4), ("1.5e-7", 2), ("1e-6", None)])
+def test_since_which_commit_it_is_above_a_limit(grown, limit, since):
+    outcome = grown.run("history", "cell.py", "--above", limit, "--json")
+    assert outcome.code == (0 if since is None else 1)
+    hashes = commits(grown)[-5:]
+    assert rows(outcome)["above_since"] == (None if since is None else hashes[since])
+
+
+def test_what_is_not_committed_comes_last(grown, annotated_source):
+    grown.write("cell.py", annotated_source(pick=("done 1", "gripper = 3e-06")))
+    found = rows(grown.run("history", "cell.py", "--json"))
+    assert found["commits"][-1]["commit"] == ""
+    assert found["commits"][-1]["failure_probability"] == pytest.approx(3e-6)
+    assert "working tree" in grown.run("history", "cell.py").out
+
+
+def test_a_file_is_followed_to_its_new_name(grown):
+    grown.git("mv", "cell.py", "work.py")
+    grown.commit()
+    found = rows(grown.run("history", "work.py", "--json"), "work.py")
+    assert [each["path"] for each in found["commits"]] == ["cell.py"] * 4
+    assert found["commits"][-1]["failure_probability"] == pytest.approx(8e-7)
+
+
+def test_the_last_commits_alone(grown):
+    found = rows(grown.run("history", "cell.py", "--most", "2", "--json"))
+    assert [each["failure_probability"] for each in found["commits"]] == pytest.approx([2e-7, 8e-7])
+
+
+def test_a_commit_whose_blocks_cannot_be_read_is_a_row_and_no_end(grown, annotated_source):
+    source = grown.read("cell.py").decode()
+    grown.write("cell.py", source.replace("quantity = 1", "quantity = many"))
+    grown.commit()
+    grown.write("cell.py", annotated_source(pick=("done 1", "gripper = 9e-07")))
+    grown.commit()
+    found = rows(grown.run("history", "cell.py", "--json"))
+    assert "quantity" in found["commits"][-2]["error"]
+    assert found["commits"][-2]["failure_probability"] is None
+    assert found["commits"][-1]["failure_probability"] == pytest.approx(9e-7)
+    assert "unreadable" in grown.run("history", "cell.py").out
+
+
+def test_the_chart_has_a_dot_for_each_and_the_badge_the_last_figure(grown):
+    outcome = grown.run("history", "cell.py", "--svg", "h.svg", "--badge", "b.svg")
+    assert outcome.code == 0, outcome.err
+    chart = ET.fromstring(grown.read("h.svg"))
+    assert len(chart.findall(".//{*}circle")) == 4
+    badge = ET.fromstring(grown.read("b.svg"))
+    texts = [each.text for each in badge.findall(".//{*}text")]
+    assert texts == ["mission failure", "8.00e-07, unknown"]
+    again = grown.run("history", "cell.py", "--svg", "h2.svg")
+    assert again.code == 0
+    assert grown.read("h2.svg") == grown.read("h.svg")
+
+
+def test_all_controllers_of_the_lock_where_none_is_named(grown):
+    outcome = grown.run("history")
+    assert outcome.code == 2
+    assert "knows no controller here" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("nothing.py",), "does not exist"),
+        (("new.py",), "git has no commit of it"),
+        (("cell.py", "new.py", "--badge", "b.svg"), "--badge is that of one controller"),
+    ],
+)
+def test_what_cannot_be_told_is_said(grown, words, message):
+    grown.write("new.py", "x = 1\n")
+    outcome = grown.run("history", *words)
+    assert outcome.code == 2
+    assert message in outcome.err
+
+
+def test_outside_a_repository_it_is_said(example):
+    example.write("cell.py", "x = 1\n")
+    inside = subprocess.run(
+        ["git", "rev-parse"], cwd=example.folder, capture_output=True, check=False
+    )
+    if inside.returncode == 0:
+        pytest.skip("the folder for tests lies in a repository")
+    outcome = example.run("history", "cell.py")
+    assert outcome.code == 2
+    assert "repository" in outcome.err
+
+
+def test_subjects_with_odd_signs_and_merges_are_read(grown, annotated_source):
+    grown.git("checkout", "--quiet", "-b", "side", "HEAD~1")
+    grown.write("cell.py", annotated_source(pick=("done 1", "gripper = 6e-07")))
+    grown.git("add", "--all")
+    grown.git("commit", "--quiet", "--message", "ü \" <b> 'x' & \t y")
+    grown.git("checkout", "--quiet", "-")
+    grown.git("merge", "--quiet", "--strategy", "ours", "side")
+    outcome = grown.run("history", "cell.py", "--json", "--svg", "h.svg")
+    found = rows(outcome)
+    assert any("<b>" in each["subject"] for each in found["commits"])
+    assert found["commits"][-1]["failure_probability"] == pytest.approx(8e-7)

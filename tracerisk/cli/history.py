@@ -1,0 +1,150 @@
+"""`tracerisk history`: how the risk of controllers went over the commits of git."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import (
+    note,
+    print_json,
+    print_text,
+    show,
+    terminal_width,
+    use_color,
+    write_file,
+)
+from tracerisk.errors import ExitCode, InputError
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.review.history import HistoryPoint
+    from tracerisk.report.series.history import HistoryRow
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="a controller (default: every controller in tracerisk.lock)",
+    )
+    parser.add_argument(
+        "--most", metavar="N", type=shared.count, help="look at the last N commits of each alone"
+    )
+    parser.add_argument(
+        "--above",
+        metavar="P",
+        type=shared.probability,
+        help="print since which commit the figure is above P; exit 1 where it is",
+    )
+    parser.add_argument("--svg", metavar="OUT", help="draw the figures over the commits")
+    parser.add_argument(
+        "--badge", metavar="OUT", help="draw a badge with the figure and verdict of one controller"
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.config import controller_root
+    from tracerisk.pipeline.review.history import controllers_below, first_above, history
+    from tracerisk.report.series.history import badge_svg, history_svg, render_history
+
+    files = [Path(each) for each in options.files]
+    if not files:
+        files = controllers_below(controller_root(Path("here.py")))
+        if not files:
+            raise InputError("tracerisk.lock knows no controller here; name one")
+    if options.badge is not None and len(files) != 1:
+        raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
+    found = {str(each): history(each, most=options.most) for each in files}
+    rows = {name: [_row(each) for each in points] for name, points in found.items()}
+    if options.svg is not None:
+        write_file(options.svg, history_svg(rows))
+        note(f"{options.svg}: drawn", quiet=options.quiet)
+    if options.badge is not None:
+        last = next(iter(found.values()))[-1:]
+        figure = last[0].failure_probability if last else None
+        write_file(options.badge, badge_svg(figure, last[0].verdict if last else None))
+        note(f"{options.badge}: drawn", quiet=options.quiet)
+    above = {
+        name: first_above(points, options.above) if options.above is not None else None
+        for name, points in found.items()
+    }
+    code = ExitCode.WOULD_CHANGE if any(above.values()) else ExitCode.FINE
+    if options.json:
+        print_json(
+            "history",
+            exit_code=int(code),
+            controllers={
+                name: _data(points, rows[name], above[name]) for name, points in found.items()
+            },
+        )
+        return int(code)
+    for name, points in found.items():
+        print_text(render_history(name, rows[name], width=terminal_width(), color=use_color()))
+        show(*_answers(points, rows[name]))
+        if options.above is not None:
+            since = above[name]
+            told = f"not above {options.above:g}"
+            if since is not None:
+                told = f"above {options.above:g} since {_told(since)}"
+            show(told)
+    return int(code)
+
+
+def _row(point: HistoryPoint) -> HistoryRow:
+    from tracerisk.report.series.history import HistoryRow
+
+    return HistoryRow(
+        point.name,
+        point.date,
+        point.subject,
+        point.failure_probability,
+        point.verdict,
+        point.diff,
+        point.error,
+    )
+
+
+def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:
+    from tracerisk.pipeline.review.history import largest_rise
+
+    rise = largest_rise(points)
+    if rise is None:
+        return ["the figure never rose"]
+    point, factor = rise
+    change = rows[points.index(point)].change
+    return [f"largest rise: x{factor:.3g} by {_told(point)}", f"  {change}"]
+
+
+def _told(point: HistoryPoint) -> str:
+    return f"{point.name} ({point.date}): {point.subject}" if point.commit else point.name
+
+
+def _data(
+    points: list[HistoryPoint], rows: list[HistoryRow], above: HistoryPoint | None
+) -> dict[str, Any]:
+    from tracerisk.pipeline.review.history import largest_rise
+
+    rise = largest_rise(points)
+    return {
+        "above_since": None if above is None else above.commit,
+        "largest_rise": None if rise is None else {"commit": rise[0].commit, "ratio": rise[1]},
+        "commits": [
+            {
+                "change": row.change,
+                "commit": point.commit,
+                "date": point.date,
+                "error": point.error,
+                "failure_probability": point.failure_probability,
+                "path": point.path,
+                "subject": point.subject,
+                "verdict": None if point.verdict is None else point.verdict.kind,
+            }
+            for point, row in zip(points, rows, strict=True)
+        ],
+    }

@@ -1,0 +1,1 @@
+"""What several runs, commits or missions show beside each other."""

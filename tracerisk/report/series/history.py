@@ -1,0 +1,128 @@
+"""How a risk went over the commits: a table, a chart, a badge."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
+
+from tracerisk.report.diff.words import sentence
+from tracerisk.report.series.sweep import plot_svg
+from tracerisk.report.tables import render_parts, table_of
+from tracerisk.trace import UNKNOWN_VERDICT, Verdict
+
+if TYPE_CHECKING:
+    from tracerisk.prm.review.risk_change import RiskDiff
+
+_COLOURS: Mapping[str, str] = {
+    "complete": "#2c7a3f",
+    "partial": "#8a6d00",
+    "faulted": "#b3261e",
+    "stuck": "#b3261e",
+}
+_GREY = "#5f6368"
+_CHARACTER = 6.6
+"""The width of a character of the badge's font at 11 px [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class HistoryRow:
+    """One commit of a history, as it is shown."""
+
+    name: str
+    date: str
+    subject: str
+    failure_probability: float | None
+    verdict: Verdict | None
+    diff: RiskDiff | None
+    error: str
+
+    @property
+    def change(self) -> str:
+        """What the commit did to the risk, in words."""
+        if self.diff is None:
+            return self.error
+        return sentence(self.diff)
+
+
+def render_history(
+    name: str, rows: Sequence[HistoryRow], *, width: int = 80, color: bool = False
+) -> str:
+    """Return the table of one controller for a terminal, the oldest commit first."""
+    table = table_of(name)
+    for heading in ("commit", "date", "mission failure", "ratio", "verdict", "subject"):
+        is_number = heading in ("mission failure", "ratio")
+        table.add_column(heading, justify="right" if is_number else "left", overflow="fold")
+    last: float | None = None
+    for row in rows:
+        figure = row.failure_probability
+        change = ""
+        if figure is not None and last:
+            change = f"x{figure / last:.3g}"
+        table.add_row(
+            row.name,
+            row.date,
+            "unreadable" if row.error else "-" if figure is None else f"{figure:.3e}",
+            change,
+            _kind(row.verdict),
+            row.subject,
+        )
+        last = figure if figure is not None else last
+    return render_parts([table], width=width, color=color)
+
+
+def history_svg(histories: Mapping[str, Sequence[HistoryRow]]) -> str:
+    """Return a chart: the figure after each commit, a line for each controller."""
+    points = [
+        _Point(
+            {"commit": row.name, "controller": name}, row.failure_probability, _kind(row.verdict)
+        )
+        for name, rows in histories.items()
+        for row in rows
+    ]
+    if len(histories) == 1:
+        points = [_Point({"commit": each.values["commit"]}, *each.rest) for each in points]
+    return plot_svg(points)
+
+
+def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
+    """Return a badge: the verdict and the figure of a mission."""
+    left = "mission failure"
+    right = "no risk blocks" if figure is None else f"{figure:.2e}"
+    kind = _kind(verdict)
+    if figure is not None:
+        right += f", {kind.removeprefix('verdict ')}"
+    colour = _COLOURS.get(kind, _GREY) if figure is not None else _GREY
+    first, second = (round(_CHARACTER * len(text) + 14.0) for text in (left, right))
+    whole = first + second
+    style = "font:11px Verdana,DejaVu Sans,sans-serif"
+    title = escape(f"{left}: {right}")
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="20" role="img">'
+        f"<title>{title}</title>"
+        f'<rect width="{whole}" height="20" rx="3" fill="#3c4043"/>'
+        f'<path d="M{first} 0h{second - 3}a3 3 0 0 1 3 3v14a3 3 0 0 1 -3 3h-{second - 3}z" '
+        f'fill="{colour}"/>'
+        f'<g fill="#fff" text-anchor="middle" style="{style}">'
+        f'<text x="{first / 2:g}" y="14">{escape(left)}</text>'
+        f'<text x="{first + second / 2:g}" y="14">{escape(right)}</text></g></svg>\n'
+    )
+
+
+def _kind(verdict: Verdict | None) -> str:
+    return UNKNOWN_VERDICT if verdict is None else verdict.kind
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """What a plot takes of a commit."""
+
+    values: Mapping[str, str]
+    failure_probability: float | None
+    verdict: str
+
+    @property
+    def rest(self) -> tuple[float | None, str]:
+        """What is not on the axes."""
+        return self.failure_probability, self.verdict
