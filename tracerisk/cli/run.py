@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -78,6 +79,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_fail_on(parser)
     shared.add_sarif(parser)
+    parser.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="print every component, table and assumption (default where output is no terminal)",
+    )
     shared.add_json(parser)
 
 
@@ -247,11 +254,21 @@ def _show(options: argparse.Namespace, done: _Done) -> int:
             findings=finding_lines(trace),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
             tables=done.figures.tables(terminal_width()),
+            following=_following(options) if sys.stdout.isatty() and not options.verbose else None,
         )
     if not options.diff:
         print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
     print_derivation(done.derivation, assessed.model, assessment)
     return int(code)
+
+
+def _following(options: argparse.Namespace) -> list[str]:
+    """Return what to do next, a line each."""
+    name = options.controller
+    return [
+        f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
+        "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."
+    ]
 
 
 def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:

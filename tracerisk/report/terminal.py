@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.hybrid.assessment import (
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
+MOST_BRIEF = 8
+"""How many functions a brief table shows."""
+MOST_PARTS = 3
+"""How many components and findings stand below it."""
 MOST_COMPONENTS = 5
 """How many of the components that matter most are shown."""
 
@@ -88,6 +92,72 @@ def print_assessment(
     for table in tables:
         console.print(table)
     _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))
+
+
+def render_brief(
+    assessment: Assessment,
+    *,
+    exposures: Exposures | None = None,
+    findings: Sequence[str] = (),
+    following: Sequence[str] = (),
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return what fits a screen: the sentence, a row a function, what matters most, what next.
+
+    `exposures` and `findings` as in `render_assessment`; `following` are lines on what to do next.
+    """
+    from rich.text import Text
+
+    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
+    shown = {each.name for each in ranked[:MOST_BRIEF]}
+    risk = assessment.mission.geometric_cycles
+    table = table_of(_title(len(ranked), len(shown)))
+    table.add_column("#", justify="right", no_wrap=True)
+    table.add_column("function", overflow="fold")
+    headings = (*(("active s",) if exposures is not None else ()), "p failure", "visits")
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    add_share_columns(table, width)
+    for state in assessment.states:
+        if state.name not in shown:
+            continue
+        used = [] if exposures is None else [_longest(exposures.get(state.name, {}))]
+        figures = [*used, f"{state.top_event:.2e}", f"{state.expected_visits:.4g}"]
+        share = state.absorption_probability / risk if risk > 0.0 else 0.0
+        cells = plain([str(state.call_sequence), state.name, *figures])
+        table.add_row(*cells, *share_cells(share, width))
+
+    def write(console: Console) -> None:
+        console.print(Text(mission_sentence(assessment), style="bold"))
+        console.print(Text(assessment.statement, style="italic"))
+        console.print(table)
+        parts = [
+            f"{each.name} {share_text(each.fussell_vesely)}"
+            for each in assessment.components[:MOST_PARTS]
+        ]
+        if parts:
+            console.print(Text(f"Parts that matter most: {', '.join(parts)}."))
+        told = [*findings, *assessment.findings]
+        for line in told[:MOST_PARTS]:
+            console.print(Text(f"- {line}"))
+        if len(told) > MOST_PARTS:
+            console.print(Text(f"- and {len(told) - MOST_PARTS} more findings"))
+        for line in following:
+            console.print(Text(line))
+
+    return rendered(write, width=width, color=color)
+
+
+def _title(count: int, shown: int) -> str:
+    if count > shown:
+        return f"{shown} of {count} functions, by share"
+    return "Functions"
+
+
+def _longest(active: Mapping[str, float]) -> str:
+    """Return the time of the component that is longest in use [s]."""
+    return f"{max(active.values()):.2f}" if active else ""
 
 
 def mission_sentence(assessment: Assessment) -> str:

@@ -22,10 +22,26 @@ def print_assessment(
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
     tables: Sequence[RenderableType] = (),
+    following: Sequence[str] | None = None,
 ) -> None:
-    """Print the tables of an assessment on standard output."""
-    from tracerisk.report.terminal import render_assessment
+    """Print the tables of an assessment on standard output.
 
+    With `following`, lines on what to do next, it is what fits a screen.
+    """
+    from tracerisk.report.terminal import render_assessment, render_brief
+
+    if following is not None:
+        print_text(
+            render_brief(
+                assessment,
+                exposures=exposures,
+                findings=findings,
+                following=following,
+                width=terminal_width(),
+                color=use_color(),
+            )
+        )
+        return
     print_text(
         render_assessment(
             assessment,

@@ -1,0 +1,91 @@
+"""What a run prints on a terminal fits a screen; `-v` and a pipe have all of it."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tracerisk.prm.hybrid.solve import solve
+from tracerisk.report.terminal import render_assessment, render_brief
+
+_ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+
+
+@pytest.fixture(scope="module")
+def assessed(tmp_path_factory, annotated_source):
+    from tracerisk import pipeline
+
+    functions = {
+        f"step_{number}": (
+            f"step_{number + 1} 1" if number < 29 else "done 1",
+            f"motor = {number + 1}e-7 x7; gripper = 1e-7; power = 1e-5 of2; control = 1e-9",
+        )
+        for number in range(30)
+    }
+    source = annotated_source(**functions).encode()
+    return solve(pipeline.build({"cell.py": source}, name="cell.py"))
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_thirty_functions_fit_a_screen(assessed, width):
+    findings = [f"finding {number}" for number in range(9)]
+    text = render_brief(assessed, findings=findings, following=["Next: look."], width=width)
+    lines = text.rstrip().splitlines()
+    assert len(lines) <= (22 if width >= 80 else 25)
+    assert all(len(line) <= width for line in lines)
+    assert "8 of 30 functions, by share" in text
+    assert "step_29" in text
+    assert "step_1 " not in text
+    assert "and 6 more findings" in text
+    assert "Parts that matter most: motor" in text
+    assert lines[-1] == "Next: look."
+
+
+def test_its_figures_are_those_of_the_whole(assessed):
+    whole = render_assessment(assessed, width=80)
+    brief = render_brief(assessed, width=80)
+    assert brief.splitlines()[:2] == whole.splitlines()[:2]
+    figure = re.search(r"step_29\s+(\S+)", brief)
+    assert figure is not None
+    assert figure[1] in whole
+
+
+def on_a_terminal(folder, *words):
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tracerisk", *words],
+        cwd=folder,
+        stdout=theirs,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "COLUMNS": "80", "TERM": "xterm"},
+    )
+    os.close(theirs)
+    parts = []
+    while True:
+        try:
+            data = os.read(ours, 65536)
+        except OSError:
+            break
+        if not data:
+            break
+        parts.append(data)
+    os.close(ours)
+    assert process.wait() == 0
+    return _ESCAPES.sub("", b"".join(parts).decode()).replace("\r\n", "\n")
+
+
+def test_a_run_on_a_terminal_is_brief_and_says_what_next(example, quick):
+    example.write("controller.py", quick())
+    text = on_a_terminal(example.folder, "run", "controller.py")
+    assert len(text.splitlines()) <= 25
+    assert "tracerisk run controller.py -v" in text
+    assert "Assumptions" not in text
+    whole = on_a_terminal(example.folder, "run", "controller.py", "-v")
+    assert "Assumptions" in whole
+    piped = example.run("run", "controller.py")
+    assert "Assumptions" in piped.out
