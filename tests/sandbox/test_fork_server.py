@@ -353,18 +353,45 @@ RUNS = {
 }
 
 
+def shown_afresh_and_forked(server, monkeypatch, capfd, settings) -> list[tuple[str, str]]:
+    """The trace of `cell.py` and what it printed, of a fresh process and of a forked one."""
+    controller, found = load_controller(Path("cell.py")), []
+    for afresh in (True, False):
+        with monkeypatch.context() as patched:
+            if afresh:
+                patched.setattr(process, "forked", lambda *_, **__: None)
+            trace = trace_controller(controller, settings)
+        assert (server.server is None) is afresh
+        found.append((trace_json.dumps(trace), capfd.readouterr().err))
+    return found
+
+
 @pytest.mark.parametrize("mode", ["off", pytest.param("auto", marks=contained)])
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_shows_the_same(server, tmp_path, monkeypatch, capfd, name, mode):
     code, options = RUNS[name]
     monkeypatch.chdir(tmp_path)
     Path("cell.py").write_text(CELL.format(code=code))
-    controller, found = load_controller(Path("cell.py")), []
-    for afresh in (True, False):
-        with monkeypatch.context() as patched:
-            if afresh:
-                patched.setattr(process, "forked", lambda *_, **__: None)
-            trace = trace_controller(controller, Settings(sandbox=mode, **options))
-        assert (server.server is None) is afresh
-        found.append((trace_json.dumps(trace), capfd.readouterr().err))
-    assert found[0] == found[1]
+    settings = Settings(sandbox=mode, **options)
+    afresh, forked = shown_afresh_and_forked(server, monkeypatch, capfd, settings)
+    assert forked == afresh
+
+
+NODE = "import sys, rclpy\nprint(sorted(sys.modules))\n"
+
+
+def test_a_run_of_ros_2_shows_the_same(server, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    Path("cell.py").write_text(NODE)
+    afresh, forked = shown_afresh_and_forked(server, monkeypatch, capfd, Settings())
+    assert forked == afresh
+    assert "'rosbags.typesys.stores.ros2_jazzy'" in forked[1]
+    assert "ros1_noetic" not in forked[1]
+
+
+def test_what_a_module_prepares_a_server_does_once(begin, tmp_path):
+    module = tmp_path / "probe" / "probe_of_a_fork.py"
+    prepare = "def prepare():\n    os.environ['HAS'] = os.environ.get('HAS', '') + 'x'\n\n"
+    module.write_text(MODULE.replace("if __name__", prepare + "if __name__"))
+    for _ in range(2):
+        assert said(begin("print(os.environ['HAS'])")) == "x\n"

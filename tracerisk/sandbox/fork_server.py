@@ -243,10 +243,12 @@ def _is_ready(descriptor: int, timeout_s: float | None) -> bool:
 def serve(module: str, plan: Mapping[str, Any]) -> dict[str, Any]:
     """Be a server for a module: return in each process that is forked, with the plan of it.
 
-    In the server itself it does not return.
+    In the server itself it does not return. What the module has as `prepare` is called there once.
     """
     me = os.getpid()
-    import_module(module)
+    prepare = getattr(import_module(module), "prepare", None)
+    if prepare is not None:
+        prepare()
     # It is run as `__main__`, and imported by nobody.
     parent, _, name = module.rpartition(".")
     del sys.modules[module]

@@ -29,6 +29,7 @@ from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.missing_modules import MissingModules
+from tracerisk.pipeline.run.preparation import leave_out_other_ros, prepare
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.scripted_input import scripted_input
 from tracerisk.pipeline.run.stall_watch import StallWatch
@@ -84,6 +85,7 @@ from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
+__all__ = ["main", "prepare"]
 _MB = 1024 * 1024
 _MOST_DENIED = 50
 
@@ -188,6 +190,7 @@ def _run_recorded(
     )
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
+    leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
     drivers = read_drivers(map(Path, request.drivers), root)
     more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)

@@ -1,0 +1,28 @@
+"""What every run loads before its controller's first line, which a server of runs does once."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from importlib import import_module
+
+from tracerisk.vendors.driver_search import shipped_drivers
+
+_EVERY_RUN = ("dm_control.mujoco", "libcst.native", "tracerisk.text.yaml_bounds")
+_STORES = "rosbags.typesys.stores.ros"
+
+
+def prepare() -> None:
+    """Load what a run of either ROS loads; it is called in no process that runs a controller."""
+    for name in (*_EVERY_RUN, f"{_STORES}1_noetic", f"{_STORES}2_jazzy"):
+        # As in the run itself, which does without what is not installed.
+        with contextlib.suppress(ImportError):
+            import_module(name)
+    shipped_drivers()
+
+
+def leave_out_other_ros(version: int) -> None:
+    """Let a controller find the modules that it would in a process that was started afresh."""
+    others = f"{_STORES}{3 - version}_"
+    for name in [name for name in sys.modules if name.startswith(others)]:
+        del sys.modules[name]
