@@ -68,7 +68,7 @@ def make(folder: Path, names: Sequence[str]) -> None:
     for name in names:
         (folder / name).write_bytes(source)
         settings = settings_data(read_settings(folder, name), folder)
-        recorded = RunInputs(settings=settings, sources={name: code_digest(source)})
+        recorded = RunInputs(settings=settings, sources={name: code_digest(source, name)})
         outcome = annotate_sources(
             name,
             [SourceBlocks(name, source, blocks)],

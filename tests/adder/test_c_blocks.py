@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -10,6 +12,7 @@ from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, str
 from tracerisk.adder.sources.placed import MisplacedBlockError
 from tracerisk.adder.sources.read import block_lines, read_blocks
 from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError
+from tracerisk.source.c_tokens import code_of
 from tracerisk.trace import QualifiedName
 
 pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")
@@ -258,3 +261,59 @@ def test_a_source_of_c_may_use_words_of_cpp():
     source = b"int class(int new) {\n  return new;\n}\n"
     annotated = insert_blocks(source, blocks(["class"]), "a.c")
     assert strip_blocks(annotated, "a.c") == source
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        'R"(x',
+        '"""a',
+        '"\\',
+        "'",
+        "/*",
+        "{",
+        "int f(){",
+        "int f(){}",
+        " ",
+        " \n",
+        "f(",
+        "1'",
+        "#if A\n",
+    ],
+)
+def test_a_source_of_any_text_is_read_in_time_that_grows_with_it(part):
+    """Forty kilobytes took minutes where the end of each literal was looked for by backtracking."""
+    source = (part * (40_000 // len(part))).encode()
+    began = time.monotonic()
+    strip_blocks(source, "a.cpp")
+    parse_c(source, "a.cpp")
+    code_of(source)
+    assert time.monotonic() - began < 5.0
+
+
+@pytest.mark.parametrize(
+    ("source", "same"),
+    [
+        (b"int x = 1; // one\n", b"int x = 1;\n"),
+        (b"int  x =\t1;\n\n\n", b"int x = 1;\n"),
+        (b"int x /* of\nits own */ = 1;\n", b"int x = 1;\n"),
+        (b'auto s = R"(a // b)";\r\n', b'auto s = R"(a // b)";\n'),
+    ],
+)
+def test_what_a_source_says_leaves_out_comments_and_spaces(source, same):
+    assert code_of(source) == code_of(same)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (b'f("a  b");', b'f("a b");'),
+        (b'f("a // b");', b'f("a");'),
+        (b'auto s = R"(a /* b */)";', b'auto s = R"(a )";'),
+        (b"#define A 1\nint x;", b"#define A 1 int x;"),
+        (b"f(1'000);", b"f(1'001);"),
+        (b"f('\"'); // x", b"f('\"'); g(); // x"),
+    ],
+)
+def test_what_a_source_says_has_all_that_counts(one, other):
+    assert code_of(one) != code_of(other)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import bisect
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.dependencies import require_cpp
 from tracerisk.errors import Location, SourceError
-from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, TOKEN, is_c
+from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, is_c, tokens
 from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ _SCOPES = frozenset(
     {"namespace_definition", "class_specifier", "struct_specifier", "union_specifier"}
 )
 _AROUND = frozenset({"template_declaration"})
+_REACH = 256
+"""How far back it is looked for what continues a line: behind its sign there are spaces alone."""
 _CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
 
 
@@ -48,7 +50,6 @@ class CFunction:
     end: int
     site: int | None
     indent_at: int
-    is_above: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,9 +113,7 @@ def parse_c(source: bytes, file: str) -> CSource:
     require_cpp()
     tree = _parser("c" if file.lower().endswith(".c") else "cpp").parse(source)
     starts = (0, *(found.end() for found in re.finditer(rb"\n", source)))
-    tokens = [found.span() for found in TOKEN.finditer(source)]
-    functions = tuple(_functions(source, tree, tokens))
-    return CSource(file, source, tree, functions, starts)
+    return CSource(file, source, tree, tuple(_functions(source, tree, starts)), starts)
 
 
 @cache
@@ -130,12 +129,15 @@ def _parser(language: str) -> Parser:
     return Parser(Language(tree_sitter_cpp.language()))
 
 
-def _functions(source: bytes, tree: Tree, tokens: list[tuple[int, int]]) -> Iterator[CFunction]:
-    begins = [start for start, _ in tokens]
+def _functions(source: bytes, tree: Tree, starts: Sequence[int]) -> Iterator[CFunction]:
+    known = list(tokens(source))
+    begins = [each.start for each in known]
 
     def is_code(offset: int) -> bool:
+        """Whether a line that begins there begins outside all tokens, and goes on no other."""
         at = bisect.bisect_left(begins, offset) - 1
-        return at < 0 or tokens[at][1] <= offset
+        is_free = at < 0 or known[at].end <= offset
+        return is_free and not _CONTINUED.search(source, max(0, offset - _REACH), offset)
 
     stack: list[tuple[Node, str, Node | None, bool]] = [(tree.root_node, "", None, False)]
     while stack:
@@ -146,7 +148,7 @@ def _functions(source: bytes, tree: Tree, tokens: list[tuple[int, int]]) -> Iter
             name = node.child_by_field_name("name")
             inner = scope if name is None else f"{scope}{_plain(name)}{SCOPE}"
         elif node.type == "function_definition" and not is_broken:
-            found = _function(source, node, around or node, scope, is_code)
+            found = _function(source, node, around or node, scope, is_code, starts)
             if found is not None:
                 yield found
                 inner = f"{found.name}{SCOPE}"
@@ -155,35 +157,34 @@ def _functions(source: bytes, tree: Tree, tokens: list[tuple[int, int]]) -> Iter
 
 
 def _function(
-    source: bytes, node: Node, around: Node, scope: str, is_code: object
+    source: bytes,
+    node: Node,
+    around: Node,
+    scope: str,
+    is_code: Callable[[int], bool],
+    starts: Sequence[int],
 ) -> CFunction | None:
     name, body = _name(node), _body(node)
     if name is None or body is None:
         return None
-    assert callable(is_code)
-    start, end = body.start_byte, body.end_byte
-    site, is_above, indent_at = _line_after(source, start, is_code), False, 0
-    if site is not None and site < end:
+    begins, start, end = around.start_byte, body.start_byte, body.end_byte
+    line = bisect.bisect_right(starts, begins)
+    site = _line_after(source, start, end, is_code)
+    if site is not None:
         indent_at = _first_code(source, site, end)
     else:
-        site, is_above = _line_start(source, around.start_byte), True
-        indent_at = site
-        is_alone = not source[site : around.start_byte].strip(b" \t")
-        if not is_alone or not is_code(site) or _CONTINUED.search(source[:site][-256:]):
-            site = None
-    line = source.count(b"\n", 0, around.start_byte) + 1
-    return CFunction(
-        QualifiedName(scope + name), line, around.start_byte, start, end, site, indent_at, is_above
-    )
+        indent_at = starts[line - 1]
+        is_alone = not source[indent_at:begins].strip(b" \t")
+        site = indent_at if is_alone and is_code(indent_at) else None
+    return CFunction(QualifiedName(scope + name), line, begins, start, end, site, indent_at)
 
 
-def _line_after(source: bytes, brace: int, is_code: object) -> int | None:
-    """Return the first byte of the first line below a brace that begins outside all tokens."""
-    assert callable(is_code)
-    at = brace
-    while (at := source.find(b"\n", at)) >= 0:
+def _line_after(source: bytes, start: int, end: int, is_code: Callable[[int], bool]) -> int | None:
+    """Return the first byte of the first line of a body where code begins."""
+    at = start
+    while (at := source.find(b"\n", at, end)) >= 0:
         at += 1
-        if is_code(at) and not _CONTINUED.search(source[max(0, at - 256) : at]):
+        if is_code(at):
             return at
     return None
 
@@ -198,10 +199,6 @@ def _first_code(source: bytes, site: int, end: int) -> int:
             return at
         at = stop + 1
     return site
-
-
-def _line_start(source: bytes, offset: int) -> int:
-    return source.rfind(b"\n", 0, offset) + 1
 
 
 def _body(node: Node) -> Node | None:

@@ -27,7 +27,7 @@ from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
-from tracerisk.source.c_tokens import TOKEN, is_c
+from tracerisk.source.c_tokens import is_c, tokens
 
 _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 # A frame on the right; the star of `operator*` is none.
@@ -59,16 +59,16 @@ def c_comments(source: bytes, file: str) -> Iterator[CComment]:
     Raises:
         BlockError: a block is malformed, or a comment with one is not closed; with the line.
     """
-    for found in TOKEN.finditer(source):
-        text = found["comment"] if found["comment"] is not None else found["unclosed"]
-        if text is None or b"@" not in text:
+    for token in tokens(source, is_java=not is_c(file)):
+        text = source[token.start + 2 : token.end - 2 * token.is_closed]
+        if not source.startswith(b"/*", token.start) or b"@" not in text:
             continue
-        line = source.count(b"\n", 0, found.start()) + 1
+        line = source.count(b"\n", 0, token.start) + 1
         lines = text.decode("utf-8", errors="surrogateescape").replace("\r\n", "\n")
-        if found["comment"] is not None:
+        if token.is_closed:
             blocks = tuple(_blocks_of(_c_lines(lines, line), file))
             if blocks:
-                yield CComment(found.start(), found.end(), line, blocks)
+                yield CComment(token.start, token.end, line, blocks)
         elif _begins_somewhere(lines):
             raise BlockError("the comment with this risk block has no `*/`", Location(file, line))
 
