@@ -345,7 +345,8 @@ def test_doctor_looks_at_every_dependency():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["rum"], "invalid choice: 'rum'"),
+        (["rum"], "unknown verb 'rum'; did you mean 'run'?"),
+        (["zzz"], "unknown verb 'zzz'; `tracerisk --help` lists all verbs"),
         ([], "VERB"),
         (["run"], "FILE"),
         (["run", "c.py", "--durration", "2"], "unknown option --durration; did you mean --durati"),
@@ -364,6 +365,32 @@ def test_a_usage_error_is_exit_2(arguments, message, example):
     assert outcome.code == 2
     assert outcome.out == ""
     assert message in outcome.err.splitlines()[-1]
+
+
+def test_a_file_in_the_place_of_a_verb_is_meant_for_run(example):
+    example.write("pick.py", "x = 1\n")
+    outcome = example.run("pick.py")
+    assert outcome.code == 2
+    assert "did you mean `tracerisk run pick.py`?" in outcome.err
+
+
+def test_doctor_fits_a_terminal(example):
+    outcome = example.run("doctor")
+    assert all(len(line) <= 80 for line in outcome.out.splitlines())
+
+
+def test_hardware_show_alone_is_that_of_the_settings(example):
+    told = example.run("hardware", "show")
+    assert told.code == 2
+    assert "the settings name no description" in told.err
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell/hw.yaml"\n')
+    example.write(
+        "cell/hw.yaml",
+        "components:\n  motor: {failure_rate: {value: 1e-6, per: hour}, active: always}\n",
+    )
+    shown = example.run("hardware", "show")
+    assert shown.code == 0, shown.err
+    assert "motor" in shown.out
 
 
 def test_a_usage_error_is_json_where_that_was_asked_for(example):

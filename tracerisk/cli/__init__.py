@@ -102,6 +102,8 @@ def _run(given: list[str]) -> int:
         # The verb is found first: only its own options and its own imports are then made.
         verb = next((word for word in given if not word.startswith("-")), None)
         parser = _parser(verb if verb in VERBS else None, as_json="--json" in given)
+        if verb is not None and verb not in VERBS:
+            parser.error(_unknown_verb(verb))
         options = parser.parse_args(given)
         from tracerisk.cli.boundary import guarded
 
@@ -109,6 +111,17 @@ def _run(given: list[str]) -> int:
     finally:
         # What is still buffered may meet a broken pipe; `main` is where that is caught.
         sys.stdout.flush()
+
+
+def _unknown_verb(word: str) -> str:
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, VERBS, n=1)
+    meant = f"'{near[0]}'" if near else ""
+    if not near and os.path.exists(word):  # noqa: PTH110 - pathlib is not needed to start
+        meant = f"`tracerisk run {word}`"
+    more = f"did you mean {meant}?" if meant else "`tracerisk --help` lists all verbs"
+    return f"unknown verb '{word}'; {more}"
 
 
 def whole_parser() -> argparse.ArgumentParser:

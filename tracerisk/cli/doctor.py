@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import print_json, show
+from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.dependencies import install_command, missing_extras, needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
         print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
         return int(code)
     for name, text in found.items():
-        show(f"{name}: {text}")
+        show(*_wrapped(f"{name}: {text}"))
     if settings:
         show("settings:")
     for name, setting in settings.items():
@@ -62,6 +62,19 @@ def run(options: argparse.Namespace) -> int:
     for name, text in faults.items():
         show(f"{name}: FAILS: {text}")
     return int(code)
+
+
+def _wrapped(line: str) -> list[str]:
+    """Return a line as lines that fit the terminal."""
+    import textwrap
+
+    return textwrap.wrap(
+        line,
+        max(60, terminal_width()),
+        subsequent_indent="  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _look(

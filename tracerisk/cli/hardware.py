@@ -85,7 +85,7 @@ def _show(options: argparse.Namespace) -> int:
     from tracerisk.hardware.shipped import hardware_of
 
     if options.file is None and options.robot is None:
-        raise InputError("nothing to show; give a description, or --robot NAME for the shipped one")
+        options.file = _of_settings()
     robot = None if options.robot is None else _robot(options.robot)
     if options.file is not None:
         hardware = read_description(Path(options.file))
@@ -101,6 +101,19 @@ def _show(options: argparse.Namespace) -> int:
 
     show(f"{hardware.file}:", *hardware_table(hardware, bound))
     return 0
+
+
+def _of_settings() -> str:
+    """Return the description that the settings of this folder name."""
+    from tracerisk.config import controller_root, read_settings
+
+    root = controller_root(Path("here.py"))
+    settings = read_settings(root)
+    if settings.hardware is None:
+        raise InputError(
+            "the settings name no description; give one, or --robot NAME for the shipped one"
+        )
+    return settings.hardware
 
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
