@@ -241,6 +241,25 @@ components:
 """
 
 
+@pytest.mark.parametrize(
+    "words",
+    [("gripper=x2.5",), ("gripper=1e-6",), ("gripper.rate=5e-7/h", "--hardware", "arm.yaml")],
+)
+def test_a_built_model_has_the_figures_that_were_set(example, annotated_source, words):
+    example.write("cell.py", annotated_source(pick=("done 1", "gripper = 1e-7; power = 2e-7")))
+    example.write("arm.yaml", HARDWARE)
+    built = example.run("build", "cell.py", "--set", *words, "-o", "set.json")
+    assert built.code == 0, built.err
+    by_model = example.run("solve", "set.json", "--json").json["assessment"]
+    asked = example.run("solve", "cell.py", "--set", *words, "--json").json["assessment"]
+    assert by_model["mission"] == asked["mission"]
+    plain = example.run("solve", "cell.py", "--json").json["assessment"]
+    assert by_model["mission"] != plain["mission"]
+    wrong = example.run("build", "cell.py", "--set", "grip=x2")
+    assert wrong.code == 2
+    assert "grip" in wrong.err
+
+
 def test_a_figure_is_set_by_a_rate_beside_that_of_the_hardware_description(model):
     Path("arm.yaml").write_text(HARDWARE, encoding="utf-8")
 

@@ -9,6 +9,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.verdict import sources_verdict
+from tracerisk.cli.what_if import add_set, set_in, sets_a_rate
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="FILE", help="write the model there, not to standard output"
     )
     shared.add_profile(parser)
+    add_set(parser)
     add_hardware_spread(parser)
     shared.add_json(parser)
 
@@ -28,7 +30,8 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, shared.read_profile(options))
-    spreads = spreads_of_files(options.files, model, options)
+    model, _ = set_in(model, options)
+    spreads = spreads_of_files(options.files, model, options, is_needed=not sets_a_rate(options))
     if spreads is not None:
         from tracerisk.pipeline.results.figure_spreads import with_distributions
 

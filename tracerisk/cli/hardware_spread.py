@@ -48,9 +48,15 @@ def check_run_uncertainty(options: argparse.Namespace) -> None:
 
 
 def spreads_of_files(
-    files: Sequence[str], model: HybridModel, options: argparse.Namespace
+    files: Sequence[str],
+    model: HybridModel,
+    options: argparse.Namespace,
+    *,
+    is_needed: bool = True,
 ) -> HardwareSpreads | None:
     """Return the spreads of `--hardware` for a model of these files, `None` without it.
+
+    Where they are not needed, for the description was given for something else, there may be none.
 
     Where the trace of a controller's last run is kept, it tells the part of each figure, and
     evidence how well the share that ends the mission is known.
@@ -73,7 +79,7 @@ def spreads_of_files(
         blocks = blocks_of({name: read_file(name) for name in sources})
         by_hand = set_by_hand(block for _, block in blocks)
         instances = _kept_instances(sources, hardware)
-    return _checked(model, hardware, instances, by_hand)
+    return _checked(model, hardware, instances, by_hand, is_needed=is_needed)
 
 
 def uncertainty_of_run(
@@ -121,11 +127,13 @@ def _checked(
     hardware: Hardware,
     instances: Sequence[ComponentInstances] | None,
     by_hand: Sequence[str],
+    *,
+    is_needed: bool = True,
 ) -> HardwareSpreads:
     from tracerisk.pipeline.results.figure_spreads import hardware_spreads
 
     found = hardware_spreads(model, hardware, instances, by_hand=by_hand)
-    if not found.figures:
+    if is_needed and not found.figures:
         raise InputError(
             "has no error factor for a component of the model; give its figures one, as "
             "{value: 1e-7, per: hour, error_factor: 3}, or say --error-factor 3 to `solve`",

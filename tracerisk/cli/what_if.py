@@ -31,19 +31,31 @@ POINTS = 9
 """How many values a sweep has unless it is said."""
 
 
-def add_what_if(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    group = parser.add_argument_group("what if, and uncertainty")
+def add_set(group: argparse._ActionsContainer) -> None:
+    """Add what sets figures."""
     group.add_argument(
         "--set",
         dest="set_values",
         metavar="NAME=P",
         action="append",
         default=[],
-        help="solve with a component's figure set, as gripper=1e-6, times a factor, as "
-        "gripper=x2, or at another rate than its own in --hardware FILE, as gripper.rate=5e-7/h; "
-        "repeatable",
+        help="set a component's figure, as gripper=1e-6, times a factor, as gripper=x2, or at "
+        "another rate than its own in --hardware FILE, as gripper.rate=5e-7/h; repeatable",
     )
+
+
+def sets_a_rate(options: argparse.Namespace) -> bool:
+    """Whether `--set` has a rate, which takes what the hardware description says."""
+    return any(
+        _is_rate(name, value)
+        for name, _, value in (text.rpartition("=") for text in options.set_values)
+    )
+
+
+def add_what_if(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    group = parser.add_argument_group("what if, and uncertainty")
+    add_set(group)
     group.add_argument(
         "--sweep",
         dest="sweeps",
