@@ -27,9 +27,9 @@ def one(path: Path) -> str:
     """Run a controller on threads and on greenlets; return what came of it, in a word or more."""
     from tracerisk import pipeline, trace_json
     from tracerisk.errors import TraceRiskError
+    from tracerisk.pipeline.robot.scenario_settings import with_scenario
     from tracerisk.pipeline.run.controller_run import run_again
     from tracerisk.pipeline.run.fault_run import nominal_run
-    from tracerisk.pipeline.run.scenario_settings import with_scenario
     from tracerisk.pipeline.stages import load_hardware
 
     controller = pipeline.load_controller(path)

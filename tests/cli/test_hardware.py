@@ -84,7 +84,7 @@ def test_what_an_optional_part_the_robot_lacks_is_told(example):
 def test_nothing_to_show_is_bad_input(example):
     outcome = example.run("hardware", "show")
     assert outcome.code == 2
-    assert "give a description, or --robot NAME" in outcome.err
+    assert "give one, or --robot NAME" in outcome.err
 
 
 def test_yaml_is_written_anew_and_says_the_same(cell):

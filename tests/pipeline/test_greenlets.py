@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from tracerisk import trace_json
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.fault_run import nominal_run
-from tracerisk.pipeline.run.scenario_settings import with_scenario
 from tracerisk.pipeline.stages import load_hardware, load_settings
 from tracerisk.pipeline.workspace.controller import load_controller
 

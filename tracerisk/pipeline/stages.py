@@ -125,7 +125,7 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     require_simulator("what reads a robot")
     from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
-    from tracerisk.pipeline.run.scenario_settings import with_scenario
+    from tracerisk.pipeline.robot.scenario_settings import with_scenario
 
     settings = with_scenario(settings)
     launch = choose_launch(controller, settings) if settings.robot is None else NOTHING_CHOSEN

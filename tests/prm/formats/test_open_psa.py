@@ -53,7 +53,68 @@ def test_names_come_back(name):
     assert read_name(written_name(name)) == name
 
 
-@pytest.mark.parametrize("name", ["_x0041_", "_x0041.", "__x0041_", "a_", "-", "--a--", "1", "_x"])
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ("electric_motor[1]", "electric_motor__1"),
+        ("supply[all]", "supply__all"),
+        ("init fails", "init-_fails"),
+        ("tank 2", "tank-_2"),
+        ("a-b", "a-b"),
+        ("a-_b", "a_x002D__x005F_b"),
+        ("a__b", "a__x005F_b"),
+        ("Robot.__init__", "Robot_x002E___init__"),
+        ("[1]", "_x005B_1_x005D_"),
+    ],
+)
+def test_names_are_written_as_readably_as_may_be(name, written):
+    assert written_name(name) == written
+    assert read_name(written) == name
+
+
+def test_names_of_files_of_earlier_versions_are_read_as_they_were_written():
+    text = """<opsa-mef><attributes><attribute name="tracerisk-names" value="escaped"/></attributes>
+    <define-fault-tree name="T"><define-gate name="top-1__2"><or>
+    <basic-event name="electric_motor_x005B_1_x005D_"/><basic-event name="a"/></or></define-gate>
+    <define-basic-event name="electric_motor_x005B_1_x005D_"><float value="0.1"/></define-basic-event>
+    <define-basic-event name="a"><float value="0.1"/></define-basic-event>
+    </define-fault-tree></opsa-mef>"""
+    (gate,) = loads_open_psa(text, "old.xml").gates
+    assert gate.gate.name == "top-1__2"
+    assert gate.gate.inputs == ("electric_motor[1]", "a")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(
+            "_x0041_",
+            "_x0041.",
+            "__x0041_",
+            "a_",
+            "-",
+            "--a--",
+            "1",
+            "_x",
+            "a__1",
+            "a___1",
+            "a_[1]",
+        ),
+        *(
+            "a[_1",
+            "a[1]_",
+            "a b",
+            "a  b",
+            " a",
+            "a ",
+            "a -b",
+            "a[1][2]",
+            "a__x0041_[b]",
+            "x__",
+            "__1",
+        ),
+    ],
+)
 def test_names_that_look_escaped_come_back(name):
     assert read_name(written_name(name)) == name
     assert "." not in written_name(name)

@@ -22,7 +22,7 @@ def prepare() -> None:
 
 
 def leave_out_other_ros(version: int) -> None:
-    """Let a controller find the modules that it would in a process that was started afresh."""
+    """Make a controller find the modules that it would in a process that was started afresh."""
     others = f"{_STORES}{3 - version}_"
     for name in [name for name in sys.modules if name.startswith(others)]:
         del sys.modules[name]

@@ -11,6 +11,7 @@ from pathlib import Path
 from tracerisk import dependencies, trace_json
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.branching.watch import BranchWatch
 from tracerisk.pipeline.run.controller_run import (
     ControllerRun,
@@ -22,7 +23,6 @@ from tracerisk.pipeline.run.controller_run import (
 )
 from tracerisk.pipeline.run.fault_run import FaultRun, with_faults_named
 from tracerisk.pipeline.run.run_folders import keep_recording, run_folders
-from tracerisk.pipeline.run.scenario_settings import with_scenario
 from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import Trace

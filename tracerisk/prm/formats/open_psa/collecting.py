@@ -12,6 +12,7 @@ from tracerisk.prm.formats.open_psa.formulas import Unresolved, read_formula
 from tracerisk.prm.formats.open_psa.rewriting import (
     NAMES_MARK,
     NO_HOME,
+    NameForm,
     read_name,
 )
 from tracerisk.prm.formats.open_psa.scopes import Scope
@@ -75,7 +76,7 @@ class Collector:
         self.places: dict[Home, Place] = {}
         self.findings: list[str] = []
         self._files: dict[str, Element] = {}
-        self._escaped: dict[str, bool] = {}
+        self._forms: dict[str, NameForm] = {}
         self.root = ("", "", ())  # type: tuple[str, str, tuple[Attribute, ...]]
         self._taken: dict[str, Callable[[Element], None]] = {
             "define-gate": self._gate,
@@ -114,7 +115,7 @@ class Collector:
             short = self._short(element)
             above = self._home
             path = f"{above.path}.{short}" if above.path else short
-            if path == NO_HOME and self.is_escaped(element):
+            if path == NO_HOME and self.name_form(element):
                 self._home = Home("", False)
                 self._homes.append(self._home)
                 return
@@ -146,8 +147,9 @@ class Collector:
         root.check_attributes("name")
         label, attributes = self._notes(root)
         name = root.attributes.get("name", "")
-        if self.is_escaped(root):
-            name = read_name(name)
+        form = self.name_form(root)
+        if form:
+            name = read_name(name, form)
             attributes = tuple(each for each in attributes if each.name != NAMES_MARK)
         found = (name, label, attributes)
         if self.root == ("", "", ()):
@@ -175,20 +177,22 @@ class Collector:
                 if each.path == path:
                     self.containers[index] = replace(each, label=label, attributes=attributes)
 
-    def is_escaped(self, element: Element) -> bool:
-        """Whether names in the element's file are written with escapes, as the writer's are."""
-        found = self._escaped.get(element.file)
+    def name_form(self, element: Element) -> NameForm:
+        """Return how names in the element's file are written: the writer's have a mark."""
+        found = self._forms.get(element.file)
         if found is None:
             root = self._files.get(element.file)
             attributes = () if root is None else self._notes(root)[1]
-            found = any(each.name == NAMES_MARK for each in attributes)
-            self._escaped[element.file] = found
+            marks = [each.value for each in attributes if each.name == NAMES_MARK]
+            found = ("readable" if "readable" in marks else "escaped") if marks else ""
+            self._forms[element.file] = found
         return found
 
     def _short(self, element: Element) -> str:
         name = element.attributes.get("name") or element.attribute("name")
-        if self.is_escaped(element):
-            return read_name(name)
+        form = self.name_form(element)
+        if form:
+            return read_name(name, form)
         if "." in name:
             element.fail(f"the name '{name}' has a point, which joins names to paths; rename it")
         return name
@@ -200,7 +204,8 @@ class Collector:
     def attribute_name(self, element: Element, attribute: str) -> str:
         """Return the name that an attribute states."""
         name = element.attribute(attribute)
-        return read_name(name) if self.is_escaped(element) else name
+        form = self.name_form(element)
+        return read_name(name, form) if form else name
 
     def _private(self, element: Element) -> bool:
         role = element.attributes.get("role")
@@ -340,7 +345,7 @@ class Collector:
 
     def plain_names(self) -> dict[str, str]:
         """Return the kind of each gate and event, if names are what they are in all homes."""
-        if self.events.has_private or any(self._escaped.values()):
+        if self.events.has_private or any(self._forms.values()):
             return {}
         return self.events.kinds
 
@@ -364,6 +369,7 @@ class Collector:
 
     def _unescape(self, element: Element) -> None:
         """Replace the name in a reference by that which was written; points join a path."""
-        if self.is_escaped(element) and "name" in element.attributes:
+        form = self.name_form(element)
+        if form and "name" in element.attributes:
             parts = element.attributes["name"].split(".")
-            element.attributes["name"] = ".".join(map(read_name, parts))
+            element.attributes["name"] = ".".join(read_name(part, form) for part in parts)

@@ -117,8 +117,9 @@ class Linker:
                 return self._from.find(element, home, kind)
 
             read = [each.resolved(find, plain) for each in unresolved]
-            if place.attributes and self._from.is_escaped(unresolved[0].element):
-                marked, place = read_mark(read, place)
+            form = self._from.name_form(unresolved[0].element)
+            if place.attributes and form:
+                marked, place = read_mark(read, place, form)
                 nested, read = marked.nested, list(marked.gates)
             else:
                 nested = False

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
 from tracerisk.prm.trees.gates import Gate, GateKind
@@ -22,27 +23,49 @@ END_STATE_MARK = "tracerisk-end-state"
 NO_HOME = "#"
 """The fault tree of gates that are in none: Open-PSA has no gates elsewhere."""
 
+NameForm = Literal["readable", "escaped", ""]
+"""How a file's names are written, as its mark says: see `written_name`; `escaped` is that of
+earlier versions, without spaces and indices; empty where they are as they are."""
+
 _ESCAPE = re.compile(r"_x([0-9A-F]{4,6})_")
+# A space between two words is `-_`, `[2]` at the end `__2`.
 _FORBIDDEN = re.compile(
-    r"_(?=x[0-9A-F])"  # Would be read as an escape.
+    r"(?P<space>(?<=[0-9A-Za-z_]) (?=[0-9A-Za-z_]))"
+    r"|_(?=x[0-9A-F])"  # Would be read as an escape.
     r"|(?<!.)[^A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
     r"|[^-0-9A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
-    r"|-(?=-|\Z)",
+    r"|-(?![0-9A-Za-z\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF])",
     re.DOTALL,
 )
+_INDEX = re.compile(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
+_WRITTEN_INDEX = re.compile(r"__([0-9A-Za-z]+)\Z")
 
 
 def written_name(name: str) -> str:
-    """Return the name as an identifier of Open-PSA; what that forbids is `_xHHHH_`, as in SQL/XML.
+    """Return the name as an identifier of Open-PSA, as readable as that allows.
 
-    `read_name` is the inverse.
+    `init fails` is `init-_fails`, `motor[2]` is `motor__2`; what else is forbidden is `_xHHHH_`, as
+    in SQL/XML. `read_name` is the inverse.
     """
-    return _FORBIDDEN.sub(lambda found: f"_x{ord(found[0]):04X}_", name)
+    index = _INDEX.search(name)
+    stem = name if index is None else name[: index.start()]
+    written = _FORBIDDEN.sub(
+        lambda found: "-_" if found["space"] else f"_x{ord(found[0]):04X}_", stem
+    )
+    if index is not None:
+        return f"{written}__{index[1]}"
+    # What would be read as an index.
+    return _WRITTEN_INDEX.sub(r"__x005F_\1", written)
 
 
-def read_name(written: str) -> str:
-    """Return the name that `written_name` wrote."""
-    return _ESCAPE.sub(lambda found: chr(min(int(found[1], 16), 0x10FFFF)), written)
+def read_name(written: str, form: NameForm = "readable") -> str:
+    """Return the name that `written_name` wrote, or that an earlier version did."""
+    index = _WRITTEN_INDEX.search(written) if form == "readable" else None
+    stem = written if index is None else written[: index.start()]
+    if form == "readable":
+        stem = stem.replace("-_", " ")
+    name = _ESCAPE.sub(lambda found: chr(min(int(found[1], 16), 0x10FFFF)), stem)
+    return name if index is None else f"{name}[{index[1]}]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +229,7 @@ class Marked:
     nested: bool = False
 
 
-def read_mark(gates: list[Gate], place: Place) -> tuple[Marked, Place]:
+def read_mark(gates: list[Gate], place: Place, form: NameForm) -> tuple[Marked, Place]:
     """Return the gates as their mark says they were, and their place without it."""
     marks = [each.value for each in place.attributes if each.name == GATE_MARK]
     if len(marks) != 1:
@@ -215,7 +238,7 @@ def read_mark(gates: list[Gate], place: Place) -> tuple[Marked, Place]:
     nested = words[0] == "nested"
     restored: list[Gate] | None = gates
     if words[nested:]:
-        gate = _read_gate(gates[0].name, words[nested:])
+        gate = _read_gate(gates[0].name, words[nested:], form)
         fits = gate is not None and gates_of(gate.name, accepted_form(gate)) == gates
         restored = [gate] if gate is not None and fits else None
     if restored is None:
@@ -224,13 +247,13 @@ def read_mark(gates: list[Gate], place: Place) -> tuple[Marked, Place]:
     return Marked(restored, nested), replace(place, attributes=kept)
 
 
-def _read_gate(name: str, words: Sequence[str]) -> Gate | None:
+def _read_gate(name: str, words: Sequence[str], form: NameForm) -> Gate | None:
     kind, *numbers = words[0].split(":")
     kinds = {each.value: each for each in GateKind}
     if kind not in kinds or not all(each.isdecimal() and len(each) < 10 for each in numbers):
         return None
     k, most = [*map(int, numbers), None, None][:2]
-    gate = Gate(name, kinds[kind], tuple(read_name(word) for word in words[1:]), k, most)
+    gate = Gate(name, kinds[kind], tuple(read_name(word, form) for word in words[1:]), k, most)
     from tracerisk.errors import ModelError
     from tracerisk.prm.trees.gates import check_gate
 

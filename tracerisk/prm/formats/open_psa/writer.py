@@ -96,7 +96,7 @@ class _Writer:
         named = {"name": self._names.name(model.name)} if model.name else {}
         attributes = model.attributes
         if self._names.is_marked:
-            attributes = (*attributes, Attribute(NAMES_MARK, "escaped"))
+            attributes = (*attributes, Attribute(NAMES_MARK, "readable"))
         remarks = notes(Place(label=model.label, attributes=attributes))
         return document(("opsa-mef", named, [*remarks, *body, *substitutions]))
 
