@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 VERBS = {
+    "init": "write what a repository needs to begin, after showing it",
     "run": "run a controller on the twin, annotate it, solve its risk model",
     "trace": "run a controller and print which hardware each function used",
     "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
@@ -60,7 +61,7 @@ GROUPS = {
         "cut-sets",
         "convert",
     ),
-    "to set up": ("robots", "drivers", "doctor", "lock-merge", "completion"),
+    "to set up": ("init", "robots", "drivers", "doctor", "lock-merge", "completion"),
 }
 """The verbs by who needs them."""
 

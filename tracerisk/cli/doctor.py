@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 
+_MANY = 4
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     parser.add_argument(
@@ -65,9 +68,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _wrapped(line: str) -> list[str]:
-    """Return a line as lines that fit the terminal."""
+    """Return a list of many things as lines that fit the terminal; others stay in one line."""
     import textwrap
 
+    if line.count(", ") < _MANY:
+        return [line]
     return textwrap.wrap(
         line,
         max(60, terminal_width()),

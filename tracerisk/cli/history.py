@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,12 +51,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.config import controller_root
-    from tracerisk.pipeline.review.history import controllers_below, first_above, history
+    from tracerisk.pipeline.freshness.known_controllers import controllers_in
+    from tracerisk.pipeline.review.history import first_above, history
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
     if not files:
-        files = controllers_below(controller_root(Path("here.py")))
+        known = controllers_in(controller_root(Path("here.py")))
+        files = [Path(os.path.relpath(each)) for each in known if each.is_file()]
         if not files:
             raise InputError("tracerisk.lock knows no controller here; name one")
     if options.badge is not None and len(files) != 1:

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.against import add_against, review_against
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.against import add_against, review_against
 from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.report_input import RunShown, report_html, run_shown
 from tracerisk.cli.shared.report_pictures import (

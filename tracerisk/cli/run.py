@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.against import add_against, check_against, review_against
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.hardware_spread import (
@@ -17,6 +16,7 @@ from tracerisk.cli.hardware_spread import (
     uncertainty_of_run,
 )
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.against import add_against, check_against, review_against
 from tracerisk.cli.shared.assessment import print_assessment, risk_exit
 from tracerisk.cli.shared.output import (
     note,

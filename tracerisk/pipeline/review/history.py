@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.config import controller_root
@@ -197,15 +197,3 @@ def first_above(points: Sequence[HistoryPoint], limit: float) -> HistoryPoint | 
         elif since is None:
             since = each
     return since
-
-
-def controllers_below(folder: Path) -> list[Path]:
-    """Return the controllers that the lock of a folder knows and that are there."""
-    from tracerisk.adder.lock.lock import read_lock
-
-    lock = read_lock(folder / LOCK_NAME)
-    return [
-        folder / PurePosixPath(name)
-        for name in sorted(lock.controllers)
-        if (folder / name).is_file()
-    ]

@@ -1,0 +1,123 @@
+"""`tracerisk init`: what a repository needs, shown first, written once, and never over a file."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+SAMPLES = Path(__file__).parents[2] / "sample_controllers"
+
+
+@pytest.fixture
+def cell(repository):
+    repository.write("src/pick.py", (SAMPLES / "pick_and_place.py").read_text())
+    repository.write("src/helper.py", "import math\n\ndef f(x):\n    return math.sin(x)\n")
+    repository.write("tests/fake.py", "import rospy\n\nrospy.init_node('x')\n")
+    return repository
+
+
+def files(repository):
+    return {
+        path.relative_to(repository.folder).as_posix(): path.read_bytes()
+        for path in repository.folder.rglob("*")
+        if path.is_file() and ".git" not in path.relative_to(repository.folder).parts
+    }
+
+
+def test_it_shows_what_it_would_write_and_writes_nothing_unasked(cell):
+    before = files(cell)
+    outcome = cell.run("init", "--ci", "github")
+    assert outcome.code == 0, outcome.err
+    assert "1 controller found" in outcome.out
+    assert "src/pick.py" in outcome.out
+    assert "robot: panda" in outcome.out
+    for name in ("hardware.yaml", "pyproject.toml", ".pre-commit-config.yaml", "risk.yml"):
+        assert name in outcome.out
+    assert "Nothing was written" in outcome.out
+    assert files(cell) == before
+
+
+@pytest.mark.parametrize("ci", ["github", "gitlab"])
+def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
+    assert cell.run("init", "--yes", "--ci", ci).code == 0
+    written = files(cell)
+    place = {"github": ".github/workflows/risk.yml", "gitlab": ".gitlab-ci.yml"}[ci]
+    for name in (".pre-commit-config.yaml", place):
+        assert "tracerisk check" in written[name].decode()
+        assert YAML(typ="safe").load(written[name])
+    assert b"merge=tracerisk-lock" in written[".gitattributes"]
+    ran = cell.run("run", "src/pick.py")
+    assert ran.code == 0, ran.err
+    assert "mission of pick.py" in " ".join(ran.out.split())
+    assert cell.run("check").code == 0
+    again = cell.run("init", "--yes", "--ci", ci)
+    assert again.code == 0
+    assert "Everything is there already" in again.out
+    after = files(cell)
+    assert {name: after[name] for name in written if name != "src/pick.py"} == {
+        name: written[name] for name in written if name != "src/pick.py"
+    }
+
+
+def test_files_that_are_there_stay(cell):
+    mine = {
+        "pyproject.toml": '[project]\r\nname = "cell"\r\nversion = "1"',
+        ".pre-commit-config.yaml": "repos: []\n",
+        "hardware.yaml": "components:\n  motor: {failure_rate: {value: 1e-6, per: hour}}\n",
+    }
+    for name, text in mine.items():
+        (cell.folder / name).write_bytes(text.encode())
+    assert cell.run("init", "--yes").code == 0
+    after = files(cell)
+    assert after[".pre-commit-config.yaml"].decode() == mine[".pre-commit-config.yaml"]
+    assert after["hardware.yaml"].decode() == mine["hardware.yaml"]
+    settings = after["pyproject.toml"].decode()
+    assert settings.startswith(mine["pyproject.toml"] + "\r\n\r\n[tool.tracerisk]\r\n")
+    assert 'hardware = "hardware.yaml"' in settings
+    assert "\n" not in settings.replace("\r\n", "")
+
+
+def test_settings_that_are_there_are_not_touched(cell):
+    cell.write("pyproject.toml", "[tool.tracerisk]\nseed = 3\n")
+    assert cell.run("init", "--yes").code == 0
+    assert cell.read("pyproject.toml").decode() == "[tool.tracerisk]\nseed = 3\n"
+
+
+def test_controllers_of_several_robots_have_a_description_each(cell):
+    shutil.copy(SAMPLES / "surface_scan.py", cell.folder / "src" / "scan.py")
+    outcome = cell.run("init", "--yes", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["robots"] == {"panda": ["src/pick.py"], "ur5e": ["src/scan.py"]}
+    settings = cell.read("pyproject.toml").decode()
+    assert '[tool.tracerisk.controllers."src/scan.py"]\nhardware = "hardware_ur5e.yaml"' in settings
+    assert cell.run("hardware", "show", "hardware_ur5e.yaml").code == 0
+
+
+def test_a_robot_that_is_given_counts(cell):
+    outcome = cell.run("init", "--robot", "ur5e", "--json")
+    assert outcome.json["robots"] == {"ur5e": ["src/pick.py"]}
+    assert outcome.json["written"] is False
+    wrong = cell.run("init", "--robot", "ur55")
+    assert wrong.code == 2
+    assert "ur5" in wrong.err
+
+
+def test_without_a_controller_or_git_it_still_helps(example):
+    outcome = example.run("init", "--yes")
+    assert outcome.code == 0, outcome.err
+    assert "0 controllers found" in outcome.out
+    assert "--robot NAME" in outcome.out
+    assert (example.folder / "pyproject.toml").exists()
+    assert example.run("init", "nothing").code == 2
+
+
+def test_malformed_settings_are_told_before_anything_is_written(cell):
+    cell.write("pyproject.toml", "[tool.tracerisk\n")
+    before = files(cell)
+    outcome = cell.run("init", "--yes")
+    assert outcome.code == 2
+    assert "pyproject.toml" in outcome.err
+    assert files(cell) == before

@@ -1,0 +1,104 @@
+"""`tracerisk init`: write what a repository needs to begin, after showing it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.results.project_start import ProjectStart
+
+_MOST_SHOWN = 10
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "folder", metavar="FOLDER", nargs="?", default=".", help="the repository (default: here)"
+    )
+    parser.add_argument("--robot", metavar="NAME", help="robot (default: inferred)")
+    parser.add_argument(
+        "--ci", choices=("github", "gitlab", "none"), default="none", help="write a CI file (none)"
+    )
+    parser.add_argument("--yes", action="store_true", help="write without asking")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.pipeline.results.project_start import project_start
+
+    folder = Path(options.folder)
+    if not folder.is_dir():
+        raise InputError("is no folder; name that of the repository", Location(str(folder)))
+    start = project_start(folder, robot=options.robot, ci=options.ci)
+    if not options.json:
+        _show(start)
+    is_written = bool(start.files) and (options.yes or _agreed(options))
+    done = _write(start) if is_written else ()
+    if options.json:
+        print_json(
+            "init",
+            controllers=list(start.controllers),
+            robots={name: list(files) for name, files in start.robots.items()},
+            files=[each.path for each in start.files],
+            written=is_written,
+        )
+        return 0
+    for line in done:
+        note(line, quiet=options.quiet)
+    if start.files and not is_written:
+        show("Nothing was written; `tracerisk init --yes` writes it.")
+        return 0
+    first = start.controllers[0] if start.controllers else "CONTROLLER.py"
+    show(f"Next: `tracerisk run {first}`; read its verdict, and commit blocks and tracerisk.lock.")
+    return 0
+
+
+def _show(start: ProjectStart) -> None:
+    count = len(start.controllers)
+    show(f"{count} controller{'' if count == 1 else 's'} found")
+    show(*(f"  {each}" for each in start.controllers[:_MOST_SHOWN]))
+    if count > _MOST_SHOWN:
+        show(f"  and {count - _MOST_SHOWN} more")
+    for robot, files in start.robots.items():
+        show(f"robot: {robot}" + ("" if len(start.robots) == 1 else f", of {', '.join(files)}"))
+    if not start.robots:
+        show(f"robot: unknown ({start.robot_why}); --robot NAME says it")
+    if not start.files:
+        show("Everything is there already.")
+        return
+    show("To write:")
+    for each in start.files:
+        kind = "" if each.is_new else ", a table more"
+        show(f"  {each.path}{kind}: {each.why}")
+
+
+def _agreed(options: argparse.Namespace) -> bool:
+    if options.json or not (sys.stdin.isatty() and sys.stdout.isatty()):
+        return False
+    return input("Write these files? [y/N] ").strip().lower() in ("y", "yes")
+
+
+def _write(start: ProjectStart) -> tuple[str, ...]:
+    from tracerisk.adder.sources.write import FileWrite, write_all
+    from tracerisk.pipeline.history.merge_driver import install_merge_driver
+
+    writes = []
+    for each in start.files:
+        path = start.root / each.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        before = path.read_bytes() if path.exists() else None
+        writes.append(FileWrite(path, each.content, expected=before))
+    write_all(writes)
+    done = tuple(f"{each.path}: written" for each in start.files)
+    try:
+        return (*done, *install_merge_driver(start.root))
+    except InputError:
+        return (*done, "no git repository here: the merge driver of tracerisk.lock is not set up")

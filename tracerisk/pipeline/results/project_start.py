@@ -1,0 +1,206 @@
+"""What a repository needs to begin with tracerisk: settings, hardware data, hook, CI."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.dependencies import missing_extras
+from tracerisk.errors import TraceRiskError
+
+Ci = Literal["github", "gitlab", "none"]
+
+_CLIENTS = frozenset(
+    {
+        *("rospy", "rclpy", "moveit_commander", "moveit", "actionlib", "pymoveit2"),
+        *("intera_interface", "baxter_interface", "interbotix_xs_modules", "kortex_driver"),
+    }
+)
+_BEGINS = frozenset({"init_node", "init", "roscpp_initialize", "MoveItPy", "spin", "run"})
+_LEFT_OUT = frozenset(
+    {"build", "install", "log", "dist", "site-packages", "node_modules", "test", "tests"}
+)
+_MOST_BYTES = 1_000_000
+_MOST_READ = 30
+"""How many controllers are asked for their robot."""
+
+
+@dataclass(frozen=True, slots=True)
+class StartFile:
+    """A file that is to be written: its path from the root, all that it will hold, and why."""
+
+    path: str
+    content: bytes
+    why: str
+    is_new: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectStart:
+    """What was found in a repository, and what it lacks.
+
+    `robots` are those of its controllers, each with the controllers that drive it; where there
+    are none, `robot_why` says why.
+    """
+
+    root: Path
+    controllers: tuple[str, ...]
+    robots: Mapping[str, tuple[str, ...]]
+    robot_why: str
+    files: tuple[StartFile, ...]
+
+
+def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> ProjectStart:
+    """Return what a repository lacks to begin with tracerisk; nothing is written.
+
+    Files that are there stay as they are, but for `pyproject.toml`, which gets the table
+    `[tool.tracerisk]` at its end where it has none.
+    Raises RobotError for an unknown robot, SettingsError for a malformed `pyproject.toml`.
+    """
+    controllers = tuple(_controllers(root))
+    robots, why = _robots(root, controllers, robot)
+    files: list[StartFile] = []
+    described: dict[str, str] = {}
+    for name in robots:
+        path = "hardware.yaml" if len(robots) == 1 else f"hardware_{name}.yaml"
+        text = None if (root / path).exists() else _hardware(name)
+        if text is not None:
+            told = "failure data, to be replaced by your own value by value"
+            files.append(StartFile(path, text.encode(), told))
+        if text is not None or (root / path).exists():
+            described[name] = path
+    files += _settings(root, robots, described)
+    if not (root / ".pre-commit-config.yaml").exists():
+        files.append(
+            StartFile(
+                ".pre-commit-config.yaml",
+                _template("pre-commit.yaml"),
+                "the hook: no commit with risk blocks that cannot be trusted",
+            )
+        )
+    places = {
+        "github": ".github/workflows/risk.yml",
+        "gitlab": ".gitlab-ci.yml",
+    }
+    if ci != "none" and not (root / places[ci]).exists():
+        why_ci = "CI: checks the blocks, and says what a change does to the risk"
+        files.append(StartFile(places[ci], _template(f"{ci}.yaml"), why_ci))
+    return ProjectStart(root, controllers, robots, why, tuple(files))
+
+
+def _controllers(root: Path) -> Iterator[str]:
+    """Yield the Python programs that take the part of a ROS node, by their paths from the root."""
+    for folder, folders, names in os.walk(root):
+        if "pyvenv.cfg" in names:
+            folders.clear()
+            continue
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each not in _LEFT_OUT
+        )
+        for name in sorted(names):
+            path = Path(folder, name)
+            if name.endswith(".py") and not name.endswith(".launch.py") and _is_controller(path):
+                yield path.relative_to(root).as_posix()
+
+
+def _is_controller(path: Path) -> bool:
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            return False
+        tree = ast.parse(path.read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return False
+    imported: set[str] = set()
+    begins = False
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            imported |= {each.name.partition(".")[0] for each in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            imported.add(node.module.partition(".")[0])
+        elif isinstance(node, ast.Call):
+            called = node.func
+            begins = begins or (isinstance(called, ast.Attribute) and called.attr in _BEGINS)
+            begins = begins or (isinstance(called, ast.Name) and called.id in _BEGINS)
+    return bool(imported & _CLIENTS) and begins
+
+
+def _robots(
+    root: Path, controllers: tuple[str, ...], given: str | None
+) -> tuple[dict[str, tuple[str, ...]], str]:
+    if "sim" in missing_extras():
+        return {} if given is None else {given: controllers}, "the simulator is not installed"
+    from tracerisk.pipeline.stages import load_robot, load_settings
+    from tracerisk.pipeline.workspace.controller import load_controller
+    from tracerisk.twin.robots.robot import load_robot as load_named
+
+    if given is not None:
+        return {load_named(given).name: controllers}, ""
+    found: dict[str, list[str]] = {}
+    why = "no controller was found"
+    for each in controllers[:_MOST_READ]:
+        try:
+            controller = load_controller(root / each)
+            robot = load_robot(controller, load_settings(controller))
+        except TraceRiskError as error:
+            why = f"{each}: {error.message}"
+            continue
+        found.setdefault(robot.name, []).append(each)
+    return {name: tuple(files) for name, files in found.items()}, why
+
+
+def _hardware(robot: str) -> str | None:
+    if "sim" in missing_extras():
+        return None
+    from tracerisk.hardware.shipped import hardware_of
+    from tracerisk.hardware.starting_file import starting_description, starting_yaml
+    from tracerisk.twin.robots.robot import load_robot
+
+    try:
+        found = load_robot(robot)
+    except TraceRiskError:
+        # A robot of the workspace itself has no name under which it could be read again.
+        return None
+    joints = {name: group.joints for name, group in found.groups.items()}
+    description = starting_description(robot, found.elements, joints, hardware_of(robot))
+    return starting_yaml(description, found.title)
+
+
+def _settings(
+    root: Path, robots: Mapping[str, tuple[str, ...]], described: Mapping[str, str]
+) -> Iterator[StartFile]:
+    from tracerisk.config import read_settings
+
+    path = root / "pyproject.toml"
+    before = path.read_bytes() if path.exists() else b""
+    read_settings(root)
+    if b"[tool.tracerisk" in before:
+        return
+    lines = ["[tool.tracerisk]"]
+    if len(robots) == 1:
+        lines += [f'hardware = "{each}"' for each in described.values()]
+    lines += [
+        "# The mission is not trusted where less of the code that can move the arm has run.",
+        "# min_coverage = 0.8",
+        "# No commit may make a mission fail more often than this.",
+        "# max_failure_probability = 1e-5",
+    ]
+    if len(robots) > 1:
+        for name, files in robots.items():
+            for each in files if name in described else ():
+                table = f"[tool.tracerisk.controllers.{json.dumps(each)}]"
+                lines += ["", table, f'hardware = "{described[name]}"']
+    newline = "\r\n" if b"\r\n" in before else "\n"
+    gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
+    text = gap + newline.join(lines) + newline
+    told = "settings of all controllers"
+    yield StartFile("pyproject.toml", before + text.encode(), told, is_new=not before)
+
+
+def _template(name: str) -> bytes:
+    return resources.files("tracerisk.pipeline.results").joinpath(f"start/{name}").read_bytes()
