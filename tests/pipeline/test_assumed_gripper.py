@@ -102,7 +102,18 @@ def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
     assert not robot.approximate
 
 
-@pytest.mark.parametrize("name", [name for name in robot_names() if not load_robot(name).grippers])
+BARE = (
+    *("cr5", "iiwa14", "iiwa14_stack", "iiwa7", "iiwa7_stack", "lite6", "m1013"),
+    *("ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"),
+)
+"""The arms without a gripper; to ask each robot while tests are collected takes seconds."""
+
+
+def test_the_arms_without_a_gripper_are_all_there_are():
+    assert tuple(name for name in robot_names() if not load_robot(name).grippers) == BARE
+
+
+@pytest.mark.parametrize("name", BARE)
 def test_every_arm_without_one_takes_it_and_its_hardware_counts_it(name: str):
     from tracerisk.hardware.binding import bind
     from tracerisk.hardware.shipped import shipped_hardware

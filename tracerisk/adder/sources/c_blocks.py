@@ -10,8 +10,8 @@
        ***/
 
 A block is a comment on lines of its own, in the form of the published method, at the top of the
-function's body; above the function where its body is one line. What it says of the preprocessor's
-result is nothing: a comment is a space there. Each result is checked before it is handed out.
+function's body; above the function where its body is one line. To the preprocessor it is a space,
+so that nothing else is compiled. Each result is checked before it is handed out.
 """
 
 from __future__ import annotations
