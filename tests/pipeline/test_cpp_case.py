@@ -112,6 +112,14 @@ def test_a_check_is_fine_until_the_code_says_something_else(case):
     assert "stale: cell.cpp has changed" in stale.out
 
 
+def test_blocks_that_no_lock_knows_are_told(case):
+    case.write("copy.cpp", case.read("cell.cpp").decode())
+    outcome = case.run("check", "copy.cpp")
+    assert outcome.code == 1
+    assert "tracerisk.lock knows nothing of its 5 risk blocks" in outcome.out
+    assert "`tracerisk annotate copy.cpp --log LOG`" in outcome.out
+
+
 def test_an_edited_value_is_told(case):
     text = case.read("cell.cpp").decode()
     case.write("cell.cpp", text.replace("quantity = 7", "quantity = 6", 1))

@@ -91,7 +91,10 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
         what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
-        message = f"{what}; `tracerisk run {controller.path}`"
+        told = f"run {controller.path}"
+        if not controller.is_python:
+            told = f"annotate {controller.path} --log LOG"
+        message = f"{what}; `tracerisk {told}`"
         return Checked(controller.path, (CheckFinding("unknown", message, place),))
     recorded = RunInputs.from_data(entry.inputs)
     settings = read_settings(controller.root, controller.file)

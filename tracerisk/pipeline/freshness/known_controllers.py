@@ -17,6 +17,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.source.c_tokens import is_c
 
 T = TypeVar("T")
 
@@ -57,7 +58,8 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             found.setdefault(controller.resolve(), controller)
-        if not users and path.suffix == ".py" and b"RiskAnnotation" in path.read_bytes():
+        is_source = path.suffix == ".py" or is_c(path.name)
+        if not users and is_source and b"RiskAnnotation" in path.read_bytes():
             found.setdefault(path.resolve(), path)
     return tuple(found[each] for each in sorted(found))
 
