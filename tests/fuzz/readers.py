@@ -14,9 +14,9 @@ from tracerisk import config, trace_json
 from tracerisk.adder.lock.lock import Lock, loads
 from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.cli.chain_solve import ChainFile
-from tracerisk.cli.logic_solve import DynamicFile, LogicFile
 from tracerisk.cli.shared.model_format import ModelFormat
+from tracerisk.cli.solving.chains import ChainFile
+from tracerisk.cli.solving.logic import DynamicFile, LogicFile
 from tracerisk.evidence.cells import Cell as EvidenceCell
 from tracerisk.evidence.cells import Evidence
 from tracerisk.evidence.file import dump_evidence, loads_evidence

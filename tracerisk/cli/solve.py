@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     kind = format_of(options.files)
     if kind is not None and kind not in OWN:
-        from tracerisk.cli.model_solve import solve_model_file
+        from tracerisk.cli.solving.model_file import solve_model_file
 
         _forbid_hardware(options)
         return solve_model_file(options.files, kind, options)
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
     model_of_links = linked_model(options.files)
     if model_of_links is not None:
-        from tracerisk.cli.linked import solve_linked
+        from tracerisk.cli.solving.linked import solve_linked
 
         _forbid_hardware(options)
         if options.profile:

@@ -175,7 +175,7 @@ def _check_options(options: argparse.Namespace, kind: ModelFormat) -> None:
 
 def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> Solvable:
     if kind in CHAINS:
-        from tracerisk.cli.chain_solve import ChainFile
+        from tracerisk.cli.solving.chains import ChainFile
 
         questions = _questions(options)
         return ChainFile(tuple(files), kind, options.mission_time_h, questions=questions)
@@ -185,14 +185,14 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
         return _galileo(files, options)
     model = read_model(files, kind)
     assert isinstance(model, LogicModel)
-    from tracerisk.cli.logic_solve import LogicFile
+    from tracerisk.cli.solving.logic import LogicFile
 
     return LogicFile(model, files[0], options.mission_time_h)
 
 
 def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
     """Return the tree of a Galileo file, its parameters as `--set` has them."""
-    from tracerisk.cli.logic_solve import DynamicFile
+    from tracerisk.cli.solving.logic import DynamicFile
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats import galileo
 

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.model_solve import Render, Solved, chosen
 from tracerisk.cli.shared.output import note
+from tracerisk.cli.solving.model_file import Render, Solved, chosen
 from tracerisk.errors import InputError, one_of
 from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.formats import galileo
