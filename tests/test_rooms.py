@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
 ROOMS = (
     "cli",
+    "editor",
     "api",
     "pipeline",
     "report",

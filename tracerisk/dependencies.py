@@ -17,11 +17,13 @@ MODULES: Mapping[str, str] = {
     "jinja2": "jinja2",
     "lark": "lark",
     "libcst": "libcst",
+    "lsprotocol": "lsprotocol.types",
     "mink": "mink",
     "mujoco": "mujoco",
     "numba": "numba",
     "numpy": "numpy",
     "pillow": "PIL",
+    "pygls": "pygls.lsp.server",
     "pygments": "pygments",
     "pyyaml": "yaml",
     "rich": "rich",
@@ -45,15 +47,21 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     ),
     "large": ("numba", "numpy", "scipy"),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
+    "lsp": ("lsprotocol", "pygls"),
 }
 """The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
 
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
-_SIGN = {"sim": "mujoco", "large": "numba", "cpp": "tree-sitter-cpp"}
+_SIGN = {"sim": "mujoco", "large": "numba", "cpp": "tree-sitter-cpp", "lsp": "pygls"}
 """The distribution that no other extra brings: where it is, the extra was asked for."""
-_WHAT = {"sim": "the simulator", "large": "NumPy, SciPy and numba", "cpp": "tree-sitter"}
+_WHAT = {
+    "sim": "the simulator",
+    "large": "NumPy, SciPy and numba",
+    "cpp": "tree-sitter",
+    "lsp": "pygls",
+}
 
 
 def is_installed(distribution: str) -> bool:
@@ -93,6 +101,12 @@ def require_cpp() -> None:
     """Raise DependencyError unless the extra `cpp` is installed."""
     if not all(map(is_installed, EXTRAS["cpp"])):
         raise missing_extra("cpp", "reading the functions of C and C++")
+
+
+def require_lsp() -> None:
+    """Raise DependencyError unless the extra `lsp` is installed."""
+    if not all(map(is_installed, EXTRAS["lsp"])):
+        raise missing_extra("lsp", "the language server")
 
 
 def require_large(*distributions: str) -> None:

@@ -35,6 +35,7 @@ VERBS = {
     "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
     "robots": "list the robots that are shipped, or show what one of them has",
     "drivers": "list drivers, check the description of one, print its schema",
+    "lsp": "serve an editor: figures, findings and fixes where you write",
     "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
     "doctor": "check that everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
@@ -61,7 +62,7 @@ GROUPS = {
         "cut-sets",
         "convert",
     ),
-    "to set up": ("init", "robots", "drivers", "doctor", "lock-merge", "completion"),
+    "to set up": ("init", "lsp", "robots", "drivers", "doctor", "lock-merge", "completion"),
 }
 """The verbs by who needs them."""
 

@@ -82,7 +82,16 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
             f"{LOCK_NAME} knows this controller, which is gone; `tracerisk refresh` forgets it"
         )
         return Checked(Path(path), (CheckFinding("gone", message, Location(str(path))),))
-    controller = load_controller(path)
+    return check_loaded(load_controller(path), limits)
+
+
+def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) -> Checked:
+    """Return what `check_controller` does of a controller whose files count as they are here.
+
+    So an editor asks, whose texts nobody has saved. What another run writes meanwhile is not
+    waited for.
+    Raises as `check_controller`.
+    """
     place = Location(str(controller.path), 1)
     lock = lock_of(controller.root)
     was = moved_from(lock, controller)

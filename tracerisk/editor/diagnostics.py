@@ -1,0 +1,60 @@
+"""What `tracerisk check` finds, as an editor shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from lsprotocol.types import Diagnostic, DiagnosticSeverity
+
+from tracerisk.editor.lines import Lines
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
+
+SOURCE = "tracerisk"
+"""What stands before the messages in an editor."""
+
+_SEVERITY: Mapping[FindingKind, DiagnosticSeverity] = {
+    "edited": DiagnosticSeverity.Error,
+    "undecided": DiagnosticSeverity.Error,
+    "over_threshold": DiagnosticSeverity.Error,
+    "unsolvable": DiagnosticSeverity.Error,
+    "faulted": DiagnosticSeverity.Error,
+    "stuck": DiagnosticSeverity.Error,
+}
+"""Of all other kinds it is a warning: a refresh or a word of a user mends them."""
+
+
+def finding_diagnostic(finding: CheckFinding, controller: Path, lines: Lines) -> Diagnostic:
+    """Return a finding of a check of a controller, at its place in a source with these lines."""
+    return _diagnostic(
+        finding.location,
+        f"{finding.kind.replace('_', ' ')}: {finding.message}",
+        finding.kind,
+        _SEVERITY.get(finding.kind, DiagnosticSeverity.Warning),
+        lines,
+        {"kind": finding.kind, "subject": finding.subject, "controller": str(controller)},
+    )
+
+
+def error_diagnostic(error: TraceRiskError, lines: Lines) -> Diagnostic:
+    """Return why a source, a block, the lock or the settings cannot be read."""
+    place = error.location or Location("")
+    return _diagnostic(
+        place, error.message, error.code, DiagnosticSeverity.Error, lines, {"kind": error.code}
+    )
+
+
+def _diagnostic(
+    place: Location,
+    message: str,
+    code: str,
+    severity: DiagnosticSeverity,
+    lines: Lines,
+    data: Mapping[str, str],
+) -> Diagnostic:
+    line = (place.line or 1) - 1
+    shown = lines.whole(line)
+    if place.column is not None and 0 < place.column <= len(lines.text(line)):
+        shown.start = lines.position(line, place.column - 1)
+    return Diagnostic(shown, message, severity=severity, code=code, source=SOURCE, data=dict(data))

@@ -1,0 +1,198 @@
+"""What an editor shows beside a function or a block: its figure, its share, and why."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field
+from tracerisk.adder.blocks.values import component_fields
+from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.editor.figures import ControllerFigures, UnitUse
+from tracerisk.editor.outline import Outline
+from tracerisk.prm.hybrid.assessment import ComponentContribution, StateAssessment
+from tracerisk.prm.review.model_parts import component_of
+from tracerisk.report.tables import counted, share_text
+from tracerisk.trace import QualifiedName, verdict_line
+
+MOST_COMPONENTS = 6
+"""How many components of a function are shown, those that matter most first."""
+_WORD = re.compile(r"[^\W\d]\w*")
+
+
+def function_at(outline: Outline, line: int, text: str, index: int) -> QualifiedName | None:
+    """Return the function that a place of a source speaks of, of those with a block.
+
+    `line` counts from 1; `text` is the line, `index` the character in it. That is the function
+    whose block or definition is there, or the one whose name is.
+    """
+    block = outline.block_at(line)
+    if block is not None:
+        return block.function
+    word = next(
+        (each.group() for each in _WORD.finditer(text) if each.start() <= index <= each.end()), None
+    )
+    named = [each for each in outline.placed if _last_name(each.function) == word]
+    here = [each for each in named if each.line == line]
+    if here or len(named) == 1:
+        return (here or named)[0].function
+    return None
+
+
+def _last_name(function: QualifiedName) -> str:
+    return function.partition(" (")[0].rpartition(".")[2]
+
+
+def component_at(block: PlacedBlock, line: int) -> ComponentEntry | None:
+    """Return the component whose section holds a line of a block."""
+    found = [
+        each
+        for each in block.block.components
+        if each.location is not None and (each.location.line or line + 1) <= line
+    ]
+    return found[-1] if found else None
+
+
+def function_markdown(
+    figures: Sequence[ControllerFigures], file: Sequence[str], function: QualifiedName
+) -> str:
+    """Return what is known of a function, for each of the controllers that it is part of.
+
+    `file` is the source, as each of the controllers names it. Empty where nothing is known.
+    """
+    told = []
+    for each, name in zip(figures, file, strict=True):
+        state = each.state(name, function)
+        if state is not None:
+            told.append("\n".join(_function_lines(each, state)))
+    return "\n\n---\n\n".join(told)
+
+
+def _function_lines(figures: ControllerFigures, state: StateAssessment) -> Iterator[str]:
+    assessment = figures.assessment
+    assert assessment is not None
+    mission = assessment.mission
+    yield (
+        f"**{_plain(state.name)}**: {share_text(figures.share(state))} of the mission's failure "
+        f"probability ({state.absorption_probability:.3g} of {mission.geometric_cycles:.3g})"
+    )
+    yield ""
+    ran = figures.run(state.name)
+    visits = f"{counted(state.expected_visits, 'visit')} expected in a mission"
+    exposed = "" if ran is None else f"; the last run: {counted(ran[0], 'visit')}, {ran[1]:.1f} s"
+    yield f"One visit fails with {state.top_event:.3g}; {visits}{exposed}."
+    yield ""
+    yield from _components(figures, state)
+    yield from closing_lines(figures)
+
+
+def _components(figures: ControllerFigures, state: StateAssessment) -> Iterator[str]:
+    ranked = sorted(state.components, key=lambda each: -each.contribution)
+    if not ranked:
+        yield "No component is active in it."
+        yield ""
+        return
+    yield "| component | needed | unit fails in a visit | most used unit | part of it |"
+    yield "|---|---|---|---|---|"
+    for each in ranked[:MOST_COMPONENTS]:
+        part = each.contribution / state.top_event if state.top_event > 0.0 else 0.0
+        use = figures.use(state.name, component_of(each.name))
+        cells = (
+            _plain(each.name),
+            _needed(each),
+            f"{each.probability:.3g}",
+            "-" if use is None else use_text(use),
+            share_text(part),
+        )
+        yield f"| {' | '.join(cells)} |"
+    if len(ranked) > MOST_COMPONENTS:
+        yield f"| and {len(ranked) - MOST_COMPONENTS} more | | | | |"
+    yield ""
+
+
+def use_text(use: UnitUse) -> str:
+    """Return what a unit did, in words."""
+    times = (
+        ("moving", use.moving_s),
+        ("holding", use.holding_s),
+        ("grasping", use.grasping_s),
+        ("read", use.reading_s),
+    )
+    told = ", ".join(f"{what} {seconds:.1f} s" for what, seconds in times if seconds)
+    return f"{_plain(use.unit)}: {told or 'not in use'}"
+
+
+def _needed(component: ComponentContribution) -> str:
+    required = "?" if component.required is None else component.required
+    return f"{required} of {component.units}"
+
+
+def closing_lines(figures: ControllerFigures) -> Iterator[str]:
+    """Yield what stands below every figure: the mission's, the verdict, what the figure is."""
+    assessment = figures.assessment
+    assert assessment is not None
+    mission = assessment.mission
+    name = _plain(figures.controller.file)
+    yield (
+        f"Mission of {name}: {mission.failure_probability:.4g} ({mission.reading}); "
+        f"{_plain(verdict_line(figures.verdict))}."
+    )
+    if figures.problem is not None:
+        yield f"Not all of it could be read: {_plain(figures.problem.message)}"
+    yield ""
+    yield f"*{_plain(assessment.statement)}*"
+
+
+def component_markdown(
+    figures: Sequence[ControllerFigures],
+    file: Sequence[str],
+    block: PlacedBlock,
+    entry: ComponentEntry,
+) -> str:
+    """Return what is known of one component of a block."""
+    told = [f"**{_plain(entry.name)}** in {_plain(block.function)}{_by_hand(entry)}", ""]
+    for kind, value in component_fields(entry):
+        if value.is_stated:
+            told.append(f"- {kind.key}: {_plain(value.text)}{_said(value)}")
+    told.append("")
+    for each, name in zip(figures, file, strict=True):
+        state = each.state(name, block.function)
+        if state is None or each.assessment is None:
+            continue
+        found = [one for one in state.components if component_of(one.name) == entry.name]
+        contribution = sum(one.contribution for one in found)
+        part = contribution / state.top_event if state.top_event > 0.0 else 0.0
+        told.append(
+            f"{share_text(part)} of the failure probability of {_plain(state.name)}, "
+            f"{share_text(part * each.share(state))} of that of the mission."
+        )
+        use = each.use(state.name, entry.name)
+        if use is not None:
+            told.append(f"Most used unit in the last run: {use_text(use)}.")
+        told += [
+            "If it never failed, the mission's failure probability would fall by "
+            f"{share_text(one.fussell_vesely)}."
+            for one in each.assessment.components
+            if component_of(one.name) == entry.name
+        ]
+        told += ["", *closing_lines(each)]
+    return "\n".join(told)
+
+
+def _by_hand(entry: ComponentEntry) -> str:
+    if not (entry.added or entry.omitted):
+        return ""
+    what = "left out" if entry.omitted else "added"
+    return f", {what} by hand: {_plain(entry.reason or 'no reason given')}"
+
+
+def _said(value: Field[object]) -> str:
+    if not value.pinned:
+        return ""
+    computed = "" if value.computed is None else f"; computed: {_plain(value.computed)}"
+    return f", set by hand: {_plain(value.reason or 'no reason given')}{computed}"
+
+
+def _plain(text: str) -> str:
+    """Return text that Markdown shows as it is, on one line."""
+    return re.sub(r"([\\`*_\[\]<>|#])", r"\\\1", " ".join(text.split()))

@@ -1,0 +1,334 @@
+"""The language server: what an editor asks, and what it is told without asking."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from lsprotocol import types as lsp
+from pygls.lsp.server import LanguageServer
+
+from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
+from tracerisk.editor.folding import foldings
+from tracerisk.editor.hover import (
+    component_at,
+    component_markdown,
+    function_at,
+    function_markdown,
+)
+from tracerisk.editor.lenses import lenses
+from tracerisk.editor.refreshing import POLICIES, Refreshed, Refreshes
+from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with, path_of
+from tracerisk.errors import TraceRiskError, one_of
+
+_DELAY_S = 0.02
+"""How long further changes are waited for before a check [s]."""
+_MENDED = frozenset(
+    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
+)
+"""The findings that a refresh may mend."""
+REFRESH = "tracerisk.refresh"
+"""The command that runs `tracerisk refresh`: the URI of a controller, and what becomes of edits."""
+_WATCHED = ("**/tracerisk.lock", "**/pyproject.toml", "**/tracerisk.evidence", "**/*.{yaml,yml}")
+
+
+class RiskServer:
+    """A server of one editor, with the texts that it has open; `connection` speaks with it."""
+
+    def __init__(self) -> None:
+        from tracerisk import __version__
+
+        self.connection = LanguageServer(
+            "tracerisk", __version__, text_document_sync_kind=lsp.TextDocumentSyncKind.Full
+        )
+        self.session = Session()
+        self.refreshes = Refreshes()
+        self._waiting: set[str] = set()
+        self._working: asyncio.Task[None] | None = None
+        self._shown: dict[Path, list[lsp.Diagnostic]] = {}
+
+    def touch(self, uris: Iterable[str]) -> None:
+        """Check documents again, soon."""
+        self._waiting.update(uris)
+        if self._working is None or self._working.done():
+            self._working = asyncio.get_running_loop().create_task(self._work())
+
+    async def _work(self) -> None:
+        await asyncio.sleep(_DELAY_S)
+        while self._waiting:
+            uris, self._waiting = self._waiting, set()
+            await self._check(uris)
+
+    async def _check(self, uris: set[str]) -> None:
+        session, loop = self.session, asyncio.get_running_loop()
+        versions = {uri: each.version for uri, each in session.documents.items()}
+        paths: dict[Path, None] = {}
+        problems: dict[Path, Analysis] = {}
+        for uri in sorted(uris):
+            document = session.documents.get(uri)
+            if document is None or not document.is_source or document.path is None:
+                continue
+            try:
+                found = await loop.run_in_executor(None, controllers_with, document)
+            except TraceRiskError as error:
+                problems[document.path] = Analysis(document.path, error=error)
+                continue
+            session.remember(document, found)
+            paths |= dict.fromkeys(found)
+        opened = session.opened
+        for path in paths:
+            session.analyses[path.resolve()] = await loop.run_in_executor(
+                None, analyse, path, opened
+            )
+        session.analyses.update({path.resolve(): each for path, each in problems.items()})
+        session.forget_closed()
+        self._publish(uris, versions)
+        capabilities = self.connection.client_capabilities.workspace
+        if capabilities and capabilities.code_lens and capabilities.code_lens.refresh_support:
+            self.connection.workspace_code_lens_refresh(None)
+
+    def _publish(self, asked: set[str], versions: Mapping[str, int | None]) -> None:
+        """Send the diagnostics that are others than those that were sent last.
+
+        `versions` are those of the texts that were checked.
+        """
+        session = self.session
+        now = diagnostics_of(session)
+        here = {
+            each.path.resolve()
+            for each in session.documents.values()
+            if each.uri in asked and each.path is not None and each.is_source
+        }
+        for path in sorted({*now, *self._shown, *here}):
+            found = now.get(path, [])
+            if path in here or found != self._shown.get(path, []):
+                uri = session.uri_of(path)
+                self.connection.text_document_publish_diagnostics(
+                    lsp.PublishDiagnosticsParams(uri, found, versions.get(uri))
+                )
+        self._shown = now
+
+    def document(self, uri: str) -> Document | None:
+        """Return a source that is open; `None` of any other text."""
+        found = self.session.documents.get(uri)
+        return found if found is not None and found.is_source else None
+
+    def tell(self, words: str, *, is_error: bool) -> None:
+        """Show the user a line."""
+        kind = lsp.MessageType.Error if is_error else lsp.MessageType.Info
+        self.connection.window_show_message(lsp.ShowMessageParams(kind, words))
+
+    @contextlib.asynccontextmanager
+    async def progress(self, title: str, cancel: Callable[[], None]) -> AsyncIterator[None]:
+        """Show that something is under way, where the editor can; `cancel` ends it."""
+        window = self.connection.client_capabilities.window
+        if window is None or not window.work_done_progress:
+            yield
+            return
+        shown, token = self.connection.work_done_progress, f"tracerisk-{uuid4()}"
+        await shown.create_async(token)
+        shown.tokens[token].add_done_callback(lambda each: cancel() if each.cancelled() else None)
+        shown.begin(token, lsp.WorkDoneProgressBegin(title, cancellable=True))
+        try:
+            yield
+        finally:
+            shown.end(token, lsp.WorkDoneProgressEnd())
+            del shown.tokens[token]
+
+
+def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
+    """Return the diagnostics of each file, without duplicates."""
+    found: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
+
+    def put(path: Path, one: lsp.Diagnostic) -> None:
+        found.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
+
+    for analysis in session.analyses.values():
+        for finding in analysis.findings:
+            path = Path(finding.location.file)
+            put(path, finding_diagnostic(finding, analysis.path, session.lines_of(path)))
+        if analysis.error is not None:
+            place = analysis.error.location
+            path = analysis.path if place is None else Path(place.file)
+            put(path, error_diagnostic(analysis.error, session.lines_of(path)))
+    for document in session.documents.values():
+        if document.path is None or not session.is_known(document):
+            continue
+        for problem in session.outline(document).problems:
+            put(document.path, error_diagnostic(problem, document.lines))
+    return {path: [each[key] for key in sorted(each)] for path, each in found.items()}
+
+
+def language_server() -> RiskServer:
+    """Return the server with all that it answers; `connection.start_io` runs it."""
+    server = RiskServer()
+    for name, answer in _ANSWERS.items():
+        server.connection.feature(name)(partial(answer, server))
+
+    async def refresh(*words: str) -> bool:
+        return await _refresh(server, *map(str, (*words, "", "")[:2]))
+
+    server.connection.command(REFRESH)(refresh)
+    return server
+
+
+def _initialized(server: RiskServer, _: lsp.InitializedParams) -> None:
+    connection = server.connection
+    encoding = connection.workspace.position_encoding
+    server.session.encoding = getattr(encoding, "value", encoding) or "utf-16"
+    able = connection.client_capabilities.workspace
+    watching = None if able is None else able.did_change_watched_files
+    if watching is not None and watching.dynamic_registration:
+        watchers = [lsp.FileSystemWatcher(pattern) for pattern in _WATCHED]
+        options = lsp.DidChangeWatchedFilesRegistrationOptions(watchers)
+        name = lsp.WORKSPACE_DID_CHANGE_WATCHED_FILES
+        files = lsp.Registration("tracerisk-files", name, options)
+        connection.client_register_capability(lsp.RegistrationParams([files]))
+
+
+def _opened(server: RiskServer, params: lsp.DidOpenTextDocumentParams) -> None:
+    text = params.text_document
+    server.session.put(text.uri, text.version, text.text)
+    server.touch([text.uri])
+
+
+def _changed(server: RiskServer, params: lsp.DidChangeTextDocumentParams) -> None:
+    uri = params.text_document.uri
+    # Each change is the whole text: that is what we asked for.
+    server.session.put(uri, params.text_document.version, params.content_changes[-1].text)
+    server.touch([uri])
+
+
+def _saved(server: RiskServer, params: lsp.DidSaveTextDocumentParams) -> None:
+    session = server.session
+    document = session.documents.get(params.text_document.uri)
+    if document is not None:
+        # What is on disk is another now: how its bytes are made is found out again.
+        session.put(document.uri, document.version, document.text)
+    server.touch(list(session.documents))
+
+
+def _closed(server: RiskServer, params: lsp.DidCloseTextDocumentParams) -> None:
+    server.session.close(params.text_document.uri)
+    server.touch([params.text_document.uri, *server.session.documents])
+
+
+def _moved(server: RiskServer, _: lsp.DidChangeWatchedFilesParams) -> None:
+    server.touch(list(server.session.documents))
+
+
+def _hover(server: RiskServer, params: lsp.HoverParams) -> lsp.Hover | None:
+    document = server.document(params.text_document.uri)
+    if document is None:
+        return None
+    session, lines, line = server.session, document.lines, params.position.line + 1
+    outline = session.outline(document)
+    text = lines.text(line - 1)
+    function = function_at(outline, line, text, lines.index(params.position))
+    if function is None:
+        return None
+    figures, files = session.parts(document)
+    block = outline.block_at(line)
+    entry = None if block is None else component_at(block, line)
+    if block is not None and entry is not None:
+        told = component_markdown(figures, files, block, entry)
+    else:
+        told = function_markdown(figures, files, function)
+    if not told:
+        return None
+    return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, told), lines.whole(line - 1))
+
+
+def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
+    document = server.document(params.text_document.uri)
+    if document is None:
+        return []
+    session = server.session
+    figures, files = session.parts(document)
+    stale = [session.is_stale(each.controller.path, _MENDED) for each in figures]
+    found = []
+    for each in lenses(session.outline(document), figures, files, stale):
+        # One without a command of its own is a text.
+        command = lsp.Command(each.text, "")
+        if each.refreshes is not None:
+            uri = session.uri_of(each.refreshes.controller.path)
+            command = lsp.Command(each.text, REFRESH, arguments=[uri])
+        found.append(lsp.CodeLens(document.lines.whole(each.line - 1), command))
+    return found
+
+
+def _folding(server: RiskServer, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
+    document = server.document(params.text_document.uri)
+    if document is None:
+        return []
+    return list(foldings(server.session.outline(document), document.lines.texts))
+
+
+async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
+    """Refresh a controller, tell the user how that ended, and return whether it ended well."""
+    path = path_of(uri)
+    if path is None or policy not in ("", *POLICIES):
+        server.tell(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)
+        return False
+    path = path.resolve()
+    unsaved = [each.path.name for each in server.session.unsaved() if each.path is not None]
+    if unsaved:
+        told = f"{', '.join(unsaved)} is not saved; save, then refresh {path.name}"
+        server.tell(told, is_error=True)
+        return False
+    if server.refreshes.is_running(path):
+        server.tell(f"{path.name} is being refreshed already", is_error=True)
+        return False
+    async with server.progress(f"refreshing {path.name}", partial(server.refreshes.end, path)):
+        done: Refreshed = await server.refreshes.run(path, path.parent, policy)
+    server.tell(done.words, is_error=not done.is_fine)
+    for document in list(server.session.documents.values()):
+        server.session.put(document.uri, document.version, document.text)
+    server.touch(list(server.session.documents))
+    return done.is_fine
+
+
+async def _shut_down(server: RiskServer, _: None) -> None:
+    await server.refreshes.ended()
+
+
+_ANSWERS: Mapping[str, Callable[..., Any]] = {
+    lsp.INITIALIZED: _initialized,
+    lsp.TEXT_DOCUMENT_DID_OPEN: _opened,
+    lsp.TEXT_DOCUMENT_DID_CHANGE: _changed,
+    lsp.TEXT_DOCUMENT_DID_SAVE: _saved,
+    lsp.TEXT_DOCUMENT_DID_CLOSE: _closed,
+    lsp.WORKSPACE_DID_CHANGE_WATCHED_FILES: _moved,
+    lsp.SHUTDOWN: _shut_down,
+    lsp.TEXT_DOCUMENT_HOVER: _hover,
+    lsp.TEXT_DOCUMENT_CODE_LENS: _code_lens,
+    lsp.TEXT_DOCUMENT_FOLDING_RANGE: _folding,
+}
+
+
+def serve() -> int:
+    """Serve one editor over standard input and output, until it ends; return the exit code."""
+    server = language_server()
+
+    def end(number: int, _: Any) -> None:
+        # A thread waits for the next byte of the editor: an orderly end would not come.
+        server.refreshes.end()
+        os._exit(128 + number)
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, end)
+    # What is printed by mistake must not come between the messages.
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    with contextlib.suppress(BrokenPipeError):
+        server.connection.start_io(sys.stdin.buffer, answers)
+    server.refreshes.end()
+    return 0

@@ -1,0 +1,297 @@
+"""What an editor has open: its texts by version, and what is known of them.
+
+Each version is read once. Where one is half typed, what the last whole one held stays, at the
+lines that it has now.
+"""
+
+from __future__ import annotations
+
+import io
+import tokenize
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from tracerisk.adder.lock.lock import lock_key
+from tracerisk.config import controller_root
+from tracerisk.editor.figures import ControllerFigures, figures_of
+from tracerisk.editor.lines import Lines
+from tracerisk.editor.outline import Outline, outline_of
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.check.check import check_loaded
+from tracerisk.pipeline.check.finding import CheckFinding
+from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.source.c_tokens import is_c
+
+_MARK = b"\xef\xbb\xbf"
+_SAVED_AS = ("utf-8", "latin-1", "cp1252")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Document:
+    """One version of a text that is open, with the bytes that saving it would write."""
+
+    uri: str
+    path: Path | None
+    """`None` where the text is no file."""
+    version: int | None
+    text: str
+    lines: Lines
+    source: bytes
+
+    @property
+    def is_source(self) -> bool:
+        """Whether it may hold risk blocks: a source by its ending, or by what it holds."""
+        if self.path is None:
+            return False
+        is_named = self.path.suffix in (".py", ".pyw") or is_c(self.path.name)
+        return is_named or (not self.path.suffix and self.source[:64].startswith(b"#!"))
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """What a check of a controller came to, with its unsaved texts."""
+
+    path: Path
+    findings: tuple[CheckFinding, ...] = ()
+    error: TraceRiskError | None = None
+
+
+class Session:
+    """The texts that are open, and the controllers that they belong to."""
+
+    def __init__(self) -> None:
+        self.documents: dict[str, Document] = {}
+        self.encoding = "utf-16"
+        """The encoding of the editor's columns."""
+        self._whole: dict[str, tuple[bytes, Outline]] = {}
+        self._controllers: dict[str, tuple[Path, ...]] = {}
+        self.analyses: dict[Path, Analysis] = {}
+
+    def put(self, uri: str, version: int | None, text: str) -> Document:
+        """Take a version of a text, and return it."""
+        path = path_of(uri)
+        document = Document(
+            uri,
+            path,
+            version,
+            text,
+            Lines(text, self.encoding),
+            _encoded(text, path),
+        )
+        self.documents[uri] = document
+        return document
+
+    def close(self, uri: str) -> None:
+        """Forget a text that is no longer open."""
+        for kept in (self.documents, self._whole, self._controllers):
+            kept.pop(uri, None)
+
+    @property
+    def opened(self) -> Mapping[Path, bytes]:
+        """The bytes of each file that is open."""
+        return {
+            each.path.resolve(): each.source
+            for each in self.documents.values()
+            if each.path is not None
+        }
+
+    def unsaved(self) -> list[Document]:
+        """Return the sources that are open and hold something else on disk."""
+        return [each for each in self.documents.values() if each.is_source and not _is_saved(each)]
+
+    def uri_of(self, path: Path) -> str:
+        """Return by which name the editor knows a file."""
+        here = path.resolve()
+        for each in self.documents.values():
+            if each.path is not None and each.path.resolve() == here:
+                return each.uri
+        return here.as_uri()
+
+    def lines_of(self, path: Path) -> Lines:
+        """Return the lines of a file, as the editor has them; one that is gone has none."""
+        document = self.documents.get(self.uri_of(path))
+        if document is not None:
+            return document.lines
+        try:
+            text = path.read_bytes().decode("utf-8", "replace")
+        except OSError:
+            text = ""
+        return Lines(text, self.encoding)
+
+    def outline(self, document: Document) -> Outline:
+        """Return the outline of a document: of one half typed what can be told of it."""
+        found = outline_of(document.source, str(document.path))
+        if found.is_code_read:
+            self._whole[document.uri] = (document.source, found)
+            return found
+        whole = self._whole.get(document.uri)
+        if whole is None:
+            return found
+        return whole[1].at_lines_of(whole[0], document.source, found.problems)
+
+    def controllers(self, document: Document) -> tuple[Path, ...]:
+        """Return the controllers that a document belongs to, as they were found last.
+
+        Raises InputError for a lock that cannot be read.
+        """
+        if document.uri not in self._controllers:
+            self._controllers[document.uri] = controllers_with(document)
+        return self._controllers[document.uri]
+
+    def remember(self, document: Document, controllers: tuple[Path, ...]) -> None:
+        """Keep the controllers that a document was found to belong to."""
+        self._controllers[document.uri] = controllers
+
+    def is_known(self, document: Document) -> bool:
+        """Return whether a document belongs to a controller, or holds blocks of its own."""
+        return document.is_source and bool(self._controllers.get(document.uri))
+
+    def is_stale(self, path: Path, mended: frozenset[str]) -> bool:
+        """Return whether a controller was found to have what a refresh may mend."""
+        found = self.analyses.get(path.resolve())
+        return found is not None and any(each.kind in mended for each in found.findings)
+
+    def forget_closed(self) -> None:
+        """Drop what is known of controllers of which no file is open any more."""
+        open_ones = {
+            path.resolve() for uri in self.documents for path in self._controllers.get(uri, ())
+        }
+        here = set(self.opened)
+        self.analyses = {
+            path: each for path, each in self.analyses.items() if path in open_ones | here
+        }
+
+    def parts(self, document: Document) -> tuple[Sequence[ControllerFigures], Sequence[str]]:
+        """Return the figures of each controller of a document, and its name in each of them.
+
+        A controller that cannot be read is left out: its diagnostics tell why.
+        """
+        figures, files = [], []
+        opened = self.opened
+        if not document.is_source or document.path is None:
+            return (), ()
+        try:
+            paths = self.controllers(document)
+        except TraceRiskError:
+            return (), ()
+        for path in paths:
+            try:
+                controller = controller_with(path, opened)
+                found = figures_of(controller, partial(self._outline, controller))
+                name = lock_key(document.path, controller.root)
+            except TraceRiskError:
+                continue
+            figures.append(found)
+            files.append(name)
+        return figures, files
+
+    def _outline(self, controller: Controller, file: str) -> Outline:
+        path = controller.path_of(file)
+        document = self.documents.get(self.uri_of(path))
+        if document is not None:
+            return self.outline(document)
+        return _outline(controller, file)
+
+
+def _is_saved(document: Document) -> bool:
+    assert document.path is not None
+    try:
+        return document.path.read_bytes() == document.source
+    except OSError:
+        return False
+
+
+def path_of(uri: str) -> Path | None:
+    """Return the path of a file by its URI; `None` of what is no file."""
+    parts = urlsplit(uri)
+    return Path(unquote(parts.path)) if parts.scheme == "file" and parts.path else None
+
+
+def _encoded(text: str, path: Path | None) -> bytes:
+    """Return a text as it is saved: in the encoding of its file."""
+    kept = b""
+    if path is not None:
+        try:
+            kept = path.read_bytes()
+        except OSError:
+            kept = b""
+    source = text.encode("utf-8", "surrogatepass")
+    if kept.startswith(_MARK) and not source.startswith(_MARK):
+        source = _MARK + source
+    if source == kept:
+        return source
+    for encoding in (_declared(source), *_SAVED_AS):
+        try:
+            saved = text.encode(encoding)
+        except (LookupError, UnicodeEncodeError):
+            continue
+        if saved == kept:
+            return saved
+    try:
+        return source if source.startswith(_MARK) else text.encode(_declared(source))
+    except (LookupError, UnicodeEncodeError):
+        return source
+
+
+def _declared(source: bytes) -> str:
+    """Return the encoding that a Python source declares."""
+    try:
+        return tokenize.detect_encoding(io.BytesIO(source).readline)[0]
+    except SyntaxError:
+        return "utf-8"
+
+
+def controllers_with(document: Document) -> tuple[Path, ...]:
+    """Return the controllers that a document belongs to, itself where it has blocks alone.
+
+    Raises InputError for a lock that cannot be read.
+    """
+    path = document.path
+    if path is None or not document.is_source:
+        return ()
+    found = controllers_of([path]) if path.is_file() or is_gone(path) else ()
+    if not found and b"RiskAnnotation" in document.source:
+        return (path,)
+    return found
+
+
+def controller_with(path: Path, opened: Mapping[Path, bytes]) -> Controller:
+    """Return the controller at `path` with the bytes of the files that are open.
+
+    Raises InputError when it cannot be read.
+    """
+    here = path.resolve()
+    root = controller_root(path)
+    base = root.resolve()
+    others = {
+        each.relative_to(base).as_posix(): source
+        for each, source in opened.items()
+        if each.is_relative_to(base)
+    }
+    file = here.relative_to(base).as_posix()
+    source = others.pop(file, None)
+    if source is None:
+        source = load_controller(path).source
+    return Controller(path, root, file, source, others)
+
+
+def analyse(path: Path, opened: Mapping[Path, bytes]) -> Analysis:
+    """Check a controller with the texts that are open, and solve its model, which is kept."""
+    try:
+        if is_gone(path):
+            from tracerisk.pipeline.check.check import check_controller
+
+            return Analysis(path, check_controller(path).findings)
+        controller = controller_with(path, opened)
+        figures_of(controller, partial(_outline, controller))
+        return Analysis(path, check_loaded(controller).findings)
+    except TraceRiskError as error:
+        return Analysis(path, error=error)
+
+
+def _outline(controller: Controller, file: str) -> Outline:
+    return outline_of(controller.source_of(file), str(controller.path_of(file)))
