@@ -12,14 +12,32 @@ from typing import Any
 
 from lsprotocol import types as lsp
 from pygls.lsp.client import LanguageClient
+from pygls.protocol import default_converter
 
 LONGEST_S = 60.0
+
+
+def _converter() -> Any:
+    """A converter that knows a code action which has a command from a command alone."""
+    converter = default_converter()
+
+    def structure(value: Any, _: Any) -> Any:
+        kind = lsp.Command if isinstance(value.get("command"), str) else lsp.CodeAction
+        return converter.structure(value, kind)
+
+    converter.register_structure_hook(lsp.Command | lsp.CodeAction, structure)
+    return converter
 
 
 class Editor:
     """A client with its server; each call waits for the answer."""
 
-    def __init__(self, folder: Path, capabilities: lsp.ClientCapabilities | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        capabilities: lsp.ClientCapabilities | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> None:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -32,8 +50,9 @@ class Editor:
         self.progress_tokens: list[Any] = []
         self.refreshed_lenses = 0
         self.versions: dict[str, int] = {}
+        self.options = options
         self.capabilities = capabilities or lsp.ClientCapabilities()
-        self.client = LanguageClient("tests", "1")
+        self.client = LanguageClient("tests", "1", converter_factory=_converter)
         self.started = self._wait(self._start(folder))
 
     async def _start(self, folder: Path) -> lsp.InitializeResult:
@@ -50,7 +69,11 @@ class Editor:
         await client.start_io(sys.executable, "-m", "tracerisk", "lsp", "--stdio")
         self.process = client._server
         started = await client.initialize_async(
-            lsp.InitializeParams(capabilities=self.capabilities, root_uri=folder.as_uri())
+            lsp.InitializeParams(
+                capabilities=self.capabilities,
+                root_uri=folder.as_uri(),
+                initialization_options=self.options,
+            )
         )
         client.initialized(lsp.InitializedParams())
         return started

@@ -70,6 +70,11 @@ class ControllerFigures:
         whole = self.assessment.mission.geometric_cycles
         return state.absorption_probability / whole if whole > 0.0 else 0.0
 
+    @property
+    def ran(self) -> tuple[str, ...]:
+        """The functions of the last run, by their names in the model."""
+        return tuple(_table(self.summary.get("functions")))
+
     def run(self, name: str) -> tuple[int, float] | None:
         """Return how often the run visited a function, and how long in all [s]."""
         kept = self._kept(name)

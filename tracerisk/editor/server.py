@@ -16,7 +16,12 @@ from uuid import uuid4
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
+from tracerisk.acceptances import ACCEPTABLE
+from tracerisk.editor.accepting import SETTINGS
+from tracerisk.editor.completion import Offer, offers
+from tracerisk.editor.described_files import kind_of, yaml_offers
 from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
+from tracerisk.editor.fixes import ACCEPT, MENDED, PIN, REFRESH, acceptance, fixes, pin
 from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import (
     component_at,
@@ -31,12 +36,6 @@ from tracerisk.errors import TraceRiskError, one_of
 
 _DELAY_S = 0.02
 """How long further changes are waited for before a check [s]."""
-_MENDED = frozenset(
-    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
-)
-"""The findings that a refresh may mend."""
-REFRESH = "tracerisk.refresh"
-"""The command that runs `tracerisk refresh`: the URI of a controller, and what becomes of edits."""
 _WATCHED = ("**/tracerisk.lock", "**/pyproject.toml", "**/tracerisk.evidence", "**/*.{yaml,yml}")
 
 
@@ -51,6 +50,8 @@ class RiskServer:
         )
         self.session = Session()
         self.refreshes = Refreshes()
+        self.asks = False
+        """Whether the editor asks for reasons itself: `asksForReasons` when it starts us."""
         self._waiting: set[str] = set()
         self._working: asyncio.Task[None] | None = None
         self._shown: dict[Path, list[lsp.Diagnostic]] = {}
@@ -126,6 +127,11 @@ class RiskServer:
         kind = lsp.MessageType.Error if is_error else lsp.MessageType.Info
         self.connection.window_show_message(lsp.ShowMessageParams(kind, words))
 
+    async def apply(self, label: str, edit: lsp.WorkspaceEdit) -> bool:
+        """Ask the editor to make an edit; return whether it did."""
+        params = lsp.ApplyWorkspaceEditParams(edit, label=label)
+        return bool((await self.connection.workspace_apply_edit_async(params)).applied)
+
     @contextlib.asynccontextmanager
     async def progress(self, title: str, cancel: Callable[[], None]) -> AsyncIterator[None]:
         """Show that something is under way, where the editor can; `cancel` ends it."""
@@ -171,13 +177,26 @@ def language_server() -> RiskServer:
     """Return the server with all that it answers; `connection.start_io` runs it."""
     server = RiskServer()
     for name, answer in _ANSWERS.items():
-        server.connection.feature(name)(partial(answer, server))
+        server.connection.feature(name, _OPTIONS.get(name))(partial(answer, server))
 
     async def refresh(*words: str) -> bool:
         return await _refresh(server, *map(str, (*words, "", "")[:2]))
 
+    async def pinned(*words: Any) -> bool:
+        return await _pin(server, *(*words, "", 0, "")[:3])
+
+    async def accepted(*words: Any) -> bool:
+        return await _accept(server, *map(str, (*words, "", "", "", "", "")[:5]))
+
     server.connection.command(REFRESH)(refresh)
+    server.connection.command(PIN)(pinned)
+    server.connection.command(ACCEPT)(accepted)
     return server
+
+
+def _initialize(server: RiskServer, params: lsp.InitializeParams) -> None:
+    given = params.initialization_options
+    server.asks = isinstance(given, dict) and given.get("asksForReasons") is True
 
 
 def _initialized(server: RiskServer, _: lsp.InitializedParams) -> None:
@@ -253,7 +272,7 @@ def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeL
         return []
     session = server.session
     figures, files = session.parts(document)
-    stale = [session.is_stale(each.controller.path, _MENDED) for each in figures]
+    stale = [session.is_stale(each.controller.path, MENDED) for each in figures]
     found = []
     for each in lenses(session.outline(document), figures, files, stale):
         # One without a command of its own is a text.
@@ -296,11 +315,96 @@ async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
     return done.is_fine
 
 
+async def _pin(server: RiskServer, uri: Any, line: Any, reason: Any) -> bool:
+    """Set the value of a line by hand; return whether the editor did so."""
+    document = server.document(str(uri))
+    if document is None or not isinstance(line, int):
+        server.tell(f"{PIN} takes the URI of an open source, a line and a reason", is_error=True)
+        return False
+    edit = pin(server.session, document, line, str(reason))
+    if edit is None:
+        server.tell("there is no value of a risk block to set by hand on this line", is_error=True)
+        return False
+    return await server.apply("set a value by hand", edit)
+
+
+async def _accept(
+    server: RiskServer, uri: str, code: str, function: str, thing: str, words: str
+) -> bool:
+    """Accept a reason of a controller's verdict; return whether the editor did so."""
+    path = path_of(uri)
+    if path is None or code not in ACCEPTABLE or not words.strip():
+        told = f"{ACCEPT} takes the URI of a controller, a code, function, object and words"
+        server.tell(f"{told}; {one_of(ACCEPTABLE, code)}", is_error=True)
+        return False
+    edit = acceptance(server.session, path, code, function, thing, words.strip())
+    if edit is None:
+        server.tell(f"{path.parent} has no {SETTINGS} that another entry fits", is_error=True)
+        return False
+    return await server.apply(f"accept {code}", edit)
+
+
 async def _shut_down(server: RiskServer, _: None) -> None:
     await server.refreshes.ended()
 
 
+def _code_action(server: RiskServer, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
+    document = server.document(params.text_document.uri)
+    only = params.context.only
+    wanted = only is None or any(
+        lsp.CodeActionKind.QuickFix.value.startswith(each) for each in only
+    )
+    if document is None or not wanted:
+        return []
+    return list(fixes(server.session, document, params.range, asks=server.asks))
+
+
+def _completion(server: RiskServer, params: lsp.CompletionParams) -> lsp.CompletionList:
+    document = server.session.documents.get(params.text_document.uri)
+    if document is None or document.path is None:
+        return lsp.CompletionList(False, [])
+    lines, line = document.lines, params.position.line
+    before = lines.text(line)[: lines.index(params.position)]
+    found: Iterable[Offer] = ()
+    if document.path.suffix in (".yaml", ".yml"):
+        kind = kind_of(lines.texts)
+        found = () if kind is None else yaml_offers(kind, lines.texts, line, before)
+    elif document.is_source:
+        session = server.session
+        above = [each for each in session.outline(document).functions if each[1] <= line + 1]
+        functions = [name for name, _ in reversed(above)]
+        figures, _ = session.parts(document)
+        file = document.path.name
+        found = offers(lines.texts, line, before, figures, file=file, functions=functions)
+    items = [
+        _item(each, lines.span(line, len(before) - len(each.typed), len(before)), number)
+        for number, each in enumerate(found)
+    ]
+    return lsp.CompletionList(False, items)
+
+
+def _item(offer: Offer, replaced: lsp.Range, number: int) -> lsp.CompletionItem:
+    return lsp.CompletionItem(
+        offer.text.splitlines()[0].rstrip(),
+        kind=_ITEM_KINDS[offer.kind],
+        detail=offer.about.split("; ")[0] or None,
+        documentation=offer.about or None,
+        sort_text=f"{number:04}",
+        filter_text=offer.text,
+        text_edit=lsp.TextEdit(replaced, offer.text),
+    )
+
+
+_ITEM_KINDS = {
+    "section": lsp.CompletionItemKind.Struct,
+    "key": lsp.CompletionItemKind.Field,
+    "value": lsp.CompletionItemKind.Value,
+    "name": lsp.CompletionItemKind.Reference,
+}
+
+
 _ANSWERS: Mapping[str, Callable[..., Any]] = {
+    lsp.INITIALIZE: _initialize,
     lsp.INITIALIZED: _initialized,
     lsp.TEXT_DOCUMENT_DID_OPEN: _opened,
     lsp.TEXT_DOCUMENT_DID_CHANGE: _changed,
@@ -309,8 +413,15 @@ _ANSWERS: Mapping[str, Callable[..., Any]] = {
     lsp.WORKSPACE_DID_CHANGE_WATCHED_FILES: _moved,
     lsp.SHUTDOWN: _shut_down,
     lsp.TEXT_DOCUMENT_HOVER: _hover,
+    lsp.TEXT_DOCUMENT_COMPLETION: _completion,
     lsp.TEXT_DOCUMENT_CODE_LENS: _code_lens,
+    lsp.TEXT_DOCUMENT_CODE_ACTION: _code_action,
     lsp.TEXT_DOCUMENT_FOLDING_RANGE: _folding,
+}
+
+_OPTIONS: Mapping[str, Any] = {
+    lsp.TEXT_DOCUMENT_COMPLETION: lsp.CompletionOptions(trigger_characters=["@", "|", "=", " "]),
+    lsp.TEXT_DOCUMENT_CODE_ACTION: lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix]),
 }
 
 

@@ -25,6 +25,7 @@ from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.source.c_tokens import is_c
+from tracerisk.trace import Verdict
 
 _MARK = b"\xef\xbb\xbf"
 _SAVED_AS = ("utf-8", "latin-1", "cp1252")
@@ -58,6 +59,7 @@ class Analysis:
     path: Path
     findings: tuple[CheckFinding, ...] = ()
     error: TraceRiskError | None = None
+    verdict: Verdict | None = None
 
 
 class Session:
@@ -288,7 +290,8 @@ def analyse(path: Path, opened: Mapping[Path, bytes]) -> Analysis:
             return Analysis(path, check_controller(path).findings)
         controller = controller_with(path, opened)
         figures_of(controller, partial(_outline, controller))
-        return Analysis(path, check_loaded(controller).findings)
+        checked = check_loaded(controller)
+        return Analysis(path, checked.findings, verdict=checked.verdict)
     except TraceRiskError as error:
         return Analysis(path, error=error)
 

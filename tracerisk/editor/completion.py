@@ -1,0 +1,262 @@
+"""What may stand at a place in a risk block: sections, keys, and the values that are known."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+from tracerisk.adder.blocks.grammar import GUTTER, HEADER
+from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
+from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.config import read_settings
+from tracerisk.editor.figures import ControllerFigures
+from tracerisk.errors import TraceRiskError
+from tracerisk.hardware.model import Component, Hardware
+from tracerisk.pipeline.check.check import given_options
+from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.known_controllers import lock_of
+from tracerisk.pipeline.stages import load_hardware
+from tracerisk.source.c_tokens import is_c
+
+_LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
+_HEADER = re.compile(rf"{HEADER}\b")
+_SECTION = re.compile(r"@(?P<kind>Function|Component)\b(?P<mark>\s*:=)?")
+_KEYED = re.compile(r"(?P<key>\w+)\s*:?=\s*(?P<value>.*)")
+_SECTIONS = {
+    "@Component := {": "a component that the tool does not compute, added by hand",
+    "@Component := omit {": "a component that is no part of the function's risk",
+    "@Component {": "a component as the tool writes it",
+    "@Function {": "the function that the block tells of",
+}
+_KEYS = {
+    "name": "the component's, or the function's qualified name",
+    "callSequence": "the function's rank by its first visit",
+    "next": "a function that follows (or done), and how often",
+    "probability": "that one unit fails in one visit",
+    "quantity": "how many units there are",
+    "redundancy": "false: each unit is needed; true: one suffices",
+}
+_REDUNDANCIES = {
+    "false": "each unit is needed",
+    "true": "one unit suffices",
+    "required 2": "as many units must work",
+    "true, spare cold": "the others wait, and do not fail before",
+    "true, spare warm 0.1": "the others wait, and fail at that share of the rate",
+    "true, common_cause 0.1": "that share of failures hits every unit",
+    "true, detected each_visit": "the group is whole again at each visit",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What may be inserted in place of the word that ends at the cursor."""
+
+    text: str
+    about: str
+    kind: str
+    """`section`, `key`, `value` or `name`."""
+    typed: str = ""
+    """What stands there already, which it replaces."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where the cursor is: the section that is open, and what it holds."""
+
+    section: str
+    """`Function`, `Component`, or empty between two of them."""
+    values: Mapping[str, str]
+    """What the other lines of the section state, by key."""
+    components: tuple[str, ...]
+    """The names of the block's components."""
+
+
+@dataclass(slots=True)
+class _Section:
+    """One section as it is read: its first line, and that of its brace."""
+
+    kind: str
+    first: int
+    last: int = sys.maxsize
+    values: dict[str, str] = field(default_factory=dict)
+
+
+def offers(
+    lines: Sequence[str],
+    line: int,
+    before: str,
+    figures: Sequence[ControllerFigures],
+    *,
+    file: str,
+    functions: Sequence[str],
+) -> Iterator[Offer]:
+    """Yield what may stand at the end of `before`, the begin of a line, from 0, of a source.
+
+    `functions` are the qualified names of the source's functions, the nearest above first.
+    """
+    found = _LINE.fullmatch(before)
+    if found is None:
+        return
+    text = found["text"].lstrip()
+    place = _place(lines, line)
+    if place is None:
+        if not is_c(file) and HEADER.startswith(text):
+            yield from _whole_block(functions, found["gutter"], text)
+        return
+    keyed = _KEYED.fullmatch(text)
+    if not place.section:
+        for section, about in _SECTIONS.items():
+            if section.startswith(text):
+                yield Offer(section, about, "section", text)
+    elif keyed is not None:
+        yield from _values(place, keyed["key"], keyed["value"], figures, functions)
+    elif re.fullmatch(r"\w*", text):
+        of_function = ("name", "callSequence", "next")
+        of_component = ("name", *(kind.key for kind in COMPONENT_KINDS))
+        for key in of_function if place.section == "Function" else of_component:
+            if key.startswith(text) and (key == NEXT.key or key not in place.values):
+                yield Offer(f"{key} = ", _KEYS[key], "key", text)
+
+
+def _place(lines: Sequence[str], line: int) -> _Place | None:
+    """Return the section around a line; `None` outside a block."""
+    begin = line - 1
+    while (text := _behind_gutter(lines, begin)) is not None and not _HEADER.match(text):
+        begin -= 1
+    if text is None:
+        return None
+    sections: list[_Section] = []
+    number = begin + 1
+    while (text := _behind_gutter(lines, number)) is not None and not _HEADER.match(text):
+        header, keyed = _SECTION.match(text), _KEYED.fullmatch(text)
+        if number == line:
+            pass  # is being typed
+        elif header is not None:
+            sections.append(_Section(header["kind"], number))
+        elif text == "}" and sections:
+            sections[-1].last = min(sections[-1].last, number)
+        elif keyed is not None and sections:
+            sections[-1].values.setdefault(keyed["key"], keyed["value"].strip())
+        number += 1
+    opened = [each for each in sections if each.first < line]
+    here = opened[-1] if opened and line < opened[-1].last else None
+    names = [each.values.get("name", "") for each in sections if each.kind == "Component"]
+    if here is None:
+        return _Place("", {}, tuple(names))
+    return _Place(here.kind, here.values, tuple(names))
+
+
+def _behind_gutter(lines: Sequence[str], number: int) -> str | None:
+    """Return what a line states behind the gutter; `None` where it has no gutter."""
+    found = _LINE.fullmatch(lines[number]) if 0 <= number < len(lines) else None
+    return None if found is None else found["text"].strip()
+
+
+def _whole_block(functions: Sequence[str], gutter: str, typed: str) -> Iterator[Offer]:
+    """Yield the block that is given to a function by hand."""
+    indent = gutter[: len(gutter) - len(gutter.lstrip())]
+    name = functions[0] if functions else "FUNCTION"
+    rows = (
+        HEADER,
+        "@Function := {",
+        f"  name = {name}",
+        "  callSequence = 1",
+        "}",
+        "@Component := {",
+        "  name = COMPONENT",
+        "  probability = 1e-9",
+        "  quantity = 1",
+        "  redundancy = false",
+        "}",
+    )
+    text = f"\n{indent}{GUTTER}".join(rows)
+    yield Offer(text, "a block that is given by hand", "section", typed)
+
+
+def _values(
+    place: _Place,
+    key: str,
+    typed: str,
+    figures: Sequence[ControllerFigures],
+    functions: Sequence[str],
+) -> Iterator[Offer]:
+    if "!" in typed:
+        return
+    if key == "redundancy":
+        for text, about in _REDUNDANCIES.items():
+            yield Offer(text, about, "value", typed)
+    elif key == NEXT.key:
+        # The block that is typed in cannot be read; the last run has its function too.
+        known = dict.fromkeys(
+            name for each in figures for name in (*each.names.values(), *each.ran)
+        )
+        for name in (*known, DONE):
+            about = "the mission ends" if name == DONE else "a function of the model"
+            yield Offer(f"{name} 1", about, "name", typed)
+    elif key == "name" and place.section == "Function":
+        for name in functions:
+            yield Offer(name, "a function of this file", "name", typed)
+    elif key == "name":
+        for component, about in _described(figures):
+            if component.name not in place.components:
+                yield Offer(component.name, about, "name", typed)
+    elif key == "quantity":
+        of = place.values.get("name")
+        for component, about in _described(figures):
+            if component.name == of and component.quantity is not None:
+                yield Offer(str(component.quantity), about, "value", typed)
+
+
+def _described(figures: Sequence[ControllerFigures]) -> Iterator[tuple[Component, str]]:
+    """Yield the components of the controllers' hardware descriptions, with words on each."""
+    seen = set()
+    for each in figures:
+        hardware = hardware_of(each)
+        for component in () if hardware is None else hardware.components:
+            if component.name not in seen:
+                seen.add(component.name)
+                yield component, component_words(component, hardware)
+
+
+def component_words(component: Component, hardware: Hardware | None) -> str:
+    """Return what a hardware description says of a component, on one line."""
+    count = "as many as the robot has" if component.quantity is None else f"{component.quantity}"
+    told = [f"units: {count}"]
+    for figure in component.figures:
+        what = figure.kind.replace("_", " ")
+        told.append(f"{what} {figure.value:g} per {figure.per.value}")
+    source = component.source or (None if hardware is None else hardware.source)
+    return "; ".join([*told, *([f"source: {source}"] if source else [])])
+
+
+def hardware_of(figures: ControllerFigures) -> Hardware | None:
+    """Return the hardware description of a controller's last run; `None` where it has none."""
+    controller = figures.controller
+    robot = figures.summary.get("robot")
+    try:
+        entry: ControllerLock | None = lock_of(controller.root).controllers.get(controller.file)
+        settings = read_settings(controller.root, controller.file)
+        if entry is not None:
+            recorded = RunInputs.from_data(entry.inputs)
+            settings = settings.with_options(given_options(recorded, controller))
+        path = None if settings.hardware is None else Path(settings.hardware)
+        version = 0 if path is None else path.stat().st_mtime_ns
+    except (TraceRiskError, OSError):
+        return None
+    return _read(settings.hardware, str(robot or ""), version)
+
+
+@lru_cache(maxsize=16)
+def _read(hardware: str | None, robot: str, version: int) -> Hardware | None:
+    """Return a description, read once for each `version` of its file."""
+    del version
+    from tracerisk.config import Settings
+
+    try:
+        return load_hardware(Settings(hardware=hardware), robot)
+    except TraceRiskError:
+        return None

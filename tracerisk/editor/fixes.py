@@ -1,0 +1,188 @@
+"""Quick fixes: refresh, keep or put back an edit, set a value by hand, accept a reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from lsprotocol import types as lsp
+
+from tracerisk.adder.lock.lock import WrittenBlock, lock_key
+from tracerisk.config import controller_root
+from tracerisk.editor.accepting import accepting, reason_of, settings_of
+from tracerisk.editor.diagnostics import finding_diagnostic
+from tracerisk.editor.pins import pinning, value_line, written_value
+from tracerisk.editor.session import Analysis, Document, Session
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.check.finding import CheckFinding
+from tracerisk.pipeline.freshness.known_controllers import lock_of
+
+REFRESH = "tracerisk.refresh"
+"""Runs `tracerisk refresh`: the URI of a controller, and what becomes of edits."""
+PIN = "tracerisk.pin"
+"""Sets a value by hand: the URI of a source, the line from 0, the reason."""
+ACCEPT = "tracerisk.accept"
+"""Accepts a reason of a verdict: the URI of a controller, code, function, object, words."""
+ASKED_PIN = "tracerisk.pinWithReason"
+ASKED_ACCEPT = "tracerisk.acceptWithReason"
+"""Commands of an editor that asks for the words, and then calls the two above."""
+
+MENDED = frozenset(
+    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
+)
+"""The findings that a refresh may mend."""
+
+
+def fixes(
+    session: Session, document: Document, shown: lsp.Range, *, asks: bool
+) -> Iterator[lsp.CodeAction]:
+    """Yield what can be done about a part of a source.
+
+    `asks`: the editor has the commands that ask for a reason.
+    """
+    assert document.path is not None
+    first, last = shown.start.line, shown.end.line
+    here = document.path.resolve()
+    for analysis in session.analyses.values():
+        of_controller = []
+        for finding in analysis.findings:
+            line = (finding.location.line or 1) - 1
+            if first <= line <= last and Path(finding.location.file).resolve() == here:
+                of_controller.append(finding)
+                yield from _of_finding(session, document, analysis, finding, asks=asks)
+        yield from _refreshes(session, document, analysis, of_controller)
+    yield from _pin(session, document, first, asks=asks)
+
+
+def _refreshes(
+    session: Session, document: Document, analysis: Analysis, found: list[CheckFinding]
+) -> Iterator[lsp.CodeAction]:
+    mended = [each for each in found if each.kind in MENDED]
+    if not mended:
+        return
+    uri, name = session.uri_of(analysis.path), analysis.path.name
+    told = [finding_diagnostic(each, analysis.path, document.lines) for each in mended]
+    is_edited = any(each.kind in ("edited", "undecided") for each in mended)
+    if not is_edited:
+        yield _command(f"Refresh the risk blocks of {name}", told, REFRESH, [uri], preferred=True)
+        return
+    if any(each.kind == "edited" for each in mended):
+        title = f"Keep all edits of {name} as set by hand, and refresh"
+        yield _command(title, told, REFRESH, [uri, "accept-edits"])
+    title = f"Discard all edits of {name}, and refresh"
+    yield _command(title, told, REFRESH, [uri, "discard-edits"])
+
+
+def _of_finding(
+    session: Session, document: Document, analysis: Analysis, finding: CheckFinding, *, asks: bool
+) -> Iterator[lsp.CodeAction]:
+    told = [finding_diagnostic(finding, analysis.path, document.lines)]
+    if finding.kind in ("edited", "undecided"):
+        line = (finding.location.line or 1) - 1
+        value = value_line(document.lines.texts, line)
+        written = written_of(session, document, line)
+        if value is not None and written is not None and value.key != "next":
+            edits = {line: value.with_value(written)}
+            title = f"Put {value.key} back to {written}"
+            edit = _workspace_edit(document, edits)
+            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, told, edit=edit)
+    reason = reason_of(analysis.verdict, finding.message, finding.subject)
+    if finding.kind in ("faulted", "partial") and reason is not None:
+        given = [session.uri_of(analysis.path), *reason.key]
+        title = f"Accept {reason.code} in {settings_of(controller_root(analysis.path)).name}"
+        if asks:
+            yield _command(f"{title}, with a reason", told, ASKED_ACCEPT, list(given))
+            return
+        edit = acceptance(session, analysis.path, *reason.key, "")
+        if edit is not None:
+            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, told, edit=edit)
+
+
+def _pin(
+    session: Session, document: Document, line: int, *, asks: bool
+) -> Iterator[lsp.CodeAction]:
+    edits = pin_edits(session, document, line, "")
+    if not edits:
+        return
+    value = value_line(document.lines.texts, line)
+    assert value is not None
+    title = f"Set {value.key} by hand, with a reason"
+    if value.is_pinned:
+        title = f"Give a reason for {value.key}"
+    kind = lsp.CodeActionKind.QuickFix
+    if asks:
+        command = lsp.Command(title, ASKED_PIN, arguments=[document.uri, line])
+        yield lsp.CodeAction(title, kind, command=command)
+    else:
+        yield lsp.CodeAction(title, kind, edit=_workspace_edit(document, edits))
+
+
+def pin_edits(session: Session, document: Document, line: int, reason: str) -> dict[int, str]:
+    """Return the lines, from 0, with which the value of a line is set by hand; maybe none."""
+    block = session.outline(document).block_at(line + 1)
+    if block is None:
+        return {}
+    texts = document.lines.texts
+    return pinning(texts, block, line, written_of(session, document, line), reason)
+
+
+def pin(session: Session, document: Document, line: int, reason: str) -> lsp.WorkspaceEdit | None:
+    """Return the edit that sets the value of a line by hand; `None` where there is no value."""
+    edits = pin_edits(session, document, line, reason)
+    return _workspace_edit(document, edits) if edits else None
+
+
+def written_of(session: Session, document: Document, line: int) -> str | None:
+    """Return what the lock says was written for the value on a line of a source, from 0."""
+    block = session.outline(document).block_at(line + 1)
+    value = value_line(document.lines.texts, line)
+    if block is None or value is None or document.path is None:
+        return None
+    try:
+        root = controller_root(document.path)
+        key, lock = lock_key(document.path, root), lock_of(root)
+    except TraceRiskError:
+        return None
+    for entry in lock.controllers.values():
+        base: WrittenBlock | None = entry.blocks.get(key, {}).get(block.function)
+        written = written_value(block, base, value)
+        if written is not None:
+            return written
+    return None
+
+
+def acceptance(
+    session: Session, controller: Path, code: str, function: str, thing: str, words: str
+) -> lsp.WorkspaceEdit | None:
+    """Return the edit of the settings that accepts a reason; `None` where there can be none."""
+    path = settings_of(controller_root(controller))
+    if not path.is_file():
+        return None
+    lines = session.lines_of(path)
+    added = accepting("\n".join(lines.texts), code, function, thing, words)
+    if added is None:
+        return None
+    end = lines.position(len(lines.texts) - 1, len(lines.texts[-1]))
+    return lsp.WorkspaceEdit({session.uri_of(path): [lsp.TextEdit(lsp.Range(end, end), added)]})
+
+
+def _workspace_edit(document: Document, edits: dict[int, str]) -> lsp.WorkspaceEdit:
+    lines = document.lines
+    changes = [
+        lsp.TextEdit(lines.span(line, 0, len(lines.text(line))), text)
+        for line, text in sorted(edits.items())
+    ]
+    return lsp.WorkspaceEdit({document.uri: changes})
+
+
+def _command(
+    title: str,
+    told: list[lsp.Diagnostic],
+    name: str,
+    arguments: list[str],
+    *,
+    preferred: bool = False,
+) -> lsp.CodeAction:
+    command = lsp.Command(title, name, arguments=arguments)
+    kind = lsp.CodeActionKind.QuickFix
+    return lsp.CodeAction(title, kind, told, is_preferred=preferred or None, command=command)
