@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
 from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_json
-from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.errors import DependencyError, ExitCode, InputError, TraceRiskError
 from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import verdict_line
 
@@ -39,24 +39,57 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="REV",
         help="exit 1 if fewer of those functions ran than by the lock of this revision of git",
     )
+    parser.add_argument(
+        "--watch", action="store_true", help="check again whenever a file changes that it reads"
+    )
     shared.add_sarif(parser)
     shared.add_json(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check.check import check_controllers
-    from tracerisk.pipeline.check.finding import Checked
-    from tracerisk.pipeline.check.run import CoverageLimits
+    if not options.watch:
+        return _check(options)
+    from tracerisk.cli.shared.watching import Watch, watch
+    from tracerisk.pipeline.freshness.watched_files import checked_files
+
+    files = checked_files(_paths(options))
+
+    def update(_: Watch) -> Iterable[Path]:
+        try:
+            _check(options)
+            return {*files, *checked_files(_paths(options))}
+        except DependencyError:
+            raise
+        except TraceRiskError as error:
+            note(f"tracerisk: {error.with_code}")
+            return files
+
+    watch(files, update, quiet=options.quiet)
+    return None
+
+
+def _paths(options: argparse.Namespace) -> Sequence[Path]:
+    """Return the controllers to check; raise InputError where none is known."""
     from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
 
     if options.files:
-        paths = controllers_of(options.files)
+        return controllers_of(options.files)
+    paths = controllers_in(Path())
+    if not paths:
+        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    return paths
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Check the controllers, print what was found, and return the exit code."""
+    from tracerisk.pipeline.check.check import check_controllers
+    from tracerisk.pipeline.check.finding import Checked
+    from tracerisk.pipeline.check.run import CoverageLimits
+
+    paths = _paths(options)
+    if options.files:
         note_without_controllers(options)
-    else:
-        paths = controllers_in(Path())
-        if not paths:
-            raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
     limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
     found = check_controllers(paths, limits)
     checked = [each for each in found if isinstance(each, Checked)]

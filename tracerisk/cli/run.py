@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import dataclass, replace
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.fault import add_fault, check_fault_options, run_faults
@@ -43,12 +45,13 @@ from tracerisk.cli.shared.run_report import (
 )
 from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
-from tracerisk.errors import ExitCode
+from tracerisk.errors import DependencyError, ExitCode, InputError, TraceRiskError
 from tracerisk.trace import Trace, verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.api import Assessed
+    from tracerisk.cli.shared.watching import Watch
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.run.replay import RecordedRun
@@ -56,11 +59,21 @@ if TYPE_CHECKING:
     from tracerisk.report.run_figures import RunFigures
 
 
+RUNNING = ("starting the twin", "simulating")
+"""The phases of the progress in which the controller's own process is at work."""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
     shared.add_hardware_options(parser)
     shared.add_write_options(parser)
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="run it again whenever a file changes that it depends on; writes no source",
+    )
+    parser.add_argument("--write", action="store_true", help="with --watch: write sources and lock")
     shared.add_edit_options(parser)
     shared.add_profile(parser)
     shared.add_explain(parser)
@@ -93,8 +106,11 @@ def run(options: argparse.Namespace) -> int:
     check_fault_options(options)
     check_run_uncertainty(options)
     check_against(options)
+    _check_watch(options)
     from tracerisk.api import RunFailedError
 
+    if options.watch:
+        return _watch(options)
     try:
         if options.faults:
             return run_faults(options)
@@ -115,9 +131,112 @@ class _Done:
     derivation: FunctionDerivation | None
 
 
-def _done(options: argparse.Namespace, progress: Progress | None) -> _Done:
+def _check_watch(options: argparse.Namespace) -> None:
+    """Raise InputError for options that do not go together with `--watch`."""
+    if options.write and not options.watch:
+        raise InputError("--write goes with --watch; a run without it writes sources anyhow")
+    if options.watch and (options.check or options.faults):
+        name = "--check" if options.check else "--fault"
+        raise InputError(f"{name} goes with a single run; leave out --watch")
+
+
+def _watch(options: argparse.Namespace) -> NoReturn:
+    """Run the controller again and again; ends by an interrupt."""
+    from tracerisk import api
+    from tracerisk.cli.shared.watching import watch
+    from tracerisk.pipeline.freshness.watched_files import watched_files
+    from tracerisk.sandbox.fork_server import several_come
+
+    several_come()
+    path = Path(options.controller)
+    shared.read_profile(options)
+    last: list[_Done] = []
+    files = watched_files(path, None, None, None)
+
+    def update(watched: Watch) -> Iterable[Path]:
+        clock = _Clock()
+        known = last[-1] if last else None
+        try:
+            with progress_bar(quiet=options.quiet) as bar:
+                done = _done(options, _looking(watched, clock, bar), known)
+        except api.RunFailedError as error:
+            _failed(options, error.trace)
+            return _of_failure(path, watched, error)
+        except DependencyError:
+            raise
+        except TraceRiskError as error:
+            note(f"tracerisk: {error.with_code}")
+            return _of_failure(path, watched, error)
+        if done is known:
+            note(f"{path}: nothing that its figure depends on has changed", quiet=options.quiet)
+        else:
+            _show(options, done)
+            note(_followed(done, known, clock), quiet=options.quiet)
+        last[:] = [done]
+        found = done.assessed
+        return {*files, *watched_files(path, found.controller, found.trace, found.settings)}
+
+    watch(files, update, quiet=options.quiet)
+
+
+def _of_failure(path: Path, watched: Watch, error: TraceRiskError) -> Iterable[Path]:
+    """Return the files that may hold what made a run fail."""
+    place = [] if error.location is None else [Path(error.location.file)]
+    return {*watched.files, *place, *path.parent.glob("*.py")}
+
+
+@dataclass(slots=True)
+class _Clock:
+    """When an update began, and how long its controller ran [s of wall time]."""
+
+    began: float = field(default_factory=time.monotonic)
+    started: float | None = None
+    ran_s: float = 0.0
+
+    def pass_on(self, phase: str) -> None:
+        """Take a phase that begins."""
+        now = time.monotonic()
+        if phase in RUNNING:
+            self.started = self.started or now
+        elif self.started is not None:
+            self.ran_s += now - self.started
+            self.started = None
+
+
+def _looking(watched: Watch, clock: _Clock, bar: Progress | None) -> Progress:
+    """Return what passes on the progress, and ends work on what has changed meanwhile."""
+
+    def told(phase: str, simulated_s: float) -> None:
+        watched.look()
+        clock.pass_on(phase)
+        if bar is not None:
+            bar(phase, simulated_s)
+
+    return told
+
+
+def _followed(done: _Done, known: _Done | None, clock: _Clock) -> str:
+    """Return how the figure moved, and how long that took, on one line."""
+    wall_s = time.monotonic() - clock.began
+    now = done.assessed.assessment.mission.failure_probability
+    told = f"mission failure {now:.4g}"
+    if known is not None:
+        before = known.assessed.assessment.mission.failure_probability
+        change = f" ({100.0 * (now / before - 1.0):+.3g} %)" if before > 0.0 else ""
+        told += ", as before" if now == before else f", was {before:.4g}{change}"
+    is_same = known is not None and done.assessed.trace is known.assessed.trace
+    how = f"{wall_s:.2f} s, without a run"
+    if not is_same:
+        how = f"{wall_s:.2f} s, of which the run {clock.ran_s:.2f} s"
+    return f"{told}; {how}"
+
+
+def _done(
+    options: argparse.Namespace, progress: Progress | None, known: _Done | None = None
+) -> _Done:
     """Assess the controller, and write what is to be written.
 
+    `known` is what an earlier call gave, which is returned where nothing at all has changed.
     Raises RunFailedError with the trace of a bad end.
     """
     from tracerisk import api
@@ -134,9 +253,13 @@ def _done(options: argparse.Namespace, progress: Progress | None) -> _Done:
             profile=shared.read_profile(options),
             keep=keep,
             progress=progress,
+            # A recording is that of a run.
+            known=None if known is None or keep is not None else known.assessed,
         )
         if keep is not None and options.report is not None:
             recorded = recorded_run(keep)
+    if known is not None and _is_same(done, known.assessed):
+        return known
     note_warnings(done.hardware, quiet=options.quiet)
     instances = done.annotated.computed.instances
     blocks = [block for _, block in blocks_of(done.sources)]
@@ -153,12 +276,27 @@ def _done(options: argparse.Namespace, progress: Progress | None) -> _Done:
         ),
         explained(options, done.annotated, done.hardware, done.settings),
     )
-    if not (options.check or options.diff):
+    if not _keeps_files(options):
         found = replace(found, assessed=api.write_blocks(done))
     if options.report is not None and progress is not None:
         progress("report", done.trace.end.simulated_s or 0.0)
     _write_files(options, found.assessed, recorded)
     return found
+
+
+def _is_same(done: Assessed, known: Assessed) -> bool:
+    """Return whether an assessment says nothing that an earlier one did not."""
+    return (
+        done.trace is known.trace
+        and done.sources == known.sources
+        and done.hardware == known.hardware
+        and done.settings == known.settings
+    )
+
+
+def _keeps_files(options: argparse.Namespace) -> bool:
+    """Return whether sources and lock are left as they are."""
+    return bool(options.check or options.diff or (options.watch and not options.write))
 
 
 def _write_files(options: argparse.Namespace, done: Assessed, recorded: RecordedRun | None) -> None:
@@ -276,7 +414,7 @@ def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
     blocks = blocks_line(
         str(done.controller.path),
         len(done.annotated.computed.blocks),
-        keeps_files=options.check or options.diff,
+        keeps_files=_keeps_files(options),
         is_changed=done.annotated.is_changed,
     )
     return [headline(done.trace), *object_lines(done.trace), blocks]

@@ -26,7 +26,11 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
     moving steps: the load at which a drive that wears by revolutions would age alike.
     """
+    if not mask.any():
+        return Exposure()
     activity, mask = _around(activity, mask)
+    spans = _runs(mask)
+    longest_moving = _longest(activity.moving, mask, spans)
     moving, holding = activity.moving & mask, activity.holding & mask
     grasping, active = activity.grasping & mask, activity.active & mask
     speed, torque = activity.speed[moving], activity.torque[moving]
@@ -35,13 +39,13 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
         holding_s=_seconds(holding, step_s),
         grasping_s=_seconds(grasping, step_s),
         active_s=_seconds(active, step_s),
-        longest_moving_s=_longest(activity.moving, mask) * step_s,
-        longest_active_s=_longest(activity.active, mask) * step_s,
+        longest_moving_s=longest_moving * step_s,
+        longest_active_s=_longest(activity.active, mask, spans) * step_s,
         starts=int(np.count_nonzero(_begins(activity.moving) & mask)),
         grasps=int(np.count_nonzero(_begins(activity.grasping) & mask)),
         torque_rms=_rms(activity.torque[active]),
         torque_cubic=_cubic_mean(torque, speed),
-        borderline=_is_borderline(activity, mask, step_s),
+        borderline=_is_borderline(activity, mask, step_s, longest_moving),
         releases=int(np.count_nonzero(_ends(activity.grasping) & mask)),
         grasping_moving_s=_seconds(grasping & moving, step_s),
         travel_s=float(speed.sum()) * step_s,
@@ -53,35 +57,41 @@ def _around(activity: ElementActivity, mask: Flags) -> tuple[ElementActivity, Fl
     """Return both from the last step before the mask in which the element rests to the next after.
 
     No state reaches further: what is computed of the mask is the same, and a visit costs no more
-    than its own length.
+    than its own length. The mask is not empty.
     """
-    within = np.flatnonzero(mask)
-    if not len(within):
-        return activity, mask
+    first, behind = _first(mask), len(mask) - _first(mask[::-1])
     rests = ~activity.active
-    before = np.flatnonzero(rests[: within[0]])
-    after = np.flatnonzero(rests[within[-1] + 1 :])
     span = slice(
-        int(before[-1]) if len(before) else 0,
-        int(within[-1]) + 2 + int(after[0]) if len(after) else len(mask),
+        max(first - 1 - _first(rests[:first][::-1]), 0),
+        min(behind + 1 + _first(rests[behind:]), len(mask)),
     )
     names = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
     return replace(activity, **{name: getattr(activity, name)[span] for name in names}), mask[span]
+
+
+def _first(flags: Flags) -> int:
+    """Return where the first true entry is; the length where there is none."""
+    at = int(flags.argmax()) if len(flags) else 0
+    return at if at < len(flags) and flags[at] else len(flags)
 
 
 def _seconds(flags: Flags, step_s: float) -> float:
     return int(np.count_nonzero(flags)) * step_s
 
 
-def _longest(flags: Flags, mask: Flags) -> int:
+def _longest(flags: Flags, mask: Flags, spans: tuple[Steps, Steps]) -> int:
     """Return the length of the longest run of true entries within `mask`, in steps.
 
+    `spans` are where the runs of the mask start and stop.
     A span of the mask in which `flags` never fails counts with the whole run around it: a state
     that outlasts many short visits would otherwise belong to none of them, and how a motion is
     cut into visits would decide whether it is seen at all.
     """
     starts, stops = _runs(flags & mask)
-    fills = np.isin(starts, _runs(mask)[0]) & np.isin(stops, _runs(mask)[1])
+    if not len(starts):
+        return 0
+    span = np.searchsorted(spans[0], starts, side="right") - 1
+    fills = (spans[0][span] == starts) & (spans[1][span] == stops)
     whole_starts, whole_stops = _runs(flags)
     around = np.searchsorted(whole_starts, starts, side="right") - 1
     lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
@@ -116,29 +126,27 @@ def _cubic_mean(torque: Array, speed: Array) -> float:
     return float(np.cbrt((speed * torque**3).sum() / travelled)) if travelled > 0.0 else 0.0
 
 
-def _is_borderline(activity: ElementActivity, mask: Flags, step_s: float) -> bool:
+def _is_borderline(
+    activity: ElementActivity, mask: Flags, step_s: float, longest_moving: int
+) -> bool:
     """Return whether the value that decides on the element's state was near its threshold.
 
+    `longest_moving` is how long it moved at a stretch, in steps.
     Of motion that is how far it went. Where it clearly moved, no other value decides; where it
     did not, its torque does.
     """
     limits = activity.thresholds
     n_steps = round(limits.debounce_on / step_s)
-    if _near(_sustained(activity.travel[mask], n_steps), 1.0):
+    if _is_near(activity.travel[mask], n_steps, 1.0):
         return True
-    if _near(_sustained(activity.grip[mask], n_steps), limits.grasping_on):
+    if _is_near(activity.grip[mask], n_steps, limits.grasping_on):
         return True
-    if _longest(activity.moving, mask) * step_s >= ACTIVE_S:
+    if longest_moving * step_s >= ACTIVE_S:
         return False
-    return _near(_sustained(activity.torque[mask], n_steps), limits.holding)
+    return _is_near(activity.torque[mask], n_steps, limits.holding)
 
 
-def _sustained(values: Array, n_steps: int) -> float:
-    """Return the value that was reached or exceeded in `n_steps` steps."""
-    if len(values) < n_steps:
-        return 0.0
-    return float(np.partition(values, -n_steps)[-n_steps])
-
-
-def _near(value: float, threshold: float) -> bool:
-    return threshold / _BORDER <= value <= threshold * _BORDER
+def _is_near(values: Array, n_steps: int, threshold: float) -> bool:
+    """Return whether the value that was reached in `n_steps` steps is near a threshold."""
+    reached = np.count_nonzero(values >= threshold / _BORDER)
+    return bool(reached >= n_steps > np.count_nonzero(values > threshold * _BORDER))

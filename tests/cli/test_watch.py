@@ -1,0 +1,319 @@
+"""`run --watch`: the figure follows each save."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks at processes by /proc")
+
+LONGEST_S = 90.0
+
+
+class Watching:
+    """A `run --watch` in a folder, and the lines of its standard error."""
+
+    def __init__(self, folder: Path, *arguments: str, verb: str = "run") -> None:
+        self.folder = folder
+        self.lines: list[str] = []
+        self.process = subprocess.Popen(
+            [sys.executable, "-u", "-m", "tracerisk", verb, *arguments, "--watch"],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            stdin=subprocess.DEVNULL,
+            text=True,
+        )
+        self.out: list[str] = []
+        self._came = threading.Condition()
+        for stream, kept in ((self.process.stderr, self.lines), (self.process.stdout, self.out)):
+            threading.Thread(target=self._read, args=(stream, kept), daemon=True).start()
+        self.seen = 0
+
+    def _read(self, stream, kept: list[str]) -> None:
+        for line in stream:
+            with self._came:
+                kept.append(line.rstrip("\n"))
+                self._came.notify_all()
+
+    def until(self, begin: str) -> str:
+        """The next line that begins so; those before it are passed over."""
+        ends = time.monotonic() + LONGEST_S
+        with self._came:
+            while True:
+                while self.seen < len(self.lines):
+                    line = self.lines[self.seen]
+                    self.seen += 1
+                    if line.startswith(begin):
+                        return line
+                left = ends - time.monotonic()
+                if left < 0 or not self._came.wait(left):
+                    raise AssertionError(
+                        f"no line begins with {begin!r}:\n" + "\n".join(self.lines)
+                    )
+
+    def settled(self) -> None:
+        self.until("watching ")
+
+    def figure(self) -> float:
+        found = re.match(r"mission failure ([\d.e+-]+)", self.until("mission failure "))
+        return float(found[1])
+
+    def descendants(self) -> set[int]:
+        """All processes below this one."""
+        parents = {}
+        for folder in Path("/proc").iterdir():
+            if folder.name.isdigit():
+                with contextlib.suppress(OSError):
+                    status = (folder / "stat").read_text()
+                    parents[int(folder.name)] = int(status.rpartition(")")[2].split()[1])
+        found, waiting = set(), [self.process.pid]
+        while waiting:
+            new = [each for each, parent in parents.items() if parent == waiting[0]]
+            found |= set(new)
+            waiting = [*waiting[1:], *new]
+        return found
+
+    def end(self, number: int = signal.SIGINT) -> int:
+        self.process.send_signal(number)
+        return self.process.wait(30)
+
+
+def gone(processes: set[int]) -> bool:
+    """Whether all of them end within a few seconds."""
+    ends = time.monotonic() + 10
+    while time.monotonic() < ends:
+        left = {each for each in processes if Path(f"/proc/{each}").exists()}
+        left = {each for each in left if "Z" not in _state(each)}
+        if not left:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def _state(process: int) -> str:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return "Z"
+
+
+@pytest.fixture
+def watching(tmp_path):
+    started = []
+
+    def start(*arguments: str, verb: str = "run") -> Watching:
+        started.append(Watching(tmp_path, *arguments, verb=verb))
+        return started[-1]
+
+    yield start
+    for each in started:
+        if each.process.poll() is None:
+            each.end(signal.SIGKILL)
+
+
+def test_the_figure_follows_and_no_source_is_written(watching, example, quick):
+    path = example.write("a.py", quick())
+    watched = watching("a.py")
+    first = watched.figure()
+    watched.settled()
+    faster = quick().replace("joints[0] += 0.05", "joints[0] += 0.5")
+    path.write_text(faster)
+    assert watched.until("a.py changed")
+    second = watched.figure()
+    assert second > 1.5 * first
+    watched.settled()
+    assert path.read_text() == faster
+    assert list(example.files()) == ["a.py"]
+    # The same as by a run of its own, to the digits that are printed.
+    assert watched.end() == 130
+    told = example.run("run", "a.py", "--diff", "--json").json
+    figure = told["assessment"]["mission"]["failure_probability"]
+    assert f"{figure:.4g}" == f"{second:.4g}"
+
+
+def test_what_changes_no_run_is_not_run_again(watching, example, quick):
+    hardware = (Path(__file__).parents[2] / "tracerisk/hardware/robots/panda.yaml").read_text()
+    example.write("cell.yaml", hardware)
+    path = example.write("a.py", quick())
+    watched = watching("a.py", "--hardware", "cell.yaml")
+    first = watched.figure()
+    watched.settled()
+    path.write_text(quick() + "\n# a remark\n")
+    assert watched.until("mission failure ").endswith("without a run")
+    watched.settled()
+    path.touch()
+    assert watched.until("a.py: nothing")
+    watched.settled()
+    example.write("cell.yaml", hardware.replace("9.5e-08", "9.5e-07"))
+    told = watched.until("mission failure ")
+    assert told.endswith("without a run")
+    assert float(told.split()[2].rstrip(",")) > 5 * first
+
+
+def test_sources_are_written_when_that_is_asked_for(watching, example, quick):
+    path = example.write("a.py", quick())
+    watched = watching("a.py", "--write")
+    watched.settled()
+    assert "RiskAnnotation" in path.read_text()
+    assert (example.folder / "tracerisk.lock").is_file()
+    assert example.run("check", "a.py").code == 0
+    path.write_text(path.read_text().replace("joints[0] += 0.05", "joints[0] += 0.5"))
+    watched.figure()
+    watched.settled()
+    assert example.run("check", "a.py").code == 0
+    # What it writes itself is no change that it runs for.
+    time.sleep(1.0)
+    told = [line for line in watched.lines if line.startswith("mission failure")]
+    assert len(told) == 2
+
+
+def test_a_broken_and_a_deleted_file_are_told_and_waited_for(watching, example, quick):
+    path = example.write("a.py", quick())
+    watched = watching("a.py")
+    watched.settled()
+    path.write_text(quick() + "\ndef (\n")
+    assert "[source]" in watched.until("tracerisk: a.py:")
+    watched.settled()
+    path.unlink()
+    assert "cannot be read" in watched.until("tracerisk: a.py")
+    watched.settled()
+    path.write_text(quick().replace("+= 0.05", "+= 0.5"))
+    watched.figure()
+    watched.settled()
+    path.write_text(quick("raise ValueError('x')"))
+    assert watched.until("a.py changed")
+    watched.settled()
+    assert any("ValueError" in line for line in [*watched.lines, *watched.out])
+    path.write_text(quick())
+    watched.figure()
+
+
+def test_one_that_is_broken_from_the_start_is_waited_for(watching, example, quick):
+    path = example.write("a.py", "def (\n")
+    watched = watching("a.py")
+    watched.until("tracerisk: a.py:")
+    watched.settled()
+    path.write_text(quick("home(arm)"))
+    watched.figure()
+
+
+def test_a_module_that_is_used_is_watched_too(watching, example, quick):
+    source = quick().replace("import os", "import moves, os", 1)
+    example.write("a.py", source.replace("    act(arm)", "    moves.home(arm)\n    act(arm)"))
+    watched = watching("a.py")
+    watched.until("watching ")
+    module = 'def home(arm):\n    arm.set_named_target("{}")\n    arm.go()\n'
+    path = example.write("moves.py", module.format("extended"))
+    first = watched.figure()
+    watched.settled()
+    path.write_text(module.format("ready"))
+    watched.until("moves.py changed")
+    assert watched.figure() != first
+
+
+def test_rapid_saves_come_to_the_last(watching, example, quick):
+    path = example.write("a.py", quick())
+    watched = watching("a.py")
+    watched.settled()
+    for number in range(12):
+        path.write_text(quick().replace("+= 0.05", f"+= 0.{number + 10}"))
+        time.sleep(0.05)
+    last = watched.figure()
+    time.sleep(1.5)
+    told = [line for line in watched.lines if line.startswith("mission failure")]
+    assert len(told) <= 3
+    assert watched.end() == 130
+    if len(told) > 2:
+        last = float(told[-1].split()[2].rstrip(","))
+    figure = example.run("run", "a.py", "--diff", "--json").json["assessment"]["mission"]
+    assert f"{figure['failure_probability']:.4g}" == f"{last:.4g}"
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+)
+@pytest.mark.parametrize("is_busy", [False, True])
+def test_its_end_leaves_no_process(watching, example, quick, number, code, is_busy):
+    moves = ["arm.go([0.5, -0.5, 0, -2, 0, 1.5, 0.8])", "arm.go([-1, 0.5, 0, -2, 0, 1.5, 0.8])"]
+    path = example.write("a.py", quick())
+    watched = watching("a.py")
+    watched.settled()
+    if is_busy:
+        path.write_text(quick(*(moves * 300)))
+        watched.until("a.py changed")
+        time.sleep(1.0)
+    below = watched.descendants()
+    assert below
+    assert watched.end(number) == code
+    assert gone(below)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--write",), "--write goes with --watch"),
+        (("--watch", "--check"), "--check goes with a single run"),
+        (("--watch", "--fault", "gripper:stuck@1"), "--fault goes with a single run"),
+    ],
+)
+def test_what_does_not_go_with_it_is_refused(example, quick, arguments, told):
+    example.write("a.py", quick())
+    done = example.run("run", "a.py", *arguments)
+    assert done.code == 2
+    assert told in done.err
+
+
+def test_each_update_is_one_document_of_json(watching, example, quick):
+    import json
+
+    path = example.write("a.py", quick())
+    watched = watching("a.py", "--json")
+    watched.settled()
+    path.write_text(quick().replace("+= 0.05", "+= 0.5"))
+    watched.figure()
+    watched.settled()
+    assert watched.end() == 130
+    time.sleep(0.2)
+    text, found = "\n".join(watched.out), []
+    while text.strip():
+        data, end = json.JSONDecoder().raw_decode(text.lstrip())
+        found.append(data)
+        text = text.lstrip()[end:]
+    assert [each["verb"] for each in found] == ["run", "run"]
+
+
+def test_a_check_follows_each_save(watching, example, quick):
+    path = example.write("a.py", quick())
+    assert example.run("run", "a.py").code == 0
+    written = path.read_bytes()
+    watched = watching(verb="check")
+    watched.until("1 controller checked, 0 to mend")
+    watched.settled()
+    path.write_bytes(written.replace(b"+= 0.05", b"+= 0.5"))
+    watched.until("1 controller checked, 1 to mend")
+    watched.settled()
+    assert "stale" in watched.out[-1]
+    path.unlink()
+    watched.until("1 controller checked, 1 to mend")
+    watched.settled()
+    assert "gone" in watched.out[-1]
+    path.write_bytes(written)
+    watched.until("1 controller checked, 0 to mend")
+    watched.settled()
+    lock = example.folder / "tracerisk.lock"
+    kept = lock.read_bytes()
+    lock.write_bytes(b"{")
+    assert "[lock]" in watched.until("tracerisk: ")
+    watched.settled()
+    lock.write_bytes(kept)
+    watched.until("1 controller checked, 0 to mend")
+    assert watched.end() == 130

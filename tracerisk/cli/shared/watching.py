@@ -1,0 +1,135 @@
+"""Do something again whenever a file changes: `--watch`.
+
+The files are few and known, so that their times are looked at ten times a second. That needs no
+package, and sees on every file system what an editor does: writing, replacing, removing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping
+from pathlib import Path
+from typing import NoReturn
+
+from tracerisk.cli.shared.output import note
+
+POLL_S = 0.1
+"""How often files are looked at [s]."""
+_SETTLED_S = 0.15
+"""How long nothing may change before a change is taken [s]: editors write in several steps."""
+_LOOK_S = 0.2
+_ENDINGS = frozenset(
+    (
+        ".py",
+        ".yaml",
+        ".yml",
+        ".toml",
+        ".xml",
+        ".launch",
+        ".urdf",
+        ".xacro",
+        ".srdf",
+        ".sysml",
+        ".json",
+    )
+)
+
+State = Mapping[Path, object]
+"""What each file looks like: `None` for one that is not there."""
+
+
+class SupersededError(Exception):
+    """A file changed while the work for an earlier version of it was under way."""
+
+
+class Watch:
+    """The files that are watched, and how they looked when the work on them began."""
+
+    def __init__(self, files: Iterable[Path]) -> None:
+        self.files: tuple[Path, ...] = tuple(files)
+        self._seen = state_of(self.files)
+        self._looked_s = time.monotonic()
+
+    def begin(self) -> None:
+        """Take the files as they are now for those that the work is done on."""
+        self._seen = state_of(self.files)
+
+    def look(self) -> None:
+        """Raise SupersededError where a file has changed; to be called often."""
+        if time.monotonic() - self._looked_s >= _LOOK_S:
+            self._looked_s = time.monotonic()
+            if self.changed():
+                raise SupersededError
+
+    def follow(self, files: Iterable[Path]) -> None:
+        """Watch other files: those that were watched already count as they were."""
+        self.files = tuple(dict.fromkeys(files))
+        self._seen = {
+            **state_of(self.files),
+            **{f: s for f, s in self._seen.items() if f in self.files},
+        }
+
+    def changed(self) -> tuple[Path, ...]:
+        """Return the files that are not as they were when the work began."""
+        now = state_of(self.files)
+        return tuple(file for file in self.files if now[file] != self._seen.get(file))
+
+    def wait(self) -> tuple[Path, ...]:
+        """Wait until files have changed, and no more do; return which."""
+        while not self.changed():
+            time.sleep(POLL_S)
+        now = state_of(self.files)
+        while True:
+            time.sleep(_SETTLED_S)
+            before, now = now, state_of(self.files)
+            if before == now:
+                return self.changed()
+
+
+def state_of(files: Collection[Path]) -> State:
+    """Return what files look like; of a folder, the names of the sources in it."""
+    return {file: _look(file) for file in files}
+
+
+def _look(file: Path) -> object:
+    try:
+        found = file.stat()
+        if file.is_dir():
+            return frozenset(each.name for each in file.iterdir() if each.suffix in _ENDINGS)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def watch(
+    files: Iterable[Path], update: Callable[[Watch], Iterable[Path]], *, quiet: bool
+) -> NoReturn:
+    """Call `update` now, and whenever a file has changed; it ends by an interrupt.
+
+    `update` returns the files to watch from then on. One that is superseded is called again.
+    """
+    watched = Watch(files)
+    while True:
+        watched.begin()
+        try:
+            watched.follow(update(watched))
+        except SupersededError:
+            note(f"{_named(watched.changed())} changed meanwhile; begun again", quiet=quiet)
+            _settle(watched)
+            continue
+        count = sum(1 for each in watched.files if each.is_file())
+        told = f"watching {count} file{'' if count == 1 else 's'}; Ctrl-C ends"
+        note(told, quiet=quiet)
+        note(f"{_named(watched.wait())} changed", quiet=quiet)
+
+
+def _settle(watched: Watch) -> None:
+    if watched.changed():
+        watched.wait()
+
+
+def _named(files: Collection[Path]) -> str:
+    names = [each.name or str(each) for each in files if not each.is_dir()]
+    names = names or [f"{each.resolve().name}/" for each in files]
+    more = f" and {len(names) - 2} more" if len(names) > 2 else ""
+    return ", ".join(names[:2]) + more if names else "a file"
