@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
@@ -48,8 +48,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    if not options.watch:
-        return _check(options)
+    return _watch(options) if options.watch else _check(options)
+
+
+def _watch(options: argparse.Namespace) -> NoReturn:
+    """Check again and again; ends by an interrupt."""
     from tracerisk.cli.shared.watching import Watch, watch
     from tracerisk.pipeline.freshness.watched_files import checked_files
 
@@ -66,7 +69,6 @@ def run(options: argparse.Namespace) -> int:
             return files
 
     watch(files, update, quiet=options.quiet)
-    return None
 
 
 def _paths(options: argparse.Namespace) -> Sequence[Path]:

@@ -17,7 +17,7 @@ from tracerisk.pipeline.freshness.known_controllers import lock_of, with_moved
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.prm.hybrid.assessment import Assessment, StateAssessment
+from tracerisk.prm.hybrid.assessment import Assessment, ComponentImportance, StateAssessment
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
@@ -57,6 +57,15 @@ class ControllerFigures:
     never_ran: tuple[FunctionRef, ...] = ()
     summary: Mapping[str, Any] = field(default_factory=dict)
     """What the lock keeps of the run, as plain data."""
+    blocks: tuple[RiskBlock, ...] = ()
+    """What the model is made of."""
+
+    @property
+    def importances(self) -> tuple[ComponentImportance, ...]:
+        """How much the mission hangs on each component; `assessment` itself leaves it out."""
+        with _ONE_AT_A_TIME:
+            solved = _solved(self.blocks, self.controller.path.name, with_importances=True)
+        return solved.components if isinstance(solved, Assessment) else ()
 
     def state(self, file: str, function: QualifiedName) -> StateAssessment | None:
         """Return the figures of a function of one of the controller's files."""
@@ -123,10 +132,10 @@ def figures_of(controller: Controller, outline: Callable[[str], Outline]) -> Con
         problem = problem or next(iter(found.problems), None)
     names = model_names(placed)
     assessment = None
-    if placed:
-        blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]
+    blocks = tuple(replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items())
+    if blocks:
         with _ONE_AT_A_TIME:  # who comes second finds it solved
-            solved = _solved(tuple(blocks), controller.path.name)
+            solved = _solved(blocks, controller.path.name, with_importances=False)
         if isinstance(solved, Assessment):
             assessment = solved
         else:
@@ -134,7 +143,7 @@ def figures_of(controller: Controller, outline: Callable[[str], Outline]) -> Con
     summary = {} if entry is None else entry.trace
     uncovered = tuple(ref for ref in kept_uncovered(summary) if ref not in placed)
     return ControllerFigures(
-        controller, names, assessment, problem, kept_verdict(entry), uncovered, summary
+        controller, names, assessment, problem, kept_verdict(entry), uncovered, summary, blocks
     )
 
 
@@ -151,9 +160,11 @@ def files_of(controller: Controller, entry: ControllerLock | None) -> tuple[str,
 
 
 @lru_cache(maxsize=_KEPT)
-def _solved(blocks: tuple[RiskBlock, ...], name: str) -> Assessment | TraceRiskError:
+def _solved(
+    blocks: tuple[RiskBlock, ...], name: str, *, with_importances: bool
+) -> Assessment | TraceRiskError:
     """Return the solved model of blocks; what keeps it from being one, if it is none."""
     try:
-        return solve(build_model(blocks, name=name))
+        return solve(build_model(blocks, name=name), with_importances=with_importances)
     except TraceRiskError as error:
         return error

@@ -172,7 +172,7 @@ def component_markdown(
         told += [
             "If it never failed, the mission's failure probability would fall by "
             f"{share_text(one.fussell_vesely)}."
-            for one in each.assessment.components
+            for one in each.importances
             if component_of(one.name) == entry.name
         ]
         told += ["", *closing_lines(each)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from threading import Lock
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.sources.functions import functions_in
@@ -15,6 +16,7 @@ from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import QualifiedName
 
 _KEPT = 64
+_ONE_AT_A_TIME = Lock()
 _MOST_PROBLEMS = 8
 """After so many malformed blocks the rest of a source is left unread."""
 _GUTTER = re.compile(rb"([ \t\f]*)#[ \t]?\|.*?(\r?\n?)", re.DOTALL)
@@ -101,12 +103,17 @@ def _shifted(placed: PlacedBlock, by: int) -> RiskBlock:
     )
 
 
-@lru_cache(maxsize=_KEPT)
 def outline_of(source: bytes, file: str) -> Outline:
     """Return the outline of a source; `file` is its name in messages.
 
     Raises nothing for what is malformed: see `Outline.problems`.
     """
+    with _ONE_AT_A_TIME:  # who comes second finds it read
+        return _outline_of(source, file)
+
+
+@lru_cache(maxsize=_KEPT)
+def _outline_of(source: bytes, file: str) -> Outline:
     problems: list[TraceRiskError] = []
     left = source
     while True:

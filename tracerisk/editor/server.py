@@ -34,7 +34,7 @@ from tracerisk.editor.refreshing import POLICIES, Refreshed, Refreshes
 from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with, path_of
 from tracerisk.errors import TraceRiskError, one_of
 
-_DELAY_S = 0.02
+_DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""
 _WATCHED = ("**/tracerisk.lock", "**/pyproject.toml", "**/tracerisk.evidence", "**/*.{yaml,yml}")
 

@@ -289,8 +289,9 @@ def analyse(path: Path, opened: Mapping[Path, bytes]) -> Analysis:
 
             return Analysis(path, check_controller(path).findings)
         controller = controller_with(path, opened)
-        figures_of(controller, partial(_outline, controller))
+        figures = figures_of(controller, partial(_outline, controller))
         checked = check_loaded(controller)
+        _ = figures.importances  # solved now, they are there when they are asked for
         return Analysis(path, checked.findings, verdict=checked.verdict)
     except TraceRiskError as error:
         return Analysis(path, error=error)

@@ -31,12 +31,14 @@ from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate
 
 
-def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
+def solve(
+    model: HybridModel, *, limit: int = MOST_STATES, with_importances: bool = True
+) -> Assessment:
     """Solve the model exactly, to rounding.
 
     A chain of more than `limit` states, functions times hidden failures, is bounded from above,
     with several redundant groups by each of them solved by itself, and an assumption says by how
-    much at most.
+    much at most. Without importances there are no `components`, in half the time.
     Raises ModelError when a fault tree cannot be solved, or when the chain is left less often
     than the smallest number of double precision.
     """
@@ -48,7 +50,7 @@ def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
         entry=model.entry,
         states=tuple(_state_assessments(model, solved)),
         mission=mission,
-        components=importances(model, solved),
+        components=importances(model, solved) if with_importances else (),
         assumptions=_assumptions(model, solved, mission),
         findings=tuple(
             f"{state.name} is never reached from {model.entry} and adds nothing to the mission"
