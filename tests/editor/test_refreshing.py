@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
+import pytest
 from lsprotocol import types as lsp
 
 from tests.editor.client import Editor
+
+MOVES = [
+    "arm.go([0.5, -0.5, 0, -2, 0, 1.5, 0.8])",
+    "arm.go([-1.5, 0.5, 0, -2, 0, 1.5, 0.8])",
+] * 300
 
 
 def test_a_refresh_mends_what_is_stale(editor, cell):
@@ -57,22 +68,79 @@ def test_what_is_no_policy_is_refused(editor, cell):
     assert editor.command("tracerisk.refresh", "untitled:one") is False
 
 
-def test_progress_is_shown_and_a_refresh_can_be_ended(tmp_path, quick):
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at processes by /proc")
+def test_a_server_that_is_killed_leaves_no_process(cell):
+    path = lengthened(cell)
+    server = subprocess.Popen(
+        [sys.executable, "-m", "tracerisk", "lsp"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
+
+    def send(**message):
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        server.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
+        server.stdin.flush()
+
+    send(id=1, method="initialize", params={"capabilities": {}})
+    send(method="initialized", params={})
+    asked = {"command": "tracerisk.refresh", "arguments": [path.as_uri()]}
+    send(id=2, method="workspace/executeCommand", params=asked)
+    ends = time.monotonic() + 60
+    while len(below := processes_below(server.pid)) < 3 and time.monotonic() < ends:
+        time.sleep(0.05)
+    assert len(below) >= 3
+    server.kill()
+    server.wait()
+    ends = time.monotonic() + 15
+    while any(map(is_running, below)) and time.monotonic() < ends:
+        time.sleep(0.05)
+    assert not any(map(is_running, below))
+
+
+def lengthened(cell):
+    """The controller with a run that takes minutes: a refresh runs it again."""
+    text = cell.read_text()
+    assert text.count("    pass\n") == 1
+    cell.write_text(text.replace("    pass\n", "".join(f"    {each}\n" for each in MOVES)))
+    return cell
+
+
+def processes_below(top):
+    parents = {}
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit():
+            with contextlib.suppress(OSError):
+                stat = (folder / "stat").read_text()
+                parents[int(folder.name)] = int(stat.rpartition(")")[2].split()[1])
+    found, waiting = set(), [top]
+    while waiting:
+        new = [each for each, parent in parents.items() if parent == waiting[0]]
+        found |= set(new)
+        waiting = [*waiting[1:], *new]
+    return found
+
+
+def is_running(process):
+    try:
+        return "Z" not in Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+
+
+def test_progress_is_shown_and_a_refresh_can_be_ended(tmp_path, cell):
     able = lsp.ClientCapabilities(window=lsp.WindowClientCapabilities(work_done_progress=True))
     editor = Editor(tmp_path, able)
-    path = tmp_path / "long.py"
-    path.write_text(
-        quick(
-            *["arm.go([0.5, -0.5, 0, -2, 0, 1.5, 0.8])", "arm.go([-1.5, 0.5, 0, -2, 0, 1.5, 0.8])"]
-            * 300
-        )
-    )
+    path = lengthened(cell)
+    text = path.read_text()
     editor.open(path)
     began = threading.Event()
 
     def cancel() -> None:
         while not editor.progress_tokens:
             time.sleep(0.02)
+        time.sleep(2.0)
         began.set()
         editor.client.window_work_done_progress_cancel(
             lsp.WorkDoneProgressCancelParams(editor.progress_tokens[-1])
@@ -84,5 +152,5 @@ def test_progress_is_shown_and_a_refresh_can_be_ended(tmp_path, quick):
     assert "was ended" in editor.messages[-1]
     kinds = [each["kind"] if isinstance(each, dict) else each.kind for each in editor.progress]
     assert (kinds[0], kinds[-1]) == ("begin", "end")
-    assert "RiskAnnotation" not in path.read_text()
+    assert path.read_text() == text
     assert editor.end() == 0

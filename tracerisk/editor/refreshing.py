@@ -14,6 +14,15 @@ from typing import Any
 
 POLICIES = ("accept-edits", "discard-edits")
 """What becomes of values that a user edited, as the options of `tracerisk refresh`."""
+_START = """\
+import signal, sys
+from tracerisk.cli import main
+if sys.platform == "linux":
+    from tracerisk.sandbox.kernel_features import die_with_parent
+    die_with_parent(signal.SIGTERM)
+sys.exit(main())
+"""
+"""The command, which ends with the server, however that ends."""
 _ENDS_S = 5.0
 """How long a refresh that is ended may take to go [s]."""
 
@@ -45,7 +54,7 @@ class Refreshes:
         """Refresh a controller from a folder, and return how that ended."""
         given = [f"--{policy}"] if policy else []
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-I", "-m", "tracerisk", "refresh", "--json", *given, str(path)),
+            *(sys.executable, "-I", "-c", _START, "refresh", "--json", *given, str(path)),
             cwd=folder,
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,

@@ -59,12 +59,10 @@ def _around(activity: ElementActivity, mask: Flags) -> tuple[ElementActivity, Fl
     No state reaches further: what is computed of the mask is the same, and a visit costs no more
     than its own length. The mask is not empty.
     """
-    first, behind = _first(mask), len(mask) - _first(mask[::-1])
+    first, behind = _first(mask), _last(mask) + 1
     rests = ~activity.active
-    span = slice(
-        max(first - 1 - _first(rests[:first][::-1]), 0),
-        min(behind + 1 + _first(rests[behind:]), len(mask)),
-    )
+    before, after = _last(rests[:first]), behind + _first(rests[behind:])
+    span = slice(max(before, 0), min(after + 1, len(mask)))
     names = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
     return replace(activity, **{name: getattr(activity, name)[span] for name in names}), mask[span]
 
@@ -73,6 +71,12 @@ def _first(flags: Flags) -> int:
     """Return where the first true entry is; the length where there is none."""
     at = int(flags.argmax()) if len(flags) else 0
     return at if at < len(flags) and flags[at] else len(flags)
+
+
+def _last(flags: Flags) -> int:
+    """Return where the last true entry is; -1 where there is none."""
+    # From behind NumPy looks through a copy of the array.
+    return flags.tobytes().rfind(b"\x01")
 
 
 def _seconds(flags: Flags, step_s: float) -> float:
