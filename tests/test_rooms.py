@@ -39,7 +39,16 @@ RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, le
 SUB_ROOMS = {
     "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks"),
     "pipeline": (
-        *("results", "review", "check", "evidence", "stages", "scenarios", "freshness"),
+        *(
+            "recordings",
+            "results",
+            "review",
+            "check",
+            "evidence",
+            "stages",
+            "scenarios",
+            "freshness",
+        ),
         *("run", "trace"),
         *("history", "robot", "launch", "launch_files", "workspace"),
     ),

@@ -18,6 +18,7 @@ MODULES: Mapping[str, str] = {
     "lark": "lark",
     "libcst": "libcst",
     "lsprotocol": "lsprotocol.types",
+    "mcap": "mcap",
     "mink": "mink",
     "mujoco": "mujoco",
     "numba": "numba",
@@ -42,8 +43,8 @@ MODULES: Mapping[str, str] = {
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sim": (
-        *("daqp", "dm-control", "etils", "greenlet", "libcst", "mink", "mujoco", "numpy"),
-        *("pillow", "rosbags", "scipy", "six", "xacrodoc"),
+        *("daqp", "dm-control", "etils", "greenlet", "libcst", "mcap", "mink", "mujoco"),
+        *("numpy", "pillow", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numba", "numpy", "scipy"),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),

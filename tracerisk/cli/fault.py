@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _SHOWN = 5
 _NOT_WITH_IT = {
+    "record": "--record",
     "check": "--check",
     "diff": "--diff",
     "accept_edits": "--accept-edits",

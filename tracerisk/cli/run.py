@@ -42,6 +42,7 @@ from tracerisk.cli.shared.run_report import (
     print_failure,
     recording_folder,
     write_outputs,
+    write_record,
 )
 from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
@@ -79,6 +80,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_explain(parser)
     add_run_uncertainty(parser)
     add_fault(parser)
+    shared.add_record(parser)
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
@@ -246,38 +248,44 @@ def _done(
 
     recorded = None
     with recording_folder(options) as keep:
-        done = api.assess(
-            options.controller,
-            shared.run_settings(options),
-            policy=shared.merge_policy(options),
-            profile=shared.read_profile(options),
-            keep=keep,
-            progress=progress,
-            # A recording is that of a run.
-            known=None if known is None or keep is not None else known.assessed,
-        )
+        try:
+            done = api.assess(
+                options.controller,
+                shared.run_settings(options),
+                policy=shared.merge_policy(options),
+                profile=shared.read_profile(options),
+                keep=keep,
+                progress=progress,
+                # A recording is that of a run.
+                known=None if known is None or keep is not None else known.assessed,
+            )
+        except api.RunFailedError as error:
+            write_record(options, keep, error.trace)
+            raise
         if keep is not None and options.report is not None:
             recorded = recorded_run(keep)
-    if known is not None and _is_same(done, known.assessed):
-        return known
-    note_warnings(done.hardware, quiet=options.quiet)
-    instances = done.annotated.computed.instances
-    blocks = [block for _, block in blocks_of(done.sources)]
-    found = _Done(
-        done,
-        run_figures(done.assessment, done.hardware, instances, blocks),
-        uncertainty_of_run(
-            done.model,
-            done.hardware,
-            instances,
-            set_by_hand(blocks),
-            options,
-            seed=done.settings.seed,
-        ),
-        explained(options, done.annotated, done.hardware, done.settings),
-    )
-    if not _keeps_files(options):
-        found = replace(found, assessed=api.write_blocks(done))
+        if known is not None and _is_same(done, known.assessed):
+            return known
+        note_warnings(done.hardware, quiet=options.quiet)
+        instances = done.annotated.computed.instances
+        blocks = [block for _, block in blocks_of(done.sources)]
+        found = _Done(
+            done,
+            run_figures(done.assessment, done.hardware, instances, blocks),
+            uncertainty_of_run(
+                done.model,
+                done.hardware,
+                instances,
+                set_by_hand(blocks),
+                options,
+                seed=done.settings.seed,
+            ),
+            explained(options, done.annotated, done.hardware, done.settings),
+        )
+        if not _keeps_files(options):
+            found = replace(found, assessed=api.write_blocks(done))
+        # With the lines of the source as it is now, blocks and all: as --trace has them.
+        write_record(options, keep, found.assessed.trace)
     if options.report is not None and progress is not None:
         progress("report", done.trace.end.simulated_s or 0.0)
     _write_files(options, found.assessed, recorded)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
@@ -21,15 +22,28 @@ from tracerisk.cli.shared.run_report import (
     note_draft,
     object_lines,
     print_failure,
+    recording_folder,
     trace_lines,
     write_outputs,
+    write_record,
 )
 from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.errors import InputError
+
+if TYPE_CHECKING:
+    from tracerisk.trace import Trace
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add_run_options(parser)
+    shared.add_run_options(parser, needs_file=False)
+    parser.add_argument(
+        "--from",
+        dest="recording",
+        metavar="REC.mcap",
+        help="read the trace from a recording made by --record; runs nothing",
+    )
+    shared.add_record(parser)
     shared.add_hardware_options(parser)
     parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
     shared.add_json(parser)
@@ -37,26 +51,19 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import pipeline, trace_json
-    from tracerisk.adder.figures.computed import compute_blocks
+    from tracerisk import trace_json
 
-    with progress_bar(quiet=options.quiet) as progress:
-        controller = pipeline.load_controller(options.controller)
-        settings = pipeline.load_settings(controller, shared.run_settings(options))
-        trace = pipeline.trace_controller(
-            controller,
-            settings,
-            keep=None if options.keep is None else Path(options.keep),
-            progress=progress,
-        )
+    if options.recording is not None:
+        trace = _read(options)
+    elif options.controller is None:
+        raise InputError("FILE is missing: name a controller, or a recording with --from")
+    else:
+        trace = _run(options)
     if options.output is not None:
         write_file(options.output, trace_json.dumps(trace))
     note_draft(trace, quiet=options.quiet)
     code = 0 if trace.is_usable else print_failure(trace)
     code = code or int(verdict_exit(trace.verdict))
-    if options.log is not None:
-        hardware = pipeline.load_hardware(settings, trace.robot)
-        write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
     if options.json:
         data = trace_json.trace_data(trace)
         verdict = verdict_json(trace.verdict)
@@ -71,3 +78,33 @@ def run(options: argparse.Namespace) -> int:
         for line in trace.assumptions:
             note(f"assumed: {line}", quiet=options.quiet)
     return code
+
+
+def _run(options: argparse.Namespace) -> Trace:
+    from tracerisk import pipeline
+
+    with progress_bar(quiet=options.quiet) as progress, recording_folder(options) as keep:
+        controller = pipeline.load_controller(options.controller)
+        settings = pipeline.load_settings(controller, shared.run_settings(options))
+        trace = pipeline.trace_controller(controller, settings, keep=keep, progress=progress)
+        write_record(options, keep, trace)
+    if options.log is not None:
+        from tracerisk.adder.figures.computed import compute_blocks
+
+        hardware = pipeline.load_hardware(settings, trace.robot)
+        write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
+    return trace
+
+
+def _read(options: argparse.Namespace) -> Trace:
+    from tracerisk.pipeline.recordings.read import read_trace
+
+    given = {"FILE": options.controller, "--record": options.record, "--log": options.log}
+    given["--keep"] = options.keep
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(
+                f"{name} does not go with --from: a recording is read and nothing is run; "
+                "allowed: --output, --json and --quiet"
+            )
+    return read_trace(Path(options.recording))

@@ -32,9 +32,28 @@ def add_sarif(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add the controller and what its run depends on."""
-    parser.add_argument("controller", metavar="FILE", help="the controller's Python file")
+def add_record(parser: argparse.ArgumentParser) -> None:
+    """Add the recording of the run as a file for other tools."""
+    parser.add_argument(
+        "--record", metavar="OUT.mcap", help="write the run as an MCAP file (docs/recordings.md)"
+    )
+    parser.add_argument(
+        "--record-rate",
+        metavar="HZ",
+        type=float,
+        default=500.0,
+        help="how often joint states are written into it, 50 to 500 (500)",
+    )
+
+
+def add_run_options(parser: argparse.ArgumentParser, *, needs_file: bool = True) -> None:
+    """Add the controller, which may be left out without `needs_file`, and what its run needs."""
+    parser.add_argument(
+        "controller",
+        metavar="FILE",
+        nargs=None if needs_file else "?",
+        help="the controller's Python file",
+    )
     parser.add_argument(
         "argv", metavar="ARG", nargs="*", help="arguments for the controller, after --"
     )

@@ -13,7 +13,7 @@ from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks
 from tracerisk.cli.shared.output import note, scenario_advice, write_file
 from tracerisk.config import FailOn
-from tracerisk.errors import ExitCode
+from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
@@ -193,10 +193,26 @@ def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -
 @contextlib.contextmanager
 def recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
     """Give the folder in which the recording stays for as long as it is needed."""
+    record = options.record
+    if record is not None:
+        from tracerisk.pipeline.recordings.write import check_rate
+
+        check_rate(options.record_rate)
+        if not Path(record).absolute().parent.is_dir():
+            raise InputError("its folder does not exist; make it first", Location(record))
     if options.keep is not None:
         yield Path(options.keep)
-    elif options.report is None:
+    elif record is None and getattr(options, "report", None) is None:
         yield None
     else:
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             yield Path(folder)
+
+
+def write_record(options: argparse.Namespace, keep: Path | None, trace: Trace) -> None:
+    """Write the run that `keep` holds as an MCAP file, where one was asked for."""
+    if options.record is None or keep is None:
+        return
+    from tracerisk.pipeline.recordings.write import write_recording
+
+    write_recording(keep, trace, Path(options.record), rate_hz=options.record_rate)

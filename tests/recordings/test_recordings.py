@@ -1,0 +1,153 @@
+"""A run is written as MCAP, opens with public readers, and is read back to the byte."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.conftest import SAMPLES, quick_controller
+from tracerisk.twin.recording.samples import read_samples
+
+ALL = sorted(path for path in SAMPLES.iterdir() if path.suffix == ".py")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory, example_in):
+    example = example_in(tmp_path_factory.mktemp("recorded"))
+    example.write("quick.py", quick_controller())
+    done = example.run(
+        *("trace", "quick.py", "--record", "quick.mcap", "--keep", "kept", "-o", "quick.json")
+    )
+    assert done.code == 0, done.err
+    return example
+
+
+def test_the_trace_is_read_back_to_the_byte(recorded):
+    done = recorded.run("trace", "--from", "quick.mcap", "-o", "back.json")
+    assert done.code == 0, done.err
+    assert recorded.read("back.json") == recorded.read("quick.json")
+
+
+def test_the_reader_of_mcap_opens_it(recorded):
+    from mcap.reader import make_reader
+
+    with (recorded.folder / "quick.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert reader.get_header().profile == "ros2"
+        times = [message.log_time for _, _, message in reader.iter_messages(log_time_order=False)]
+    assert times == sorted(times)
+
+
+def test_rosbags_reads_the_joint_states_that_were_sampled(recorded):
+    from rosbags.highlevel import AnyReader
+
+    samples = read_samples(recorded.folder / "kept")
+    with AnyReader([recorded.folder / "quick.mcap"]) as reader:
+        found = {each.topic: each for each in reader.connections}
+        states = [
+            (time, reader.deserialize(raw, each.msgtype))
+            for each, time, raw in reader.messages([found["/joint_states"]])
+        ]
+        commands = [
+            json.loads(reader.deserialize(raw, each.msgtype).data)
+            for each, _, raw in reader.messages([found["/tracerisk/commands"]])
+        ]
+    assert found["/tracerisk/findings"].msgtype == "rcl_interfaces/msg/Log"
+    assert tuple(states[0][1].name) == samples.header.joints
+    assert np.array_equal([each.position for _, each in states], samples.position)
+    assert np.array_equal([each.velocity for _, each in states], samples.velocity)
+    assert np.array_equal([each.effort for _, each in states], samples.torque)
+    stamps = [each.header.stamp.sec * 10**9 + each.header.stamp.nanosec for _, each in states]
+    assert stamps == [time for time, _ in states]
+    assert stamps == [k * samples.header.step_ns for k in range(samples.n_steps)]
+    assert [each["function"] for each in commands] == ["act"]
+    assert [each["function"] for each in commands[0]["stack"]] == ["<module>", "main", "act"]
+
+
+def test_a_lower_rate_writes_fewer_joint_states_and_the_same_trace(recorded):
+    done = recorded.run(
+        *("run", "quick.py", "--record", "slow.mcap", "--record-rate", "50", "--trace", "run.json")
+    )
+    assert done.code == 0, done.err
+    assert recorded.run("trace", "--from", "slow.mcap", "-o", "slow.json").code == 0
+    assert recorded.read("slow.json") == recorded.read("run.json")
+    assert len(recorded.read("slow.mcap")) < len(recorded.read("quick.mcap")) / 2
+
+
+def test_a_run_that_fails_is_recorded_as_far_as_it_came(recorded):
+    recorded.write("bad.py", quick_controller("raise ValueError('no')"))
+    done = recorded.run("run", "bad.py", "--record", "bad.mcap", "--trace", "bad.json")
+    assert done.code != 0
+    assert recorded.run("trace", "--from", "bad.mcap", "-o", "back.json").code == done.code
+    assert recorded.read("back.json") == recorded.read("bad.json")
+
+
+@pytest.mark.parametrize(
+    ("kept", "told"),
+    [
+        (b"", "is empty"),
+        (b"#ROSBAG V2.0\n", "is no MCAP file"),
+        (None, "is damaged or was cut short"),
+    ],
+)
+def test_a_broken_recording_is_refused(recorded, kept, told):
+    whole = recorded.read("quick.mcap")
+    recorded.write("broken.mcap", whole[: len(whole) // 2] if kept is None else kept)
+    done = recorded.run("trace", "--from", "broken.mcap")
+    assert done.code == 2
+    assert f"broken.mcap: {told}" in done.err
+
+
+def test_every_cut_of_a_recording_is_refused(recorded):
+    from tracerisk.errors import LogError
+    from tracerisk.pipeline.recordings.read import read_trace
+
+    whole = recorded.read("quick.mcap")
+    for length in (*range(9, 200, 7), *range(len(whole) - 200, len(whole), 7)):
+        path = recorded.write("cut.mcap", whole[:length])
+        with pytest.raises(LogError, match="is damaged or was cut short"):
+            read_trace(path)
+
+
+def test_a_recording_of_another_tool_is_refused_with_its_topics(recorded):
+    from mcap.writer import Writer
+
+    with (recorded.folder / "other.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        writer.register_channel("/scan", "json", 0)
+        writer.finish()
+    done = recorded.run("trace", "--from", "other.mcap")
+    assert done.code == 2
+    assert "other.mcap: holds no trace; its topics are /scan; only recordings made by" in done.err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("trace", "--from", "none.mcap"), "none.mcap: cannot be read: No such file"),
+        (("trace", "quick.py", "--from", "quick.mcap"), "FILE does not go with --from"),
+        (("trace",), "FILE is missing"),
+        (("run", "quick.py", "--record", "x.mcap", "--record-rate", "5"), "give 50 to 500 Hz"),
+        (("run", "quick.py", "--record", "x.mcap", "--record-rate", "nan"), "give 50 to 500 Hz"),
+        (("run", "quick.py", "--record", "no/x.mcap"), "no/x.mcap: its folder does not exist"),
+    ],
+)
+def test_what_does_not_go_is_told_before_the_run(recorded, words, told):
+    done = recorded.run(*words)
+    assert done.code == 2
+    assert told in done.err
+    assert not (recorded.folder / "x.mcap").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+def test_every_sample_is_read_back_to_the_byte(tmp_path, example_in, path):
+    example = example_in(tmp_path)
+    example.write(path.name, path.read_bytes())
+    done = example.run("trace", path.name, "--record", "o.mcap", "-o", "o.json")
+    assert done.code in (0, 1), done.err
+    assert example.run("trace", "--from", "o.mcap", "-o", "back.json").code == done.code
+    assert example.read("back.json") == example.read("o.json")

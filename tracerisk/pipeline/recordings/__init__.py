@@ -1,0 +1,1 @@
+"""Recordings of runs as files that other tools open."""

@@ -1,0 +1,11 @@
+"""The topics of a recording that tracerisk writes, and the rates of its joint states."""
+
+JOINT_STATES = "/joint_states"
+COMMANDS = "/tracerisk/commands"
+VISITS = "/tracerisk/visits"
+CONTACTS = "/tracerisk/contacts"
+FINDINGS = "/tracerisk/findings"
+TRACE = "tracerisk-trace.json"
+"""The attachment that holds the trace."""
+RATE_HZ = (50.0, 500.0)
+"""The least and the greatest rate of joint states [Hz]."""
