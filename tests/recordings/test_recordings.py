@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ import pytest
 from tests.conftest import SAMPLES, quick_controller
 from tracerisk.twin.recording.samples import read_samples
 
-ALL = sorted(path for path in SAMPLES.iterdir() if path.suffix == ".py")
+SORTING = SAMPLES / "part_sorting/src/part_sorting/scripts/sort_parts.py"
+ALL = [*sorted(path for path in SAMPLES.iterdir() if path.suffix == ".py"), SORTING]
 
 
 @pytest.fixture(scope="module")
@@ -146,8 +148,9 @@ def test_what_does_not_go_is_told_before_the_run(recorded, words, told):
 @pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_every_sample_is_read_back_to_the_byte(tmp_path, example_in, path):
     example = example_in(tmp_path)
-    example.write(path.name, path.read_bytes())
-    done = example.run("trace", path.name, "--record", "o.mcap", "-o", "o.json")
+    shutil.copytree(SAMPLES, tmp_path / "samples")
+    controller = f"samples/{path.relative_to(SAMPLES).as_posix()}"
+    done = example.run("trace", controller, "--record", "o.mcap", "-o", "o.json")
     assert done.code in (0, 1), done.err
     assert example.run("trace", "--from", "o.mcap", "-o", "back.json").code == done.code
     assert example.read("back.json") == example.read("o.json")

@@ -195,11 +195,12 @@ def recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
     """Give the folder in which the recording stays for as long as it is needed."""
     record = options.record
     if record is not None:
-        from tracerisk.pipeline.recordings.write import check_rate
+        from tracerisk.pipeline.recordings.write import check_rate, load_writer
 
         check_rate(options.record_rate)
         if not Path(record).absolute().parent.is_dir():
             raise InputError("its folder does not exist; make it first", Location(record))
+        load_writer()
     if options.keep is not None:
         yield Path(options.keep)
     elif record is None and getattr(options, "report", None) is None:

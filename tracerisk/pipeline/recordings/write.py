@@ -10,12 +10,16 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import lru_cache
 from heapq import merge
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk import trace_json
+from tracerisk.dependencies import is_installed, missing_extra
 from tracerisk.errors import InputError, Location, SettingsError
 from tracerisk.instrument.recording import Command, read_recording
 from tracerisk.pipeline.recordings.names import (
@@ -58,10 +62,8 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
     Raises SettingsError for another rate, LogError where the recording is damaged, InputError
     where the file cannot be written.
     """
-    from rosbags.typesys import Stores, get_typestore
-
     check_rate(rate_hz)
-    store = get_typestore(Stores.ROS2_JAZZY)
+    store = _store()
     samples = read_samples(folder) if has_samples(folder) else None
     events = folder / EVENTS
     commands = read_recording(events).commands if events.is_file() else ()
@@ -77,6 +79,30 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
             part.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", Location(str(path))) from error
+
+
+def load_writer() -> None:
+    """Load what writing needs, in a thread while the run goes on; `write_recording` waits for it.
+
+    Raises DependencyError where the package `mcap` is not installed.
+    """
+    if not is_installed("mcap"):
+        raise missing_extra("sim", "--record")
+
+    def load() -> None:
+        with suppress(ImportError):  # told where it is used
+            import mcap.writer  # noqa: F401
+
+            _store()
+
+    threading.Thread(target=load, name="load the writer", daemon=True).start()
+
+
+@lru_cache(maxsize=1)
+def _store() -> Typestore:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_JAZZY)
 
 
 def check_rate(rate_hz: float) -> None:
