@@ -172,8 +172,8 @@ def _watch(options: argparse.Namespace) -> NoReturn:
         if done is known:
             note(f"{path}: nothing that its figure depends on has changed", quiet=options.quiet)
         else:
-            _show(options, done)
             note(_followed(done, known, clock), quiet=options.quiet)
+            _show(options, done)
         last[:] = [done]
         found = done.assessed
         return {*files, *watched_files(path, found.controller, found.trace, found.settings)}
