@@ -16,12 +16,11 @@ from uuid import uuid4
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
-from tracerisk.acceptances import ACCEPTABLE
-from tracerisk.editor.accepting import SETTINGS
+from tracerisk.editor.commands import register_commands
 from tracerisk.editor.completion import Offer, offers
 from tracerisk.editor.described_files import kind_of, yaml_offers
 from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
-from tracerisk.editor.fixes import ACCEPT, MENDED, PIN, REFRESH, acceptance, fixes, pin
+from tracerisk.editor.fixes import MENDED, REFRESH, fixes
 from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import (
     component_at,
@@ -30,9 +29,9 @@ from tracerisk.editor.hover import (
     function_markdown,
 )
 from tracerisk.editor.lenses import lenses
-from tracerisk.editor.refreshing import POLICIES, Refreshed, Refreshes
-from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with, path_of
-from tracerisk.errors import TraceRiskError, one_of
+from tracerisk.editor.refreshing import Refreshes
+from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with
+from tracerisk.errors import TraceRiskError
 
 _DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""
@@ -178,19 +177,7 @@ def language_server() -> RiskServer:
     server = RiskServer()
     for name, answer in _ANSWERS.items():
         server.connection.feature(name, _OPTIONS.get(name))(partial(answer, server))
-
-    async def refresh(*words: str) -> bool:
-        return await _refresh(server, *map(str, (*words, "", "")[:2]))
-
-    async def pinned(*words: Any) -> bool:
-        return await _pin(server, *(*words, "", 0, "")[:3])
-
-    async def accepted(*words: Any) -> bool:
-        return await _accept(server, *map(str, (*words, "", "", "", "", "")[:5]))
-
-    server.connection.command(REFRESH)(refresh)
-    server.connection.command(PIN)(pinned)
-    server.connection.command(ACCEPT)(accepted)
+    register_commands(server)
     return server
 
 
@@ -289,59 +276,6 @@ def _folding(server: RiskServer, params: lsp.FoldingRangeParams) -> list[lsp.Fol
     if document is None:
         return []
     return list(foldings(server.session.outline(document), document.lines.texts))
-
-
-async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
-    """Refresh a controller, tell the user how that ended, and return whether it ended well."""
-    path = path_of(uri)
-    if path is None or policy not in ("", *POLICIES):
-        server.tell(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)
-        return False
-    path = path.resolve()
-    unsaved = [each.path.name for each in server.session.unsaved() if each.path is not None]
-    if unsaved:
-        told = f"{', '.join(unsaved)} is not saved; save, then refresh {path.name}"
-        server.tell(told, is_error=True)
-        return False
-    if server.refreshes.is_running(path):
-        server.tell(f"{path.name} is being refreshed already", is_error=True)
-        return False
-    async with server.progress(f"refreshing {path.name}", partial(server.refreshes.end, path)):
-        done: Refreshed = await server.refreshes.run(path, path.parent, policy)
-    server.tell(done.words, is_error=not done.is_fine)
-    for document in list(server.session.documents.values()):
-        server.session.put(document.uri, document.version, document.text)
-    server.touch(list(server.session.documents))
-    return done.is_fine
-
-
-async def _pin(server: RiskServer, uri: Any, line: Any, reason: Any) -> bool:
-    """Set the value of a line by hand; return whether the editor did so."""
-    document = server.document(str(uri))
-    if document is None or not isinstance(line, int):
-        server.tell(f"{PIN} takes the URI of an open source, a line and a reason", is_error=True)
-        return False
-    edit = pin(server.session, document, line, str(reason))
-    if edit is None:
-        server.tell("there is no value of a risk block to set by hand on this line", is_error=True)
-        return False
-    return await server.apply("set a value by hand", edit)
-
-
-async def _accept(
-    server: RiskServer, uri: str, code: str, function: str, thing: str, words: str
-) -> bool:
-    """Accept a reason of a controller's verdict; return whether the editor did so."""
-    path = path_of(uri)
-    if path is None or code not in ACCEPTABLE or not words.strip():
-        told = f"{ACCEPT} takes the URI of a controller, a code, function, object and words"
-        server.tell(f"{told}; {one_of(ACCEPTABLE, code)}", is_error=True)
-        return False
-    edit = acceptance(server.session, path, code, function, thing, words.strip())
-    if edit is None:
-        server.tell(f"{path.parent} has no {SETTINGS} that another entry fits", is_error=True)
-        return False
-    return await server.apply(f"accept {code}", edit)
 
 
 async def _shut_down(server: RiskServer, _: None) -> None:
