@@ -6,8 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.acceptances import ACCEPTABLE
-from tracerisk.editor.accepting import SETTINGS
-from tracerisk.editor.fixes import ACCEPT, PIN, REFRESH, acceptance, pin
+from tracerisk.editor.fixes import ACCEPT, PIN, REFRESH, SETTINGS, acceptance, pin
 from tracerisk.editor.refreshing import POLICIES, Refreshed
 from tracerisk.editor.session import path_of
 from tracerisk.errors import one_of

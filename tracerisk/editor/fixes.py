@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 from lsprotocol import types as lsp
 
+from tracerisk.acceptances import ACCEPTABLE
 from tracerisk.adder.lock.lock import WrittenBlock, lock_key
-from tracerisk.config import controller_root
-from tracerisk.editor.accepting import accepting, reason_of, settings_of
+from tracerisk.config import controller_root, loads_toml
 from tracerisk.editor.diagnostics import finding_diagnostic
 from tracerisk.editor.pins import pinning, value_line, written_value
 from tracerisk.editor.session import Analysis, Document, Session
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import lock_of
+from tracerisk.trace import Reason, Verdict
 
+SETTINGS = "pyproject.toml"
 REFRESH = "tracerisk.refresh"
 """Runs `tracerisk refresh`: the URI of a controller, and what becomes of edits."""
 PIN = "tracerisk.pin"
@@ -186,3 +189,35 @@ def _command(
     command = lsp.Command(title, name, arguments=arguments)
     kind = lsp.CodeActionKind.QuickFix
     return lsp.CodeAction(title, kind, told, is_preferred=preferred or None, command=command)
+
+
+def reason_of(verdict: Verdict | None, message: str, function: str) -> Reason | None:
+    """Return the reason of a verdict that a finding tells of, if it may be accepted."""
+    for each in () if verdict is None else verdict.open_reasons:
+        if each.code in ACCEPTABLE and each.function == function and message.startswith(each.words):
+            return each
+    return None
+
+
+def accepting(text: str, code: str, function: str, thing: str, words: str) -> str | None:
+    """Return what is to stand behind the settings so that a reason is accepted.
+
+    `None` where their `accept` is written in a way that nothing can be put behind.
+    """
+    given = {"code": code, "function": function, "object": thing, "words": words}
+    # A JSON string is a basic string of TOML.
+    lines = [
+        f"{key} = {json.dumps(value)}" for key, value in given.items() if value or key == "words"
+    ]
+    gap = "" if not text or text.endswith("\n\n") else "\n" if text.endswith("\n") else "\n\n"
+    added = gap + "\n".join(["[[tool.tracerisk.accept]]", *lines]) + "\n"
+    try:
+        loads_toml((text + added).replace("\r\n", "\n"))
+    except ValueError:
+        return None
+    return added
+
+
+def settings_of(root: Path) -> Path:
+    """Return the settings of a controller's root."""
+    return root.resolve() / SETTINGS
