@@ -15,7 +15,7 @@ from pathlib import Path
 TOP_OF_SDIST = {
     *("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "PKG-INFO", "README.md", "hatch_build.py"),
     *("pyproject.toml", "mkdocs.yml", ".gitignore", ".pre-commit-hooks.yaml", "action.yml"),
-    *("action", "benchmarks", "docs", "sample_controllers", "tests", "tracerisk"),
+    *("action", "benchmarks", "docs", "editors", "sample_controllers", "tests", "tracerisk"),
 }
 MUST_BE = (
     "tracerisk/py.typed",
