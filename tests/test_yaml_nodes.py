@@ -126,7 +126,7 @@ def test_merged_keys_follow_own_ones_and_the_first_merge_counts():
         ("a: !!set {b}\n", "1:4: is not valid YAML: the type tag:yaml.org,2002:set is not known"),
         ("a: !!int x\n", "1:4: is not valid YAML: 'x' is not of the type tag:yaml.org,2002:int"),
         ("<<: 3\n", "1:1: is not valid YAML: '<<' merges maps, and what it holds is none"),
-        ("a: " + "[" * 100_000, "1:103: is not valid YAML: is nested deeper than 100 levels"),
+        ("a: " + "[" * 500, "1:103: is not valid YAML: is nested deeper than 100 levels"),
         ("- 1\n", "1: expected a mapping at the top, found a list"),
         ("", "1: expected a mapping at the top, found nothing"),
     ],
@@ -137,6 +137,14 @@ def test_what_is_no_mapping_of_yaml_is_an_error_with_its_place(tmp_path, text, t
     with pytest.raises(InputError) as found:
         read_large_yaml(file, shown="a.yaml")
     assert str(found.value).startswith(f"a.yaml:{told}")
+
+
+@pytest.mark.parametrize("deep", ["a: " + "[" * 100_000, "a: " + "{b: " * 20_000])
+def test_what_the_parser_itself_finds_too_deep_has_the_same_message(tmp_path, deep):
+    file = tmp_path / "a.yaml"
+    file.write_text(deep)
+    with pytest.raises(InputError, match=r"^a\.yaml:1:\d+: .*: is nested deeper than 100 levels"):
+        read_large_yaml(file, shown="a.yaml")
 
 
 def test_characters_that_yaml_forbids_are_an_error(tmp_path):

@@ -15,6 +15,7 @@ from yaml import events
 from yaml.cyaml import CParser
 
 _MAX_DEPTH = 100
+_TOO_DEEP = f"is nested deeper than {_MAX_DEPTH} levels"
 _CORE = "tag:yaml.org,2002:"
 _MERGE = "<<"
 _WORDS: Mapping[str, Any] = {
@@ -97,6 +98,9 @@ def load_placed(text: str) -> Any:
         within = [(mark.line, mark.column) for mark in marks if mark.line <= last]
         end = (last, len(text) - text.rfind("\n") - 1)
         words = [word for word in (cause.context, cause.problem) if word]
+        if cause.problem == "exceeded maximum nesting depth":
+            # From libyaml 0.2.6 on its scanner, which reads ahead, ends before the events do.
+            words = [_TOO_DEEP]
         raise PlacedYamlError(", ".join(words), within[0] if within else end) from cause
     except ReaderError as cause:
         raise PlacedYamlError(str(cause.reason), None) from cause
@@ -139,7 +143,7 @@ class _Document:
             raise PlacedYamlError(f"the type {event.tag} is not known here", _start(event))
         self._depth += 1
         if self._depth > _MAX_DEPTH:
-            raise PlacedYamlError(f"is nested deeper than {_MAX_DEPTH} levels", _start(event))
+            raise PlacedYamlError(_TOO_DEEP, _start(event))
         is_map = isinstance(event, events.MappingStartEvent)
         built = self._map(event) if is_map else self._list(event)
         self._depth -= 1
