@@ -50,6 +50,28 @@ def test_bash_completes_verbs_options_and_choices(script, words, offered):
     } == offered
 
 
+@pytest.mark.skipif(shutil.which("fish") is None, reason="needs fish")
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("tracerisk ", set(VERBS)),
+        ("tracerisk ch", {"check"}),
+        ("tracerisk diff --form", {"--format"}),
+        ("tracerisk diff --format ", {"text", "markdown", "json"}),
+    ],
+)
+def test_fish_completes_verbs_options_and_choices(example, line, offered):
+    script = example.write("tracerisk.fish", example.run("completion", "fish").out)
+    found = subprocess.run(
+        ["fish", "--no-config", "-c", 'source $argv[1]; complete -C "$argv[2]"', script, line],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    words = {each.partition("\t")[0] for each in found.stdout.splitlines()}
+    assert words == offered
+
+
 @pytest.mark.parametrize("shell", SHELLS)
 def test_there_is_a_script_for_each_shell_that_knows_every_verb(example, shell):
     outcome = example.run("completion", shell)

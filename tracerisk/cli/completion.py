@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-SHELLS = ("bash", "zsh", "tcsh")
+SHELLS = ("bash", "zsh", "fish", "tcsh")
 
 _HOW = """\
 install it once, then open a new shell:
   bash: tracerisk completion bash \\
           > ~/.local/share/bash-completion/completions/tracerisk
   zsh:  tracerisk completion zsh > FOLDER/_tracerisk, FOLDER being one of $fpath
+  fish: tracerisk completion fish > ~/.config/fish/completions/tracerisk.fish
   tcsh: tracerisk completion tcsh > FILE, and `source FILE` in ~/.tcshrc
 """
 
