@@ -19,6 +19,8 @@ from typing import Any
 
 import pytest
 
+from tracerisk.pipeline.check.cached_run import last_duration_s
+
 ESCAPE = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
 HIDE, SHOW, ERASE = "\x1b[?25l", "\x1b[?25h", "\x1b[2K"
 WIDTH_OF_THE_SETTING = {"COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR", "TERM"}
@@ -214,6 +216,43 @@ def test_colours_where_they_are_forced_and_no_empty_setting_counts(annotated):
     bare = ESCAPE.sub("", forced.out).splitlines()
     assert [line.rstrip() for line in bare] == plain.splitlines()
     assert "\x1b" in at_terminal(annotated, "solve", "model.json", environment={"NO_COLOR": ""}).raw
+
+
+def test_the_option_color_has_the_last_word(annotated):
+    colored = annotated.run("solve", "model.json", "--color", "always")
+    assert "\x1b[1m" in colored.out
+    asked = {"NO_COLOR": "1"}
+    still = annotated.run("solve", "model.json", "--color", "always", environment=asked)
+    assert still.out == colored.out
+    forced = {"FORCE_COLOR": "1"}
+    plain = annotated.run("solve", "model.json", "--color", "never", environment=forced)
+    assert plain.out == annotated.run("solve", "model.json").out
+    wrong = annotated.run("solve", "model.json", "--color", "blue")
+    assert wrong.code == 2
+    assert "'auto', 'always', 'never'" in wrong.err
+
+
+def test_the_time_left_is_shown_once_a_run_is_known(talking):
+    first = at_terminal(talking, "run", "controller.py", width=120)
+    assert first.code == 0
+    assert not re.search(r"about \d+ s left", first.raw)
+    again = at_terminal(talking, "run", "controller.py", width=120)
+    assert re.search(r"about \d+ s left", again.raw)
+
+
+def test_a_lock_that_cannot_be_read_gives_no_time_left(talking):
+    known = talking.folder / "controller.py"
+    assert last_duration_s(known) is None
+    assert talking.run("run", "controller.py").code == 0
+    assert last_duration_s(known) == pytest.approx(sum_of_durations(talking))
+    for broken in (b"", b"{", b"[1]", b'{"schema": "tracerisk.lock"}'):
+        talking.write("tracerisk.lock", broken.decode())
+        assert last_duration_s(known) is None
+
+
+def sum_of_durations(example):
+    (entry,) = json.loads(example.read("tracerisk.lock"))["controllers"].values()
+    return sum(each["duration_s"] for each in entry["trace"]["functions"].values())
 
 
 def test_a_wide_terminal_is_made_use_of(annotated):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 import threading
@@ -23,6 +24,10 @@ def guarded(options: argparse.Namespace) -> int:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminated)
     warnings.formatwarning = _one_line
+    # The options speak to the tables, the progress bar and the libraries alike in these words.
+    if getattr(options, "color", "auto") != "auto":
+        os.environ.pop("NO_COLOR", None)
+        os.environ["FORCE_COLOR" if options.color == "always" else "NO_COLOR"] = "1"
     try:
         return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
     except TraceRiskError as error:

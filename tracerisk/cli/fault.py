@@ -75,7 +75,8 @@ def run_faults(options: argparse.Namespace) -> int:
     from tracerisk.pipeline.results.run_section import recorded_run
 
     recorded = None
-    with progress_bar(quiet=options.quiet) as progress, recording_folder(options) as keep:
+    shown = progress_bar(quiet=options.quiet, controller=options.controller)
+    with shown as progress, recording_folder(options) as keep:
         done = api.run_with_faults(
             options.controller,
             options.faults,

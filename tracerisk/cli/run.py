@@ -116,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         if options.faults:
             return run_faults(options)
-        with progress_bar(quiet=options.quiet) as progress:
+        with progress_bar(quiet=options.quiet, controller=options.controller) as progress:
             done = _done(options, progress)
     except RunFailedError as error:
         return _failed(options, error.trace)
@@ -159,7 +159,7 @@ def _watch(options: argparse.Namespace) -> NoReturn:
         clock = _Clock()
         known = last[-1] if last else None
         try:
-            with progress_bar(quiet=options.quiet) as bar:
+            with progress_bar(quiet=options.quiet, controller=options.controller) as bar:
                 done = _done(options, _looking(watched, clock, bar), known)
         except api.RunFailedError as error:
             _failed(options, error.trace)

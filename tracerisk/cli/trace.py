@@ -83,7 +83,8 @@ def run(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> Trace:
     from tracerisk import pipeline
 
-    with progress_bar(quiet=options.quiet) as progress, recording_folder(options) as keep:
+    shown = progress_bar(quiet=options.quiet, controller=options.controller)
+    with shown as progress, recording_folder(options) as keep:
         controller = pipeline.load_controller(options.controller)
         settings = pipeline.load_settings(controller, shared.run_settings(options))
         trace = pipeline.trace_controller(controller, settings, keep=keep, progress=progress)

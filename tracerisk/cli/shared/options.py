@@ -20,9 +20,15 @@ ProfileText = dict[str, dict[str, str]]
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
-    """Add `--json` and `--quiet`."""
+    """Add `--json`, `--quiet` and `--color`."""
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="suppress notes and progress")
+    parser.add_argument(
+        "--color",
+        choices=("auto", "always", "never"),
+        default="auto",
+        help="when to color: auto is on a terminal, as NO_COLOR and FORCE_COLOR say (auto)",
+    )
 
 
 def add_sarif(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import difflib
 import json
+import math
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -130,11 +132,12 @@ def print_text(text: str) -> None:
 
 @contextlib.contextmanager
 def progress_bar(
-    most_s: float | None = None, *, quiet: bool
+    most_s: float | None = None, *, quiet: bool, controller: str | None = None
 ) -> Iterator[Callable[[str, float], None] | None]:
     """Yield what shows the phase and the simulated seconds; `None` where there is no terminal.
 
-    `most_s` is the simulated time [s] after which a run is over, where it is known.
+    `most_s` is the simulated time [s] after which a run is over, where it is known. Of a
+    `controller` that `tracerisk.lock` knows, the time left is shown, as if it ran as long again.
     What is printed on standard error meanwhile stands above the bar, which is gone at the end.
     """
     if quiet or not sys.stderr.isatty() or _is_dumb():
@@ -143,12 +146,18 @@ def progress_bar(
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+    usual_s = None
+    if controller is not None:
+        from tracerisk.pipeline.check.cached_run import last_duration_s
+
+        usual_s = last_duration_s(controller)
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description:<17}"),
         BarColumn(bar_width=20),
         TextColumn("{task.fields[simulated]}"),
         TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
     )
     bar = Progress(
         *columns,
@@ -157,13 +166,25 @@ def progress_bar(
         redirect_stdout=False,
     )
     with bar:
-        # Nobody knows when a controller will end: the bar says that it runs, not how far it is.
-        task = bar.add_task("reading", total=None, simulated="")
+        # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
+        task = bar.add_task("reading", total=None, simulated="", left="")
+        first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
 
         def tell(phase: str, simulated_s: float) -> None:
+            nonlocal first
             most = "" if most_s is None else f" of at most {most_s:g}"
             simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
-            bar.update(task, description=phase, simulated=simulated)
+            left, done, total = "", None, None
+            if usual_s is not None and simulated_s > 0.0:
+                now = time.monotonic()
+                first = first or (now, simulated_s)
+                done, total = min(simulated_s, usual_s), usual_s
+                if (gained := simulated_s - first[1]) > 0.0:
+                    left_s = (total - done) * (now - first[0]) / gained
+                    left = f"about {math.ceil(left_s)} s left"
+            bar.update(
+                task, description=phase, simulated=simulated, left=left, total=total, completed=done
+            )
 
         yield tell
 

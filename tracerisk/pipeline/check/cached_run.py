@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key, read_lock
 from tracerisk.config import Settings, read_settings
+from tracerisk.errors import InputError
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.trace.cache import TraceCache
@@ -53,6 +55,21 @@ def kept_run(path: Path | str) -> KeptRun:
     trace = TraceCache(controller.root).read(recorded.fingerprint, controller.file)
     told = "" if trace is not None else "The trace of its last run is not kept on this machine."
     return KeptRun(controller, settings, files, trace, told, recorded.fingerprint)
+
+
+def last_duration_s(path: Path | str) -> float | None:
+    """Return how long the visits of the last run lasted together [s, simulated].
+
+    `None` for a controller of which the lock knows no run, and for what cannot be read.
+    """
+    try:
+        controller = load_controller(path)
+        lock = read_lock(controller.root / LOCK_NAME)
+        functions = lock.controllers[lock_key(controller.path, controller.root)].trace["functions"]
+        total = math.fsum(float(each["duration_s"]) for each in functions.values())
+    except (InputError, LookupError, TypeError, ValueError, AttributeError):
+        return None
+    return total if total > 0.0 else None
 
 
 def _files(controller: Controller, entry: ControllerLock) -> tuple[str, ...]:
