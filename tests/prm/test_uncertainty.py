@@ -24,7 +24,7 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
-from tracerisk.prm.questions.draws import MOST_TOGETHER
+from tracerisk.prm.questions.draws import MOST_TOGETHER, InputDraws, UncertainInput
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.sobol import first_order_shares
@@ -440,6 +440,59 @@ def test_many_inputs_are_drawn_in_blocks(block, component, monkeypatch):
     names = {each.name: each for each in parted.inputs}
     for each in whole.inputs:
         assert names[each.name].percentiles == pytest.approx(each.percentiles, rel=0.1)
+
+
+@pytest.fixture
+def drawn_in_blocks(monkeypatch):
+    """Return the draws of 40 inputs, of 20 laws, in blocks of 500 of 1,200 samples."""
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_FITTED", 1_200)
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_DRAWN", 20_000)
+
+    def make(strata):
+        monkeypatch.setattr("tracerisk.prm.questions.draws._STRATA", strata)
+        laws = [Lognormal(3.0, "mean"), Lognormal(30.0), Uniform(0.0, 1.0), Beta(0.5, 20.0)]
+        inputs = {
+            f"c{i}": UncertainInput(0.01 * (1 + i % 3), laws[i % 4], is_probability=i != 5)
+            for i in range(40)
+        }
+        return InputDraws(inputs, 1_200, 7)
+
+    return make
+
+
+def test_each_stratum_of_a_block_holds_one_draw(drawn_in_blocks):
+    drawn = drawn_in_blocks(2_048)
+    blocks = [dict(zip(*block, strict=True))["c2"].copy() for block in drawn.blocks()]
+    assert [len(block) for block in blocks] == [500, 500, 200]
+    for block in blocks:
+        assert sorted(np.floor(block * len(block))) == list(range(len(block)))
+        assert list(block) != sorted(block)
+    assert len(set(np.concatenate(blocks))) == 1_200
+
+
+def test_inputs_of_one_law_are_drawn_as_if_each_were_alone(drawn_in_blocks):
+    # With so few strata the quantiles are taken once for a law, with so many for each input.
+    for strata in (2_048, 65_536):
+        drawn = drawn_in_blocks(strata)
+        names, parts, cut = (), [], {}
+        for names, block in drawn.blocks():  # noqa: B007 - the same each time
+            parts.append(block.copy())
+        values = dict(zip(names, np.concatenate(parts, axis=1), strict=True))
+        cut = dict(drawn.cut)
+        for name, whole in drawn.whole(list(drawn.inputs)).items():
+            assert values[name] == pytest.approx(whole, rel=1e-15), name
+        assert cut == drawn.cut
+        assert cut["c1"] > 0 == cut["c5"]
+        assert values["c1"].max() == 1.0 < values["c5"].max()
+
+
+def test_draws_of_inputs_in_blocks_are_independent(drawn_in_blocks):
+    drawn = drawn_in_blocks(2_048)
+    ranks = np.argsort(np.argsort(list(drawn.whole(list(drawn.inputs)).values()), axis=1), axis=1)
+    found = np.corrcoef(ranks)[np.triu_indices(40, 1)]
+    # Of 780 pairs: the spread of a correlation of 1,200 independent draws is 1 / sqrt(1,200).
+    assert found.std() == pytest.approx(1_200**-0.5, rel=0.1)
+    assert abs(found.mean()) < 4 * found.std() / math.sqrt(780)
 
 
 def test_few_draws_of_a_narrow_figure_know_its_mean(one_part):

@@ -110,6 +110,21 @@ def test_many_draws_are_taken_in_passes(plant, monkeypatch):
     assert propagate(plant, "failure", samples=500, distributions=spreads) == whole
 
 
+def test_deviates_without_a_share_are_drawn_anew_in_each_block(monkeypatch):
+    monkeypatch.setattr("tracerisk.prm.linked.uncertainty._CELLS", 100)
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_FITTED", 1_000)
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_DRAWN", 200)
+    inner = Product((Number(1.0), UniformDeviate(Number(0.0), Number(1.0))))
+    known = [ModelParameter(f"y{i}", Number(0.1), "hours", Uniform(0.09, 0.11)) for i in range(2)]
+    model = sum_of(ModelParameter("x", inner, "hours"), *known)
+    found = propagate(model, "f", samples=1_000)
+    assert found.mean == pytest.approx(0.7, rel=1e-3)
+    assert found.deviation == pytest.approx((1 / 12) ** 0.5, rel=1e-2)
+    # Ten blocks of one and the same 100 draws would have a hundredth of the range for each.
+    low, middle, high = found.percentiles
+    assert (low, middle, high) == pytest.approx((0.25, 0.7, 1.15), rel=0.02)
+
+
 def test_a_row_that_a_draw_breaks_is_told():
     model = LinkedModel(
         "m",

@@ -16,7 +16,9 @@ from tracerisk.prm.expressions.evaluation import Names, definition_of
 from tracerisk.prm.expressions.node import Expression, Reference
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.random import Generator
+    from numpy.typing import NDArray
 
     from tracerisk.prm.expressions.node import Array
 
@@ -62,9 +64,14 @@ def generator_of(key: str, seed: int) -> Generator:
 
 def stratified(generator: Generator, size: int) -> Array:
     """Return uniform numbers within (0, 1), one in each of `size` equal strata: (size,)."""
+    return within(generator.permutation(size), generator)
+
+
+def within(strata: NDArray[np.int64], generator: Generator) -> Array:
+    """Return a uniform number in each of the strata, which are numbered from 0 on: (n,)."""
     from tracerisk.prm.numbers.arrays import np
 
-    strata = generator.permutation(size)
+    size = len(strata)
     found: Array = (strata + generator.random(size)) / size
     # The ends themselves have no quantile.
     tiny = np.finfo(np.float64)

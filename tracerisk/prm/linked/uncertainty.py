@@ -78,15 +78,19 @@ def propagate(
             inputs[parameter.name] = UncertainInput(value, known, is_probability(parameter, value))
     cells = sum(len(each.tapes) + 1 for each in model.prepared)
     step = max(64, _CELLS // cells)
+    done = 0
 
     def of_draws(drawn: Mapping[str, Samples]) -> Samples:
         from tracerisk.prm.linked.sampling import SampledModel
         from tracerisk.prm.numbers.arrays import np
 
-        parts = []
-        for start in range(0, samples, step):
+        nonlocal done
+        count, parts = len(next(iter(drawn.values()))), []
+        for start in range(0, count, step):
             part = {name: each[start : start + step] for name, each in drawn.items()}
-            parts.append(SampledModel(model, part, seed=seed + start).figure(figure))
+            # Deviates that have no share of their own are drawn anew in each block.
+            parts.append(SampledModel(model, part, seed=seed + done + start).figure(figure))
+        done += count
         return np.concatenate(parts)
 
     return spread_of(of_draws, point, inputs, samples=samples, seed=seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -40,26 +40,34 @@ def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Sample
     Redundant groups too many to be solved at once are solved one by one, and what they add to the
     mission's failure is added up: an upper bound.
     """
+    return failure_sampler(model)(thetas)
+
+
+def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Samples]:
+    """Return `failure_samples` of a model, for block after block of draws."""
     states = hidden_states(model, MOST_STATES)
     groups: list[HiddenStates] = []
     if states.most is not None and len(found := groups_of(states)) > 1:
         groups = [states_with(states, group) for group in found]
         states = states_with(states, ())
-    count = len(next(iter(thetas.values())))
     layers = max(len(each.hidden) for each in (states, *groups))
     ways = sum(len(function.steps) + 4 for function in states.functions)
     step = max(64, _CELLS // (ways * layers))
     before = {parameter.name: parameter.theta for parameter in model.parameters}
-    parts = []
-    for start in range(0, count, step):
-        drawn = {name: values[start : start + step] for name, values in thetas.items()}
-        rests = _rests(states, before, drawn)
-        failed = _failed(states, rests)
-        if groups:
-            more = [np.maximum(_failed(each, rests) - failed, 0.0) for each in groups]
-            failed = np.minimum(failed + sum(more), 1.0)
-        parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
-    return np.concatenate(parts)
+
+    def samples(thetas: Mapping[str, Samples]) -> Samples:
+        parts = []
+        for start in range(0, len(next(iter(thetas.values()))), step):
+            drawn = {name: values[start : start + step] for name, values in thetas.items()}
+            rests = _rests(states, before, drawn)
+            failed = _failed(states, rests)
+            if groups:
+                more = [np.maximum(_failed(each, rests) - failed, 0.0) for each in groups]
+                failed = np.minimum(failed + sum(more), 1.0)
+            parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
+        return np.concatenate(parts)
+
+    return samples
 
 
 def _rests(
@@ -177,7 +185,7 @@ def _values(
     for name, value in state.probabilities.items():
         if name not in drawn:
             values[name] = value
-        elif before[name] == 0.0:
+        elif before[name] in (0.0, value):
             values[name] = drawn[name]
         else:
             values[name] = drawn[name] * (value / before[name])

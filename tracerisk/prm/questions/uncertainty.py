@@ -155,7 +155,7 @@ def propagate(
     """
     from tracerisk.prm.hybrid.solve import solve_figures
     from tracerisk.prm.numbers.arrays import np
-    from tracerisk.prm.questions.sampled_mission import failure_samples
+    from tracerisk.prm.questions.sampled_mission import failure_sampler
     from tracerisk.prm.questions.what_if import groups_of, parameters_of
 
     given, groups = {}, groups_of(model)
@@ -189,6 +189,8 @@ def propagate(
             part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
         }
 
+    failures = failure_sampler(model)
+
     def figure(drawn: Mapping[str, Samples]) -> Samples:
         thetas = {}
         for name, (certain, keys) in sums.items():
@@ -197,7 +199,7 @@ def propagate(
                 total = np.minimum(total * (drawn[key] / usual), 1.0)
             for part, share in shares[name].items():
                 thetas[part] = total * share if share != 1.0 else total
-        return failure_samples(model, thetas)
+        return failures(thetas)
 
     point = solve_figures(model).mission.geometric_cycles
     return spread_of(figure, point, inputs, samples=samples, seed=seed)
@@ -265,7 +267,7 @@ def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
     from tracerisk.prm.numbers.arrays import np
 
     if len(parts) == 1 and certain == 0.0:
-        return np.minimum(parts[0], 1.0)
+        return parts[0]  # inputs end at one themselves
     total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
     return total
 
