@@ -49,6 +49,14 @@ def pieces_of(count: int, **joints: float):
     return [(f"step{number}", 1_000.0 / count, each) for number in range(count)]
 
 
+def rounds_of(rounds: int, count: int, **joints: float):
+    """Return the visits of a mission that goes so often through so many functions."""
+    starts = 100 // rounds // count
+    each = {name: used(seconds / rounds / count, starts) for name, seconds in joints.items()}
+    one = [(f"step{number}", 1_000.0 / rounds / count, each) for number in range(count)]
+    return one * rounds
+
+
 def failure(computed) -> float:
     """Return the mission's failure, with functions that follow one another."""
     blocks = [
@@ -84,6 +92,25 @@ def test_units_that_differ(mission, figure, group):
     whole = mission(pieces_of(1, **joints), figure, group)
     for count in (2, 10, 50):
         assert mission(pieces_of(count, **joints), figure, group) == pytest.approx(whole, rel=0.01)
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+@pytest.mark.parametrize("group", GROUPS)
+def test_units_in_a_loop(compute, figure, group):
+    lines = (*FIGURES[figure], *GROUPS[group], 'twin: {joints: "*"}')
+
+    def readings(rounds, count):
+        visits = rounds_of(rounds, count, j1=300.0, j2=300.0, j3=300.0)
+        blocks = list(compute(trace_of(*visits), *lines).blocks.values())
+        found = solve_figures(build_model(blocks, name="m")).mission
+        return found.failure_probability, found.geometric_cycles
+
+    # Ten rounds, counted: the mission is that without a loop, however a round is cut.
+    whole, _ = readings(1, 1)
+    loop, geometric = readings(10, 1)
+    assert 0.0 < loop == pytest.approx(whole, rel=0.01)
+    for count in (2, 5):
+        assert readings(10, count) == pytest.approx((loop, geometric), rel=0.01)
 
 
 @pytest.mark.parametrize("group", GROUPS)
