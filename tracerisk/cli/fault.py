@@ -98,7 +98,7 @@ def run_faults(options: argparse.Namespace) -> int:
 
         settings = load_settings(load_controller(options.controller), shared.run_settings(options))
         hardware = load_hardware(settings, done.trace.robot)
-        section: Section | None = run_section(done.trace, hardware, recorded)
+        section: Section | None = run_section(done.trace, hardware, recorded, done.faults)
         sections = () if section is None else (section,)
         write_file(options.report, render_fault_report(done.trace, done.words, lines, sections))
     if options.json:

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tracerisk.errors import LogError
+from tracerisk.errors import Location, LogError
+from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.geometry.shapes import Shape
 from tracerisk.pipeline.results.run_section import recorded_run
+from tracerisk.report.html.run.joining import with_joins
 from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
 from tracerisk.report.html.run.replay_frames import unpack_frames
-from tracerisk.report.html.run.replay_model import scene_bodies
-from tracerisk.report.html.run.timeline import TIMELINE
+from tracerisk.report.html.run.replay_model import Body, scene_bodies
+from tracerisk.report.html.run.timeline import TIMELINE, timeline_section
+from tracerisk.report.png.placement import rotated
+from tracerisk.trace import Finding, RunEnd, Trace
+from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.robot import load_robot, robot_names
@@ -139,3 +146,76 @@ def test_the_objects_of_a_scenario_are_shown(example, quick):
     height = unpack_frames(replay.frames)[:, crate.column + 2]
     assert height[0] == pytest.approx(0.3, abs=1e-3)
     assert height[-1] < 0.15
+
+
+def bodies_of(*places: tuple[float, float, float]) -> tuple[Body, ...]:
+    """A chain of 4 cm balls, each in the middle of its body, at these places of the one before."""
+    ball = (Shape("sphere", (0.02,)),)
+    still = (1.0, 0.0, 0.0, 0.0)
+    return tuple(
+        Body(f"link{index}", "robot", index - 1, place, still, ball)
+        for index, place in enumerate(places)
+    )
+
+
+def test_a_rod_joins_links_whose_shapes_leave_a_gap():
+    joined = with_joins(bodies_of((0.0, 0.0, 0.0), (0.0, 0.0, 0.3), (0.0, 0.02, 0.0)))
+    _ball, rod = joined[0].shapes
+    # From the ball's side at 2 cm to the next joint at 30 cm.
+    assert rod.size == pytest.approx((0.008, 0.14))
+    assert rod.xyz == pytest.approx((0.0, 0.0, 0.16))
+    assert not rod.contact
+    assert [len(each.shapes) for each in joined[1:]] == [1, 1]
+
+
+def test_a_rod_points_from_the_shape_to_the_joint():
+    base, hand = bodies_of((0.0, 0.0, 0.0), (0.1, 0.2, -0.2))
+    (_, rod) = with_joins((base, hand))[0].shapes
+    x, y, z = rotated(quaternion_of(rod.rpy), (0.0, 0.0, 1.0))
+    assert (x, y, z) == pytest.approx((1 / 3, 2 / 3, -2 / 3))
+
+
+def test_frames_without_shapes_carry_the_rod_on_and_end_in_none():
+    base, flange, hand, tool = bodies_of((0, 0, 0), (0, 0, 0.1), (0, 0, 0.1), (0, 0, 0.1))
+    bare = [replace(each, shapes=()) for each in (flange, tool)]
+    joined = with_joins((base, bare[0], hand, bare[1]))
+    assert [len(each.shapes) for each in joined] == [2, 1, 1, 0]
+
+
+@pytest.mark.parametrize("kind", ["box", "cylinder", "capsule", "sphere"])
+def test_what_reaches_its_joint_gets_no_rod(kind):
+    size = {"box": (0.02, 0.02, 0.05), "sphere": (0.05,)}.get(kind, (0.02, 0.05))
+    base, hand = bodies_of((0.0, 0.0, 0.0), (0.0, 0.0, 0.055))
+    base = replace(base, shapes=(Shape(kind, size),))
+    assert with_joins((base, hand)) == (base, hand)
+
+
+def test_no_gap_of_a_shipped_robot_stays_open():
+    for name in robot_names():
+        joined = with_joins(scene_bodies(load_robot(name), load_scene("empty")))
+        assert with_joins(joined) == joined, name
+
+
+def test_findings_and_faults_are_marks_in_the_order_of_time():
+    trace = Trace(
+        controller="c.py",
+        robot="panda",
+        scene="tube_racks",
+        end=RunEnd("ended", "returned", 4.0),
+        elements=(),
+        functions=(),
+        visits=(),
+        findings=(
+            Finding("touch", "the arm touched <the table>", 3.2, Location("c.py", 3)),
+            Finding("idle", "no time is known of this"),
+        ),
+    )
+    fault = Fault("panda_joint4", "dead", 1.5)
+    section = timeline_section(trace, {}, faults=(fault,))
+    (data,) = section.data
+    assert json.loads(data.text)["marks"] == [
+        {"kind": "fault", "text": "panda_joint4 dead at 1.500 s", "time": 1.5},
+        {"kind": "finding", "text": "c.py:3: the arm touched <the table>", "time": 3.2},
+    ]
+    assert "c.py:3: the arm touched &lt;the table&gt;" in section.html
+    assert 'data-time-at="3.2"' in section.html

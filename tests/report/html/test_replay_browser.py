@@ -24,7 +24,8 @@ from tracerisk.report.html.run.replay_model import bodies_data, scene_bodies
 from tracerisk.report.html.run.timeline import timeline_section
 from tracerisk.report.html.run.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
 from tracerisk.report.html.section import Section
-from tracerisk.trace import Contact, Trace
+from tracerisk.trace import Contact, Finding, Trace
+from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
@@ -604,3 +605,24 @@ def test_every_visit_is_in_the_table(page, shown_run):
         [str(n), v.function.name, f"{v.start_s:.3f}", f"{v.duration_s:.3f}", v.outcome]
         for n, v in enumerate(shown_run.trace.visits, start=1)
     ]
+
+
+def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
+    found = tuple(Finding("touch", f"touch {n}", 2.0 + n, None) for n in range(9))
+    section = timeline_section(
+        replace(shown_run.trace, findings=found),
+        shown_run.components,
+        faults=(Fault("panda_joint4", "dead", 5.5),),
+    )
+    page = chromium
+    page.get(page_of(section, "marked.html").as_uri())
+    marks = page.find_elements("css selector", ".timeline-mark")
+    assert len(marks) == 10
+    page.find_element("css selector", ".timeline-mark.is-fault path").click()
+    assert page.execute_script("return tracerisk.clock.time") == 5.5
+    page.find_element("css selector", "[data-time-at='3.0']").click()
+    assert page.execute_script("return tracerisk.clock.time") == 3.0
+    names = page.find_elements("css selector", ".timeline-name.is-marks")
+    assert [each.text for each in names] == ["faults, findings"]
+    folded = page.find_elements("css selector", "details .timeline-mark-jump")
+    assert len(folded) == 4

@@ -12,6 +12,7 @@ from itertools import combinations, pairwise
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from markupsafe import Markup
 
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
@@ -385,3 +386,29 @@ def test_labels_of_a_chain_do_not_overlap(report_of, parsed):
 )
 def test_a_share_is_none_or_all_only_where_it_is(share, told):
     assert figures.percent(share).replace("\N{NO-BREAK SPACE}", " ") == told
+
+
+def test_readings_that_print_the_same_share_one_box(report_of, parsed):
+    alike = FaultTree.of("go fails", {"go fails": ("or", "motor")}, {"motor": 1e-9})
+    again = {"go": {"go": Fraction(9, 10), "done": Fraction(1, 10)}}
+    model = HybridModel.of("a.py", {"go": alike}, again)
+    (box,) = parsed(render_report(report_of(model))).xpath("//*[@class='readings']/div")
+    assert "1.000e-08" in box.text_content()
+    assert "10 fixed cycles (each fails with 1.000e-09)" in box.text_content()
+    likely = FaultTree.of("go fails", {"go fails": ("or", "motor")}, {"motor": 0.01})
+    often = HybridModel.of("a.py", {"go": likely}, again)
+    assert len(parsed(render_report(report_of(often))).xpath("//*[@class='readings']/div")) == 3
+
+
+def test_the_replay_stands_before_what_changed_and_that_before_the_tables(
+    arm, report_of, parsed, eventful, review_of
+):
+    shown = Section("timeline", "Replay", Markup("<p>r</p>"))
+    tabled = Section("evidence", "Evidence", Markup("<p>e</p>"))
+    report = report_of(arm, sections=(shown, tabled), review=review_of(eventful))
+    document = parsed(render_report(report))
+    names = document.xpath("//main/section/@id")
+    assert names[:4] == ["timeline", "difference", "evidence", "functions"]
+    (since,) = classed(document, "since")
+    assert "cell.py" in since.text_content()
+    assert since.xpath(".//a/@href") == ["#difference"]

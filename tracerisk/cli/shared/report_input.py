@@ -123,6 +123,7 @@ def report_html(
             assumptions=(*run.trace.assumptions, *run.computed.assumptions),
             hardware=run.hardware,
             figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
+            names=run.computed.names,
             sections=run.sections,
         )
     )

@@ -93,24 +93,26 @@ def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[t
             if result.done is None:
                 continue
             folder = kept / str(result.branch.index)
-            words = _fault(cell).words
-            pages.append((cell, _page(result.run.trace, words, _lines(cell), hardware, folder)))
+            fault = _fault(cell)
+            pages.append((cell, _page(result.run.trace, fault, _lines(cell), hardware, folder)))
     finally:
         shutil.rmtree(kept, ignore_errors=True)
     return pages
 
 
 def _page(
-    trace: Trace, fault: str | None, lines: list[str], hardware: Hardware, recording: Path
+    trace: Trace, fault: Fault | None, lines: list[str], hardware: Hardware, recording: Path
 ) -> str:
     try:
         recorded = recorded_run(recording)
     except LogError:
         recorded = None
-    section = run_section(trace, hardware, recorded)
+    faults = () if fault is None else (fault,)
+    section = run_section(trace, hardware, recorded, faults)
+    words = None if fault is None else fault.words
     ways = Markup('<a href="{}">all failures</a>, <a href="{}">the run without a failure</a>')
     return render_fault_report(
-        trace, fault, [*lines, ways.format(INDEX, WITHOUT)], () if section is None else (section,)
+        trace, words, [*lines, ways.format(INDEX, WITHOUT)], () if section is None else (section,)
     )
 
 

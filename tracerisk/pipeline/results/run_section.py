@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,12 +14,18 @@ if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
+    from tracerisk.twin.faults.fault import Fault
 
 
-def run_section(trace: Trace, hardware: Hardware, run: RecordedRun | None = None) -> Section | None:
+def run_section(
+    trace: Trace,
+    hardware: Hardware,
+    run: RecordedRun | None = None,
+    faults: Sequence[Fault] = (),
+) -> Section | None:
     """Return the section of a run; `None` for one of which no visit has a time.
 
-    `run` is what was recorded of it; without it there is no replay.
+    `run` is what was recorded of it; without it there is no replay. `faults` are marked on it.
     Raises HardwareError where the hardware description does not fit the trace.
     """
     from tracerisk.report.html.run.replay import make_replay
@@ -28,7 +35,7 @@ def run_section(trace: Trace, hardware: Hardware, run: RecordedRun | None = None
         return None
     components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
     replay = None if run is None else make_replay(run, trace.end.simulated_s)
-    return timeline_section(trace, components, replay=replay)
+    return timeline_section(trace, components, replay=replay, faults=faults)
 
 
 def recorded_run(recording: Path) -> RecordedRun | None:

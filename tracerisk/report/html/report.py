@@ -16,15 +16,18 @@ from tracerisk.report.html.notes import (
 from tracerisk.report.html.page import page
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.run.contact_pairs import touches_section
+from tracerisk.report.html.run.timeline import NAME as RUN
 from tracerisk.report.html.sources import sources_section
 from tracerisk.report.html.summary import lead
 
 
 def render_report(report: ReportInput) -> str:
     """Return the report as one HTML page, the same for the same input."""
+    run = [each for each in report.sections if each.name == RUN]
     sections = (
+        *run,
         difference_section(report),
-        *report.sections,
+        *(each for each in report.sections if each.name != RUN),
         functions_section(report),
         touches_section(report),
         chain_section(report),

@@ -12,7 +12,7 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures
-from tracerisk.trace import Trace
+from tracerisk.trace import FunctionRef, Trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,7 @@ class ReportInput:
     `findings` are those that are not the assessment's, `assumptions` likewise; functions without
     risk data come from the trace.
     `figures` are what a run knows of them: the instances of components, and what is assumed.
+    `names` are those of the functions of the run in the model.
     `review` is what changed since an earlier version, where that was asked.
     `sections` are put behind the summary: what is drawn of the run.
     """
@@ -79,6 +80,7 @@ class ReportInput:
     assumptions: tuple[str, ...] = ()
     hardware: Hardware | None = None
     figures: RunFigures | None = None
+    names: Mapping[FunctionRef, str] = field(default_factory=dict)
     verdict: tuple[str, ...] = ()
     review: Review | None = None
     sections: tuple[Section, ...] = field(default=())

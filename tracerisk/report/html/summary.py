@@ -5,6 +5,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from tracerisk.prm.hybrid.assessment import FIXED
+from tracerisk.report.diff import words
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -25,6 +26,7 @@ def lead(report: ReportInput) -> Markup:
         readings=_readings(report),
         counts=_counts(report),
         end=_end(report),
+        since=words.headline(report.review) if report.review is not None else "",
         outcome=report.outcome,
         no_trace=report.no_trace,
     )
@@ -88,11 +90,23 @@ def _end(report: ReportInput) -> str:
 
 
 def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
+    """Return the mission's figure by each way to count its cycles; one box where all agree."""
     mission = report.assessment.mission
     cycles = figures.count(mission.expected_cycles)
     is_one = cycles == "1"
     has_cycle = report.model.has_cycle
     held = "; the figure above, for `next` counts the cycles"
+    each_fails = f"each fails with {figures.probability(mission.cycle_failure_probability)}"
+    alike = {
+        figures.probability(value)
+        for value in (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
+    }
+    if len(alike) == 1:
+        ways = "the same by each reading: the chain's, and that of the visits as executed"
+        if has_cycle:
+            ways = "the same by each reading: cycles that vary around their mean, "
+            ways += f"{cycles} fixed cycle{'' if is_one else 's'} ({each_fails}), as executed"
+        return (("probability that a mission fails", alike.pop(), ways),)
     return (
         (
             "geometric cycles",
@@ -102,8 +116,7 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
         (
             f"{cycles} fixed cycle{'' if is_one else 's'}",
             figures.probability(mission.fixed_cycles),
-            f"each fails with {figures.probability(mission.cycle_failure_probability)}"
-            f"{held if has_cycle and mission.reading == FIXED else ''}",
+            f"{each_fails}{held if has_cycle and mission.reading == FIXED else ''}",
         ),
         (
             "as executed",

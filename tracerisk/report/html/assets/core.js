@@ -116,6 +116,24 @@ function unfold() {
 addEventListener("hashchange", unfold);
 if (location.hash) unfold();
 
+// What is wider than the window says so below itself, for a scroll bar may be hidden.
+const widths = new ResizeObserver((entries) => {
+  for (const { target } of entries) {
+    const isWide = target.scrollWidth > target.clientWidth + 1;
+    const next = target.nextElementSibling;
+    const cue = next?.classList.contains("more-sideways") ? next : null;
+    if (!isWide) cue?.remove();
+    else if (!cue) {
+      const told = document.createElement("span");
+      told.className = "more-sideways";
+      told.setAttribute("aria-hidden", "true");
+      told.textContent = "\u2194 scroll sideways for more";
+      target.after(told);
+    }
+  }
+});
+for (const each of document.querySelectorAll(".scroll")) widths.observe(each);
+
 const root = document.documentElement;
 const themes = ["auto", "light", "dark"];
 const dark = matchMedia("(prefers-color-scheme: dark)");

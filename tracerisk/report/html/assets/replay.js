@@ -22,7 +22,8 @@ function collarOf(body, bodies) {
   const parent = bodies[body.parent];
   const axis = rotate(body.quat, body.axis);
   for (const [own, place, way] of [[body, [0, 0, 0], body.axis], [parent, body.xyz, axis]]) {
-    for (const { kind, size, xyz = [0, 0, 0], quat = identity } of own?.shapes ?? []) {
+    for (const { kind, size, xyz = [0, 0, 0], quat = identity, contact } of own?.shapes ?? []) {
+      if (contact === false) continue;
       const inside = toBody({ xyz, quat }, place);
       const near = nearestInShape({ kind, size }, inside);
       const away = Math.hypot(...near.map((v, i) => v - inside[i]));

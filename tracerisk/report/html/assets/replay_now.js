@@ -1,3 +1,5 @@
+const MOST_NAMED = 3;
+
 // What is current at the cursor, in words; at most ten times a second.
 function beginNow() {
   const parts = Object.fromEntries(
@@ -32,8 +34,12 @@ function beginNow() {
     const active = all.flatMap(inUse);
     const always = all.filter((each) => each.always).map(({ component }) => component);
     if (always.length) active.push([`always in use: ${always.join(", ")}`, "in-use"]);
-    const loose = all.find((each) => !each.always && !each.component)?.elements.length;
-    if (loose) active.push([`${loose} more in use, ${NO_COMPONENT}`, "in-use"]);
+    const loose = all.find((each) => !each.always && !each.component)?.elements ?? [];
+    if (loose.length) {
+      const names = loose.slice(0, MOST_NAMED).map(({ name }) => name).join(", ");
+      const more = loose.length > MOST_NAMED ? ` and ${loose.length - MOST_NAMED} more` : "";
+      active.push([`in use and not counted, for the hardware data has no figure: ${names}${more}`, "in-use"]);
+    }
     const touches = contactsAt(time).map(({ link, other, force, expected }) =>
       [`${link} touches ${other}, up to ${force.toFixed(1)} N`, expected ? "expected" : "unexpected"]);
     const held = visit < 0 ? [] : run.visits[visit].held.map(({ gripper, object, mass }) =>

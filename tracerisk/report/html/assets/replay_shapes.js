@@ -112,7 +112,9 @@ function nearestInBody(body, pose, point) {
     const distance = Math.hypot(p[0] - inside[0], p[1] - inside[1], p[2] - inside[2]);
     if (best === null || distance < best.distance) best = { distance, point: p };
   };
-  for (const shape of body.shapes) {
+  // What is only shown touches nothing.
+  const solid = body.shapes.filter(({ contact }) => contact !== false);
+  for (const shape of solid.length ? solid : body.shapes) {
     const own = { xyz: shape.xyz ?? [0, 0, 0], quat: shape.quat ?? identity };
     consider(toWorld(own, nearestInShape(shape, toBody(own, inside))));
   }

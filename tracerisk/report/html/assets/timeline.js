@@ -13,7 +13,8 @@ function beginChart() {
   function draw(across = plot.clientWidth) {
     view.width = Math.max(across, 50);
     const lines = chartLines(opened);
-    const bottom = BAND + lines.length * ROW;
+    const rows = BAND + lines.length * ROW;
+    const bottom = rows + (run.marks.length ? ROW : 0);
     const hadFocus = svg.contains(document.activeElement);
     svg.replaceChildren();
     svg.setAttribute("width", view.width);
@@ -24,6 +25,7 @@ function beginChart() {
     const reached = svg.querySelector('[tabindex="0"]') ?? svg.querySelector(".timeline-visit");
     reached?.setAttribute("tabindex", 0);
     lines.forEach((line, index) => drawLine(svg, view, line, BAND + index * ROW));
+    drawMarks(svg, view, rows);
     drawTicks(svg, view, bottom);
     drawn("line", { class: "timeline-cursor", y1: 0, y2: bottom }, svg);
     drawn("path", { class: "timeline-grip", d: "M-6 0h12l-6 8z" }, svg);
@@ -79,7 +81,7 @@ function beginChart() {
     if (time < view.from || time > view.to) return null;
     if (y < BAND) return visitTip(at(stretches, time));
     const line = chartLines(opened)[Math.floor((y - BAND) / ROW)];
-    return line ? lineTip(line, time) : null;
+    return line ? lineTip(line, time) : marksTip(time, 6 * view.pixel);
   }
 
   svg.addEventListener("pointermove", (event) => {
@@ -91,7 +93,9 @@ function beginChart() {
     if (event.button !== 0) return;
     player.pause();
     const visit = event.target.closest(".timeline-visit");
-    if (visit) goToVisit(Number(visit.dataset.stretch));
+    const mark = event.target.closest(".timeline-mark");
+    if (mark) clock.set(run.marks[Number(mark.dataset.mark)].time, "timeline");
+    else if (visit) goToVisit(Number(visit.dataset.stretch));
     else {
       clock.set(timeUnder(event), "timeline");
       svg.setPointerCapture(event.pointerId);

@@ -136,6 +136,27 @@ function drawLine(svg, view, { row, segments, element }, top) {
   }
 }
 
+// What was found, and what was made to fail: each a mark where it happened, in a line below the rows.
+function drawMarks(svg, view, top) {
+  if (!run.marks.length) return;
+  const group = drawn("g", { class: "timeline-marks-line" }, svg);
+  drawn("rect", { class: "timeline-lane", x: 0, y: top, width: view.width, height: ROW }, group);
+  run.marks.forEach(({ time, kind, text }, index) => {
+    if (time < view.from || time > view.to) return;
+    const label = `${kind} at ${secondsText(time)}: ${text}`;
+    const one = drawn(
+      "g",
+      { class: `timeline-mark is-${kind}`, role: "button", tabindex: -1, "aria-label": label, "data-mark": index },
+      group,
+    );
+    const place = view.x(time);
+    drawn("line", { x1: place, x2: place, y1: 0, y2: top + 4 }, one);
+    const shape = kind === "fault" ? "M-5 -5l10 10M-5 5l10 -10" : "M0 -6l6 6l-6 6l-6 -6z";
+    const inSight = Math.min(Math.max(place, 6), view.width - 6);
+    drawn("path", { d: shape, transform: `translate(${inSight} ${top + ROW / 2})` }, one);
+  });
+}
+
 function drawTicks(svg, view, top) {
   const least = view.pixel * 70;
   const power = 10 ** Math.floor(Math.log10(least));

@@ -60,7 +60,7 @@ function rowName(row, isOpen, fold) {
   else {
     const label = document.createElement("span");
     label.className = "timeline-component";
-    label.textContent = "no component";
+    label.textContent = "not counted";
     label.title = `Elements ${NO_COMPONENT}`;
     line.append(label);
   }
@@ -84,5 +84,7 @@ function showNames(names, opened, changed) {
     line.dataset.row = index;
     names.append(line);
   }
+  const kinds = new Set(run.marks.map(({ kind }) => `${kind}s`));
+  if (kinds.size) names.append(namedLine("is-marks", [...kinds].sort().join(", ")));
   if (kept !== undefined) names.querySelector(`[data-row="${kept}"] .timeline-fold`)?.focus();
 }

@@ -5,7 +5,7 @@ const HOLDING = 2;
 const GRASPING = 4;
 const BORDERLINE = 8;
 const SOMEWHEN = 16;
-const NO_COMPONENT = "in no component of the hardware description";
+const NO_COMPONENT = "that the hardware data has no figure for";
 
 const run = tracerisk.data("timeline-data");
 const { clock } = tracerisk;
@@ -175,6 +175,13 @@ function beginControls() {
   document.querySelector('[data-time="previous"]').addEventListener("click", () => stepVisit(false));
   document.querySelector('[data-time="next"]').addEventListener("click", () => stepVisit(true));
   play.addEventListener("click", () => player.toggle());
+  for (const jump of document.querySelectorAll("[data-time-at]")) {
+    jump.addEventListener("click", () => {
+      player.pause();
+      clock.set(Number(jump.dataset.timeAt), "mark");
+      document.getElementById("timeline").scrollIntoView();
+    });
+  }
   player.onChange((isPlaying) => {
     const word = isPlaying ? "Pause" : "Play";
     const shape = isPlaying ? "M4 3h3v10h-3zM9 3h3v10h-3z" : "M4 2.5v11l9-5.5z";

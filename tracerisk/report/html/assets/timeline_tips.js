@@ -20,6 +20,14 @@ function lineTip({ row, element, segments }, time) {
   return `${name}: ${stateWords(state)}, ${secondsText(start)} to ${secondsText(stop)}`;
 }
 
+// The marks within a few pixels of a time.
+function marksTip(time, reach) {
+  const near = run.marks.filter((mark) => Math.abs(mark.time - time) <= reach);
+  const told = near.slice(0, 3).map(({ time: at, text }) => `${secondsText(at)}: ${text}`);
+  if (near.length > 3) told.push(`and ${near.length - 3} more`);
+  return told.length ? told.join("; ") : null;
+}
+
 function showTip(text, left = 0, top = 0) {
   const tip = document.querySelector(".timeline-tip");
   tip.hidden = !text;

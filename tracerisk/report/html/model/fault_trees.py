@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from xml.etree.ElementTree import Element
 
 from markupsafe import Markup
 
@@ -15,6 +16,7 @@ from tracerisk.prm.hybrid.hybrid import FunctionState
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.report.html import figures
+from tracerisk.report.html.model.leaves import Leaves, leaves_of
 from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -41,6 +43,8 @@ class _Tree:
     drawing: Markup
     left_out: int
     outline: tuple[_Outline, ...]
+    notes: tuple[str, ...]
+    has_units: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,43 +60,65 @@ def fault_trees_section(report: ReportInput) -> Section:
     """Return the fault tree of each function, folded, the riskiest unfolded."""
     found = {state.name: state for state in report.assessment.states}
     trees = [
-        _shown(index, in_one_visit(state), found[state.name])
-        for index, state in enumerate(report.model.states)
+        _shown(index, state, found[state.name], leaves_of(report, state))
+        for index, state in enumerate(map(in_one_visit, report.model.states))
     ]
     riskiest = max(found.values(), key=lambda each: each.absorption_probability, default=None)
     html = rendered(
-        "fault_trees.html.j2", trees=trees, opened=riskiest.name if riskiest is not None else None
+        "fault_trees.html.j2",
+        trees=trees,
+        opened=riskiest.name if riskiest is not None else None,
+        has_units=any(each.has_units for each in trees),
     )
     return Section("fault-trees", "Fault trees", html)
 
 
-def _shown(index: int, state: FunctionState, found: StateAssessment) -> _Tree:
+def _shown(index: int, state: FunctionState, found: StateAssessment, leaves: Leaves) -> _Tree:
     tree = state.tree
     gates = {gate.name: gate for gate in tree.gates}
     names = _uppermost(tree, gates)
     total = len(tree.gates) + len(tree.events) + len(tree.houses)
     outline = tuple(
-        _Outline(gate.name, _told(gate), ", ".join(gate.inputs) or "nothing: it never happens")
+        _Outline(
+            gate.name,
+            _told(gate),
+            ", ".join(map(leaves.label, gate.inputs)) or "nothing: it never happens",
+        )
         for gate in tree.gates
         if gate.name in names
     )
-    drawing = _drawn(f"tree-{index + 1}", state, gates, names)
+    drawing = _drawn(f"tree-{index + 1}", state, gates, names, leaves)
     top = figures.probability(found.top_event)
-    return _Tree(state.name, top, drawing, total - len(names), outline)
+    return _Tree(
+        name=state.name,
+        probability=top,
+        drawing=drawing,
+        left_out=total - len(names),
+        outline=outline,
+        notes=leaves.notes,
+        has_units=bool(leaves.figures),
+    )
 
 
 def _drawn(
-    name: str, state: FunctionState, gates: Mapping[str, Gate], names: Mapping[str, None]
+    name: str,
+    state: FunctionState,
+    gates: Mapping[str, Gate],
+    names: Mapping[str, None],
+    leaves: Leaves,
 ) -> Markup:
     tree = state.tree
-    figures_of = {event.name: state.probabilities[event.parameter] for event in tree.events}
+    figures_of = {
+        event.name: leaves.figures.get(event.name, state.probabilities[event.parameter])
+        for event in tree.events
+    }
     houses = {house.name: house.state for house in tree.houses}
     told = {each: figures.probability(value) for each, value in figures_of.items()}
     told |= {each: "happens" if is_so else "never" for each, is_so in houses.items()}
     widths = {
         each: _MARK
         + 14.0
-        + text_width(each)
+        + text_width(leaves.label(each))
         + (12.0 + text_width(told[each]) if each in told else 0.0)
         for each in names
     }
@@ -123,7 +149,8 @@ def _drawn(
             hidden = sum(child not in names for child in dict.fromkeys(gates[each].inputs))
             _draw_gate(drawing, at, gates[each], state, hidden)
         else:
-            _draw_event(drawing, at, each, told[each], state, is_house=each in houses)
+            node = drawing.group("node event", event=each, **_data(each, state))
+            _draw_event(node, at, leaves.label(each), told[each], is_house=each in houses)
     wide = max((lefts[each] + widths[each] for each in names), default=0.0)
     return drawing.markup(wide + 10.0, layout.width)
 
@@ -158,11 +185,8 @@ def _draw_gate(drawing: Drawing, at: Point, gate: Gate, state: FunctionState, hi
     word(group, x + _MARK + 8.0, y, label, "name", "start")
 
 
-def _draw_event(
-    drawing: Drawing, at: Point, name: str, told: str, state: FunctionState, *, is_house: bool
-) -> None:
+def _draw_event(group: Element, at: Point, name: str, told: str, *, is_house: bool) -> None:
     x, y = at
-    group = drawing.group("node event", event=name, **_data(name, state))
     tell(group, f"{name}: {told}")
     if is_house:
         box(group, (x + _MARK / 2, y), 16.0, 16.0)

@@ -59,6 +59,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     """
     import numpy as np
 
+    from tracerisk.report.html.run.joining import with_joins
     from tracerisk.report.html.run.replay_frames import pack_frames
     from tracerisk.report.html.run.replay_model import FREE_COLUMNS, scene_bodies
     from tracerisk.twin.recording.activity import element_activity
@@ -66,7 +67,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
 
     samples = _cut(run.samples, end_s)
     activity = element_activity(samples, run.robot)
-    bodies = scene_bodies(run.robot, run.scene)
+    bodies = with_joins(scene_bodies(run.robot, run.scene))
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = []
     if run.declared:

@@ -144,6 +144,8 @@ def _shape_data(shape: Shape) -> dict[str, Any]:
         found["xyz"] = _rounded(shape.xyz, 6)
     if any(shape.rpy):
         found["quat"] = _rounded(quaternion_of(shape.rpy), 9)
+    if not shape.contact:
+        found["contact"] = False
     if shape.pad:
         found["pad"] = True
     return found

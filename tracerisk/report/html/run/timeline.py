@@ -7,7 +7,7 @@ time at which the cursor is.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.report.html.page import asset, rendered
@@ -23,6 +23,11 @@ from tracerisk.report.html.tables import Cell, Column, Table
 from tracerisk.report.html.tables import Row as TableRow
 from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
 
+if TYPE_CHECKING:
+    from tracerisk.twin.faults.fault import Fault
+
+NAME = "timeline"
+"The id of the section, which stands before all others."
 TIMELINE = "timeline-data"
 """The id of the data within the page."""
 
@@ -37,6 +42,7 @@ _REPLAY = (
     "replay",
 )
 _MOST_TOLD = 1000  # visits in the table; the chart has them all
+_MOST_MARKS = 6  # in sight below the chart; more are folded
 _SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 
 
@@ -45,26 +51,32 @@ def timeline_section(
     components: Mapping[str, Sequence[str]],
     *,
     replay: Replay | None = None,
+    faults: Sequence[Fault] = (),
 ) -> Section:
     """Return the section that shows a run over time, with its replay where there is one.
+
+    `faults` are those with which it ran: they are marks on the chart, as findings are.
 
     `components` map each component of the hardware description to its elements, none for one that
     is always in use.
     """
     names = model_names([each.ref for each in trace.functions])
-    data = timeline_data(trace, components, names, replay)
+    marks = _marks(trace, faults)
+    data = timeline_data(trace, components, names, replay) | {"marks": marks}
     html = rendered(
         "timeline.html.j2",
         has_replay=replay is not None,
         notes=replay.notes if replay is not None else (),
         speeds=_SPEEDS,
+        marks=marks,
+        most_marks=_MOST_MARKS,
         table=_table(trace, names),
         left_out=max(len(trace.visits) - _MOST_TOLD, 0),
     )
     scripts = ("timeline_time", *(_REPLAY if replay is not None else ()), *_CHART)
     styles = ("timeline", *(("replay",) if replay is not None else ()))
     return Section(
-        name="timeline",
+        name=NAME,
         title="Replay and timeline" if replay is not None else "Timeline",
         html=html,
         css="\n".join(asset(f"{each}.css") for each in styles),
@@ -113,6 +125,19 @@ def timeline_data(
         "rows": [_row(each) for each in rows],
         "sampled": replay is not None,
     }
+
+
+def _marks(trace: Trace, faults: Sequence[Fault]) -> list[dict[str, Any]]:
+    """Return the instants that are marked, in the order of time [s]: faults and findings."""
+    found = [(each.time_s, "fault", each.words) for each in faults]
+    for each in trace.findings:
+        if each.time_s is not None:
+            place = "" if each.location is None else f"{each.location}: "
+            found.append((each.time_s, "finding", f"{place}{each.message}"))
+    return [
+        {"time": round(time, 6), "kind": kind, "text": text}
+        for time, kind, text in sorted(found, key=lambda mark: mark[0])
+    ]
 
 
 def _row(row: Row) -> dict[str, Any]:
