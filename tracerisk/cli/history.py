@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.config import controller_root
     from tracerisk.pipeline.freshness.known_controllers import controllers_in
-    from tracerisk.pipeline.review.history import first_above, history
+    from tracerisk.pipeline.review.history import first_above, history, history_rows
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     found = {str(each): history(each, most=options.most) for each in files}
-    rows = {name: [_row(each) for each in points] for name, points in found.items()}
+    rows = {name: history_rows(points) for name, points in found.items()}
     if options.svg is not None:
         write_file(options.svg, history_svg(rows))
         note(f"{options.svg}: drawn", quiet=options.quiet)
@@ -97,20 +97,6 @@ def run(options: argparse.Namespace) -> int:
                 told = f"above {options.above:g} since {_told(since)}"
             show(told)
     return int(code)
-
-
-def _row(point: HistoryPoint) -> HistoryRow:
-    from tracerisk.report.series.history import HistoryRow
-
-    return HistoryRow(
-        point.name,
-        point.date,
-        point.subject,
-        point.failure_probability,
-        point.verdict,
-        point.diff,
-        point.error,
-    )
 
 
 def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import add_against, review_against
 from tracerisk.cli.shared.output import note, print_json, write_file
-from tracerisk.cli.shared.report_input import RunShown, report_html, run_shown
+from tracerisk.cli.shared.overview import write_overview
+from tracerisk.cli.shared.report_input import RunShown, history_shown, report_html, run_shown
 from tracerisk.cli.shared.report_pictures import (
     add_picture_options,
     check_picture_options,
@@ -32,11 +33,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "files",
         metavar="FILE",
-        nargs="+",
+        nargs="*",
         help="annotated sources; of one that the lock knows, with the other files of its blocks",
     )
     parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="one page over every controller of the locks in and below this folder, with links to "
+        "their reports beside it",
+    )
     add_against(parser)
+    parser.add_argument(
+        "--history", action="store_true", help="show how the figure went over the commits of git"
+    )
     parser.add_argument(
         "--trace", metavar="FILE", help="trace of a run as JSON (default: the cached one, if fresh)"
     )
@@ -48,10 +58,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    if options.all:
+        return write_overview(options)
+    if not options.files:
+        raise InputError("name a source, or give --all for every controller of the lock")
     check_picture_options(options)
     kept = _kept(options.files[0])
     trace = _given_trace(options.trace)
     shown = _write_page(options, kept, trace) if options.output is not None else {}
+    if options.history and options.output is None:
+        raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     if options.png is not None:
         code, pictures = write_report_pictures(options, kept, trace, _settings(kept, options))
         if code != ExitCode.FINE:
@@ -79,6 +95,7 @@ def _write_page(
     lines = list(verdicts.lines)
     for each in verdicts.by_controller.values():
         lines += verdict_details(each)
+    more = history_shown(options.files[0]) if options.history else ()
     html = report_html(
         assessment,
         model,
@@ -86,6 +103,7 @@ def _write_page(
         run=_run_of(kept, trace, options),
         review=review_against(options.against, files),
         verdict=lines,
+        more=more,
     )
     write_file(options.output, html)
     told = f"{options.output}: the report of {model.name}"

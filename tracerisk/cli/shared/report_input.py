@@ -89,11 +89,12 @@ def report_html(
     run: RunShown | str,
     review: Review | None = None,
     verdict: Sequence[str] = (),
+    more: tuple[Section, ...] = (),
 ) -> str:
     """Return the page; `sources` map the files that hold the blocks, as messages call them.
 
     `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
-    its verdict.
+    its verdict. `more` sections follow those of the run.
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.cli.shared.run_report import finding_line, object_lines
@@ -109,6 +110,7 @@ def report_html(
         pins=shown_pins(sources),
         review=review,
         verdict=tuple(verdict),
+        sections=more,
     )
     if isinstance(run, str):
         return render_report(replace(report, no_trace=run))
@@ -124,9 +126,20 @@ def report_html(
             hardware=run.hardware,
             figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
             names=run.computed.names,
-            sections=run.sections,
+            sections=(*run.sections, *more),
         )
     )
+
+
+def history_shown(file: str) -> tuple[Section, ...]:
+    """Return the section that tells how the figure of a controller went over the commits.
+
+    Raises InputError outside a repository, and for a file that git does not know.
+    """
+    from tracerisk.pipeline.review.history import history, history_rows
+    from tracerisk.report.html.repository.history import history_section
+
+    return (history_section(Path(file).name, history_rows(history(Path(file)))),)
 
 
 def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:

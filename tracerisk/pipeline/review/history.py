@@ -19,6 +19,7 @@ from tracerisk.pipeline.review.git_versions import WORKING_TREE, GitVersion
 from tracerisk.pipeline.review.review import difference
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.prm.review.risk_change import RiskDiff
+from tracerisk.report.series.history import HistoryRow
 from tracerisk.trace import Verdict
 
 _FORMAT = "--format=%x01%H%x00%cs%x00%s"
@@ -168,6 +169,22 @@ def _point(
         return HistoryPoint(*commit.plain, None, None, error=error.message)
     figure = None if diff.after is None else diff.after.failure_probability
     return HistoryPoint(*commit.plain, figure, verdict, diff)
+
+
+def history_rows(points: Sequence[HistoryPoint]) -> list[HistoryRow]:
+    """Return the commits as tables, charts and pages show them."""
+    return [
+        HistoryRow(
+            each.name,
+            each.date,
+            each.subject,
+            each.failure_probability,
+            each.verdict,
+            each.diff,
+            each.error,
+        )
+        for each in points
+    ]
 
 
 def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] | None:

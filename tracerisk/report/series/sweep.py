@@ -16,7 +16,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 84.0, 20.0, 24.0, 56.0
 _COLOURS = ("#1f4fa3", "#b3541e", "#2f7d4f", "#7a3b8f", "#8a6d1f", "#35788a", "#a33a5a", "#555555")
 _LETTER = 7.3
 """The width of a letter [px]."""
-_STYLE = "font: 12px monospace; fill: #222"
+_FONT = {"font-family": "monospace", "font-size": "12"}
 
 
 class PlotPoint(Protocol):
@@ -198,7 +198,7 @@ def _x(xs: Sequence[Any], value: Any) -> float:
 
 def _text(root: Element, x: float, y: float, text: str, anchor: str, colour: str = "#222") -> None:
     place = {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor}
-    SubElement(root, "text", {**place, "style": _STYLE, "fill": colour}).text = text
+    SubElement(root, "text", {**place, **_FONT, "fill": colour}).text = text
 
 
 def _written(root: Element) -> str:

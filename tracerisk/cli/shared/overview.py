@@ -1,0 +1,85 @@
+"""`tracerisk report --all`: one page over every controller of a repository."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared.output import note, print_json, write_file
+from tracerisk.errors import ExitCode, InputError
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.review.overview import KnownController
+    from tracerisk.report.html.repository.overview import OverviewRow
+
+_GENERATED = b'<meta name="generator" content="tracerisk">'
+_HEAD_BYTES = 4096  # within which a page tells what made it
+_NOT_WITH_IT = ("against", "history", "trace", "png", "recording", "hardware", "active", "profile")
+
+
+def write_overview(options: argparse.Namespace) -> int:
+    """Write the page; return the exit code, 0 even where a controller cannot be read: it is told.
+
+    Raises InputError for options that do not go with it, and where no controller is known.
+    """
+    from tracerisk.cli.verdict import verdict_json
+    from tracerisk.pipeline.review.overview import overview
+    from tracerisk.report.html.repository.overview import overview_page, report_links
+
+    if options.files:
+        raise InputError("--all takes every controller that a lock knows; name none beside it")
+    for name in _NOT_WITH_IT:
+        if getattr(options, name):
+            raise InputError(f"--{name} is for the report of one controller; leave out --all")
+    if options.output is None:
+        raise InputError("--all writes one page; give -o/--output OUT.html")
+    found = overview(Path())
+    folder = Path(options.output).parent
+    links = report_links([each.name for each in found], reports_in(folder, found))
+    title = Path.cwd().name
+    rows = [overview_row(each, report=links.get(each.name, "")) for each in found]
+    write_file(options.output, overview_page(title, rows))
+    told = f"{options.output}: {len(found)} controllers"
+    note(told, quiet=options.quiet or options.json)
+    if options.json:
+        print_json(
+            "report",
+            exit_code=int(ExitCode.FINE),
+            report=options.output,
+            controllers=[
+                {
+                    "controller": each.name,
+                    "error": each.error or None,
+                    "failure_probability": each.failure_probability,
+                    **verdict_json(each.verdict),
+                }
+                for each in found
+            ],
+        )
+    return int(ExitCode.FINE)
+
+
+def overview_row(known: KnownController, *, link: str = "", report: str = "") -> OverviewRow:
+    """Return a controller as pages show it."""
+    from tracerisk.report.html.repository.overview import OverviewRow
+
+    return OverviewRow(known.name, known.verdict, known.assessment, known.error, link, report)
+
+
+def reports_in(folder: Path, known: tuple[KnownController, ...]) -> dict[str, str]:
+    """Return the reports in a folder that may be those of controllers, by path within it."""
+    paths = [Path(each.name).with_suffix(".html") for each in known]
+    names = {name for path in paths for name in (path.as_posix(), path.name)}
+    return {name: name for name in sorted(names) if is_report(folder / name)}
+
+
+def is_report(path: Path) -> bool:
+    """Return whether a file is a page that tracerisk made."""
+    try:
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return _GENERATED in file.read(_HEAD_BYTES)
+    except OSError:
+        return False

@@ -1,0 +1,105 @@
+"""All controllers of a repository at a glance, from their locks and blocks: nothing is run."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
+from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.pipeline.freshness.known_controllers import lock_of
+from tracerisk.pipeline.freshness.source_verdict import source_verdicts
+from tracerisk.pipeline.stages import build, solve
+from tracerisk.prm.hybrid.assessment import Assessment
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.trace import Verdict
+
+_MOST_FOLDERS = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class KnownController:
+    """A controller of a lock, by what its files say now."""
+
+    name: str
+    """Its path from the folder that was asked about, with `/`."""
+    path: Path
+    sources: Mapping[str, bytes] = field(default_factory=dict)
+    """Each file with its blocks, by its path as messages call it."""
+    verdict: Verdict | None = None
+    """Of the run behind the blocks; `None` where it is unknown."""
+    model: HybridModel | None = None
+    assessment: Assessment | None = None
+    """`None` where it has no blocks, or none that can be read."""
+    error: str = ""
+    """Why there is no figure, in words."""
+
+    @property
+    def failure_probability(self) -> float | None:
+        """Of a mission, by hardware."""
+        found = self.assessment
+        return None if found is None else found.mission.failure_probability
+
+
+def overview(root: Path) -> tuple[KnownController, ...]:
+    """Return every controller of every lock in and below a folder, sorted by name.
+
+    What cannot be read of one controller is in its `error`, and keeps no other from being told.
+    Raises InputError where no lock below the folder knows a controller, or a lock is malformed.
+    """
+    found = [
+        known_controller(root, folder, name, entry)
+        for folder in lock_folders(root)
+        for name, entry in lock_of(folder).controllers.items()
+    ]
+    if not found:
+        raise InputError(
+            f"no {LOCK_NAME} in or below it knows a controller; `tracerisk run FILE` writes one",
+            Location(str(root)),
+        )
+    return tuple(sorted(found, key=lambda each: each.name))
+
+
+def lock_folders(root: Path) -> Iterator[Path]:
+    """Yield the folders in and below one that have a lock; hidden ones and packages left out."""
+    for folder, folders, files in itertools.islice(os.walk(root), _MOST_FOLDERS):
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each != "node_modules"
+        )
+        if "pyvenv.cfg" in files:
+            folders.clear()
+        elif LOCK_NAME in files:
+            yield Path(folder)
+
+
+def known_controller(root: Path, folder: Path, name: str, entry: ControllerLock) -> KnownController:
+    """Return what the files of one controller say; `name` is its own in the lock of a folder."""
+    path = folder / name
+    shown = path.relative_to(root).as_posix()
+    try:
+        sources = _sources(folder, name, entry)
+        model = build(sources, name=path.name)
+        verdicts = source_verdicts(sources)
+        return KnownController(shown, path, sources, verdicts.get(name), model, solve(model))
+    except TraceRiskError as error:
+        return KnownController(shown, path, error=str(error))
+
+
+def _sources(folder: Path, name: str, entry: ControllerLock) -> dict[str, bytes]:
+    """Return the controller's own file and the others of its blocks, as they are now."""
+    others = sorted(file for file, blocks in entry.blocks.items() if blocks and file != name)
+    found = {}
+    for file in (name, *others):
+        path = folder / file
+        try:
+            found[str(path)] = path.read_bytes()
+        except OSError as error:
+            raise InputError(
+                f"cannot be read: {error.strerror}; restore it, or run `tracerisk refresh`, which "
+                "forgets what is gone",
+                Location(str(path)),
+            ) from error
+    return found

@@ -1,0 +1,1 @@
+"""Pages about a repository: all of its controllers, and how one went over the commits."""

@@ -1,0 +1,54 @@
+"""How the figure of a controller went over the commits: a chart, and the commits as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from tracerisk.report.html import figures
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.series.history import HistoryRow, history_svg
+from tracerisk.trace import UNKNOWN_VERDICT
+
+
+def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
+    """Return the section of a history, the oldest commit first in chart and table."""
+    html = rendered(
+        "history.html.j2",
+        name=name,
+        chart=Markup(history_svg({name: rows})),
+        table=_table(rows) if rows else None,
+    )
+    return Section("history", "History", html)
+
+
+def _table(rows: Sequence[HistoryRow]) -> Table:
+    told = []
+    last: float | None = None
+    for row in rows:
+        risk = row.failure_probability
+        told.append(
+            Row(
+                (
+                    Cell(row.name, note=row.date),
+                    Cell("unreadable" if row.error else figures.NOTHING)
+                    if risk is None
+                    else Cell(figures.probability(risk)),
+                    Cell(f"x{risk / last:.3g}" if risk is not None and last else ""),
+                    Cell(UNKNOWN_VERDICT if row.verdict is None else row.verdict.kind),
+                    Cell(row.subject, note=row.change),
+                )
+            )
+        )
+        last = risk if risk is not None else last
+    columns = (
+        Column("commit"),
+        Column("mission failure", is_number=True),
+        Column("ratio", is_number=True),
+        Column("verdict"),
+        Column("subject", "and what it did to the risk"),
+    )
+    return Table("history", "Commits that changed the risk, the oldest first", columns, tuple(told))
