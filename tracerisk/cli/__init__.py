@@ -26,6 +26,7 @@ VERBS = {
     "strip": "remove the risk blocks from sources, every other byte kept",
     "diff": "print what a change between git versions does to the risk",
     "history": "print how the risk went over the commits, and what raised it",
+    "serve": "show a repository's risk in a browser on this machine alone",
     "report": "write an HTML report of annotated sources that needs no network",
     "overrides": "list what was set by hand in blocks, why, and how it drifted",
     "hardware": "convert, show or start a hardware description; print its schema",
@@ -51,7 +52,7 @@ GROUPS = {
         "annotate",
         "strip",
     ),
-    "for reviewers of changes": ("diff", "history", "report", "overrides"),
+    "for reviewers of changes": ("diff", "history", "report", "serve", "overrides"),
     "for safety engineers": (
         "hardware",
         "evidence",

@@ -80,7 +80,7 @@ def known_controller(root: Path, folder: Path, name: str, entry: ControllerLock)
     path = folder / name
     shown = path.relative_to(root).as_posix()
     try:
-        sources = _sources(folder, name, entry)
+        sources = _sources(root, folder, name, entry)
         model = build(sources, name=path.name)
         verdicts = source_verdicts(sources)
         return KnownController(shown, path, sources, verdicts.get(name), model, solve(model))
@@ -88,12 +88,14 @@ def known_controller(root: Path, folder: Path, name: str, entry: ControllerLock)
         return KnownController(shown, path, error=str(error))
 
 
-def _sources(folder: Path, name: str, entry: ControllerLock) -> dict[str, bytes]:
+def _sources(root: Path, folder: Path, name: str, entry: ControllerLock) -> dict[str, bytes]:
     """Return the controller's own file and the others of its blocks, as they are now."""
     others = sorted(file for file, blocks in entry.blocks.items() if blocks and file != name)
     found = {}
     for file in (name, *others):
         path = folder / file
+        if not path.resolve().is_relative_to(root.resolve()):
+            raise InputError("is outside of the folder that was asked about", Location(str(path)))
         try:
             found[str(path)] = path.read_bytes()
         except OSError as error:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from markupsafe import Markup
 from tracerisk.report.html.section import Section
 
 _HERE = Path(__file__).parent
+_POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">')
 # What HTML cannot hold as a character, and what would be read as something else.
 _FORBIDDEN = dict.fromkeys(
     (*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}"
@@ -26,10 +29,11 @@ _TURNING = {
 }
 
 
-def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
+def page(title: str, lead: Markup, sections: Sequence[Section], *, connects: bool = False) -> str:
     """Return the page, the same for the same sections.
 
-    `lead` stands before the sections: the headline and what belongs to it.
+    `lead` stands before the sections: the headline and what belongs to it. A page that `connects`
+    may ask the server that it came from.
     """
     script = "\n".join(_function_of(js) for js in (asset("core.js"), *_each(sections, "js")))
     style = "\n".join((asset("page.css"), *_each(sections, "css")))
@@ -41,10 +45,11 @@ def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
         "page.html.j2",
         title=title,
         lead=lead,
-        sections=sections,
+        sections=[each for each in sections if not each.is_bare],
+        connects=connects,
         script=Markup(script),
         style=Markup(style),
-        policy=_policy(script, style),
+        policy=_policy(script, style, connects=connects),
     )
     # A lone surrogate (of a file name that is not UTF-8) is not a character of any encoding.
     text = text.translate(_FORBIDDEN | _TURNING)
@@ -99,11 +104,19 @@ def _function_of(script: str) -> str:
     return f'(() => {{\n"use strict";\n{script.strip()}\n}})();'
 
 
-def _policy(script: str, style: str) -> str:
+def policy_of(text: str) -> str:
+    """Return the policy that a page has in its head, for a server to send."""
+    found = _POLICY.search(text)
+    assert found is not None, "every page has one"
+    return unescape(found[1])
+
+
+def _policy(script: str, style: str, *, connects: bool) -> str:
+    asks = "; connect-src 'self'" if connects else ""
     # What a browser digests is the text of the element, line breaks around it among it.
     return (
         f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
-        "img-src data:; base-uri 'none'; form-action 'none'"
+        f"img-src data:; base-uri 'none'; form-action 'none'{asks}"
     )
 
 

@@ -41,4 +41,5 @@ def render_report(report: ReportInput) -> str:
         sources_section(report),
     )
     shown = tuple(each for each in sections if each is not None)
-    return page(f"Risk of {report.model.name}", lead(report), shown)
+    connects = any(each.is_bare for each in shown)
+    return page(f"Risk of {report.model.name}", lead(report), shown, connects=connects)

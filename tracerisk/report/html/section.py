@@ -37,6 +37,7 @@ class Section:
     `name` is its id and the target of links, `title` its heading, `html` what stands below the
     heading, escaped; `css` and `js` are its own, `data` what its script reads.
     `summary` is what navigation says of it, its title if empty.
+    One that `is_bare` brings style and script alone, and is not seen.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Section:
     js: str = ""
     data: tuple[Data, ...] = ()
     summary: str = ""
+    is_bare: bool = False
 
 
 def json_in_script(value: Any) -> str:

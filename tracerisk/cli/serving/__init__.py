@@ -1,0 +1,1 @@
+"""The pages of `tracerisk serve`, and the server of them."""
