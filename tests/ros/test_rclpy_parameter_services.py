@@ -61,8 +61,8 @@ def test_values_types_and_descriptors_are_read(ask):
 @pytest.mark.parametrize(
     ("prefixes", "depth", "names"),
     [
-        ([], 0, ["use_sim_time", "a", "b.c", "b.d.e"]),
-        ([], 1, ["use_sim_time", "a"]),
+        ([], 0, ["use_sim_time", "start_type_description_service", "a", "b.c", "b.d.e"]),
+        ([], 1, ["use_sim_time", "start_type_description_service", "a"]),
         (["b"], 1, ["b.c"]),
         (["b"], 0, ["b.c", "b.d.e"]),
         (["b.c"], 1, ["b.c"]),

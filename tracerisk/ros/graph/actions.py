@@ -523,6 +523,14 @@ class Actions:
             for leaf, kind in leaves.items()
         }
 
+    def clients(self) -> tuple[ActionClientEnd, ...]:
+        """Return all clients, in the order of their names."""
+        return tuple(end for _, ends in sorted(self._clients.items()) for end in ends)
+
+    def servers(self) -> tuple[ActionServerEnd, ...]:
+        """Return all servers, in the order of their names."""
+        return tuple(end for _, ends in sorted(self._servers.items()) for end in ends)
+
     def stack(self) -> tuple[Any, ...]:
         """Return the stack of the running code: whoever sends a goal owns what comes of it."""
         tracer: Any = self._runtime.tracer

@@ -158,8 +158,7 @@ def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, s
     found: list[tuple[str | None, str, Any]] = []
     for each in parameters:
         if each.node is not None:
-            # `/**/pick` is every node of that name, in whatever namespace.
-            node = None if each.node == EVERY_NODE else each.node.removeprefix(f"{EVERY_NODE}/")
+            node = None if each.node == EVERY_NODE else each.node
             found.append((node, each.name, each.value))
             continue
         name = each.name.lstrip("~").strip("/")

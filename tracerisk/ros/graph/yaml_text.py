@@ -18,15 +18,19 @@ def load_yaml(text: str) -> Any:
     Raises:
         ruamel.yaml.error.YAMLError: it is not YAML.
     """
+    from tracerisk.text.yaml_bounds import bounded_yaml
+
+    root = bounded_yaml("safe", (1, 1)).compose(text)
+    return None if root is None else _constructed(root)
+
+
+def _constructed(root: Any) -> Any:
     from ruamel.yaml.error import YAMLError
 
     from tracerisk.text.yaml_bounds import bounded_yaml
 
     yaml = bounded_yaml("safe", (1, 1))
     yaml.allow_duplicate_keys = True
-    root = yaml.compose(text)
-    if root is None:
-        return None
     _keep_texts(root, set())
     with warnings.catch_warnings():
         # `1e3`, which YAML 1.1 wants written `1.0e3`.
@@ -36,6 +40,24 @@ def load_yaml(text: str) -> Any:
         except (TypeError, ValueError) as error:
             # Keys that are mappings, dates that are none.
             raise YAMLError(str(error)) from error
+
+
+def load_sections(text: str) -> list[tuple[Any, Any]] | None:
+    """Return keys and values of a YAML text that is a mapping; None of another.
+
+    A key that comes twice is there twice: a file of parameters may name a node again.
+
+    Raises:
+        ruamel.yaml.error.YAMLError: it is not YAML.
+    """
+    from ruamel.yaml.nodes import MappingNode
+
+    from tracerisk.text.yaml_bounds import bounded_yaml
+
+    root = bounded_yaml("safe", (1, 1)).compose(text)
+    if not isinstance(root, MappingNode):
+        return None
+    return [(key.value, _constructed(value)) for key, value in root.value]
 
 
 def _keep_texts(node: Any, seen: set[int]) -> None:

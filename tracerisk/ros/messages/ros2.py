@@ -360,11 +360,20 @@ def _defaults(text: str, path: Path) -> dict[str, Any]:
             continue
         name, value = match.groups()
         try:
-            found[name] = ast.literal_eval({"true": "True", "false": "False"}.get(value, value))
+            found[name] = ast.literal_eval(_WithBools().visit(ast.parse(value, mode="eval")))
         except (ValueError, SyntaxError) as error:
             told = f"'{value}' is no default that a field can have"
             raise InputError(told, Location(str(path), number)) from error
     return found
+
+
+class _WithBools(ast.NodeTransformer):
+    """Turns the words `true` and `false` of a definition into the values of Python."""
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """Return what a word stands for."""
+        known = {"true": True, "false": False}.get(node.id.lower())
+        return node if known is None else ast.Constant(known)
 
 
 def _fitting(field: Field2, value: Any) -> Any:

@@ -25,6 +25,7 @@ from .callback_groups import CallbackGroup
 from .executors import await_or_execute
 from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from .task import Future
+from .waitable import NumberOfEntities
 
 __all__ = ["ActionClient", "ClientGoalHandle"]
 
@@ -178,6 +179,10 @@ class ActionClient(Entity):
         timeout_ns = None if timeout_sec is None else max(0, round(timeout_sec * 1e9))
         context = self._node.context
         return self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
+
+    def get_num_entities(self) -> NumberOfEntities:
+        """Return how many entities of each kind a client is made of."""
+        return NumberOfEntities(num_subs=2, num_clients=3)
 
     def destroy(self) -> None:
         """Send no more goals."""

@@ -20,6 +20,7 @@ from ._run import run
 from .callback_groups import CallbackGroup
 from .executors import await_or_execute
 from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
+from .waitable import NumberOfEntities
 
 __all__ = ["ActionServer", "CancelResponse", "GoalResponse", "RCLError", "ServerGoalHandle"]
 
@@ -217,6 +218,10 @@ class ActionServer(Entity):
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
         self._execute_callback = execute_callback
+
+    def get_num_entities(self) -> NumberOfEntities:
+        """Return how many entities of each kind a server is made of."""
+        return NumberOfEntities(num_timers=1, num_services=3)
 
     def destroy(self) -> None:
         """Stop serving."""

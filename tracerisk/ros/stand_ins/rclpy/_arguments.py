@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tracerisk.ros.graph.yaml_text import load_yaml
+from tracerisk.ros.graph.yaml_text import load_sections, load_yaml
+
+from ._rclpy_pybind11 import RCLInvalidROSArgsError, UnknownROSArgsError
 
 FLAG, END = "--ros-args", "--"
 _LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
@@ -37,6 +40,8 @@ class Arguments:
     remaps: list[tuple[str | None, str, str]] = field(default_factory=list)
     parameters: list[tuple[str | None, str, Any]] = field(default_factory=list)
     log_levels: list[tuple[str, int]] = field(default_factory=list)
+    has_rosout: bool = True
+    unknown: list[str] = field(default_factory=list)
 
     def remapped(self, node: str, name: str) -> str | None:
         """Return what `name` is called instead, if anything; the first that fits counts."""
@@ -45,21 +50,34 @@ class Arguments:
                 return new
         return None
 
-    def overrides(self, node: str, full_name: str) -> dict[str, Any]:
-        """Return the parameters that the command line sets for a node."""
+    def overrides(self, full_name: str) -> dict[str, Any]:
+        """Return the parameters that the command line sets for a node; later ones win."""
         return {
             name: value
             for whom, name, value in self.parameters
-            if whom in (None, "/**", "/*", node, full_name, full_name.lstrip("/"))
+            if whom is None or _is_meant(whom, full_name)
         }
+
+
+def _is_meant(pattern: str, full_name: str) -> bool:
+    """Return whether a node is one of a pattern: `*` is a part of its name, `**` any number."""
+    parts = (
+        {"**": r"(/\w+)*", "*": r"/\w+"}.get(part, f"/{re.escape(part)}")
+        for part in pattern.strip("/").split("/")
+    )
+    return re.fullmatch("".join(parts), full_name) is not None
 
 
 def parse_arguments(argv: Sequence[str]) -> Arguments:
     """Read what stands between `--ros-args` and `--`.
 
     Raises:
-        RuntimeError: something there is malformed or not known.
+        UnicodeEncodeError: an argument is not of characters.
+        UnknownROSArgsError: something there is not known.
+        RCLInvalidROSArgsError: something there is malformed.
     """
+    for argument in argv:
+        argument.encode()
     found = Arguments()
     waiting = list(argv)
     within = False
@@ -71,6 +89,8 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
             within = False
         elif within:
             _read(found, argument, waiting)
+    if found.unknown:
+        raise UnknownROSArgsError(f"Found unknown ROS arguments: {found.unknown}")
     return found
 
 
@@ -90,12 +110,15 @@ def without_ros_arguments(argv: Sequence[str]) -> list[str]:
 
 def _read(found: Arguments, argument: str, waiting: list[str]) -> None:
     if argument in _WITHOUT_VALUE:
+        if argument.endswith("rosout-logs"):
+            found.has_rosout = argument.startswith("--enable")
         return
     kind = _WITH_VALUE.get(argument)
     if kind is None:
-        raise RuntimeError(f"Failed to parse global arguments: unknown ROS argument '{argument}'")
+        found.unknown.append(argument)
+        return
     if not waiting:
-        raise RuntimeError(f"Failed to parse global arguments: '{argument}' has no value")
+        raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: '{argument}' has no value")
     value = waiting.pop(0)
     if kind == "remap":
         whom, old, new = _rule(argument, value)
@@ -108,15 +131,15 @@ def _read(found: Arguments, argument: str, waiting: list[str]) -> None:
     elif kind == "log_level":
         name, _, level = value.rpartition(":=")
         if level.lower() not in _LEVELS:
-            raise RuntimeError(f"Failed to parse global arguments: no log level '{level}'")
+            raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: no log level '{level}'")
         found.log_levels.append((name, _LEVELS[level.lower()]))
 
 
 def _rule(argument: str, value: str) -> tuple[str | None, str, str]:
     old, assigned, new = value.partition(":=")
     if not assigned or not old or not new:
-        raise RuntimeError(
-            f"Failed to parse global arguments: '{argument} {value}' is not of the form name:=value"
+        raise RCLInvalidROSArgsError(
+            f"Failed to parse ROS arguments: '{argument} {value}' is not of the form name:=value"
         )
     whom, colon, name = old.rpartition(":")
     return (whom, name, new) if colon else (None, old, new)
@@ -133,21 +156,25 @@ def read_yaml(text: str) -> Any:
 
 
 def _parameters_of(file: str) -> list[tuple[str | None, str, Any]]:
+    from ruamel.yaml.error import YAMLError
+
     try:
-        content = read_yaml(Path(file).read_text(encoding="utf-8"))
+        content = load_sections(Path(file).read_text(encoding="utf-8"))
+    except YAMLError as error:
+        raise RCLInvalidROSArgsError(f"{file} is no YAML: {error}") from error
     except OSError as error:
-        raise RuntimeError(f"Couldn't open the parameter file {file}: {error}") from error
-    if not isinstance(content, dict):
-        raise RuntimeError(f"{file} is not a file of ROS parameters: it holds no mapping")
+        raise RCLInvalidROSArgsError(f"Couldn't open the parameter file {file}: {error}") from error
+    if content is None:
+        raise RCLInvalidROSArgsError(f"{file} is not a file of ROS parameters: it holds no mapping")
     found: list[tuple[str | None, str, Any]] = []
-    for node, tree in content.items():
+    for node, tree in content:
         _walk(found, file, str(node), tree)
     return found
 
 
 def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: Any) -> None:
     if not isinstance(tree, dict):
-        raise RuntimeError(f"{file}: node '{node}' has no 'ros__parameters'")
+        raise RCLInvalidROSArgsError(f"{file}: node '{node}' has no 'ros__parameters'")
     for key, inner in tree.items():
         if key == "ros__parameters":
             found.extend((node, name, value) for name, value in flat_parameters("", inner or {}))

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine
-from typing import Any, ClassVar
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from tracerisk.ros.controller.thread import Meaning
 
+from ._handle import Handle
 from ._run import run
 from .callback_groups import CallbackGroup
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Call = Callable[[], Coroutine[Any, Any, None]]
 
@@ -23,6 +28,7 @@ class Entity:
 
     def __init__(self, node: Any, callback_group: CallbackGroup) -> None:
         self._node = node
+        self.handle = Handle()
         self.callback_group = callback_group
         self._is_taken = False
         self._is_destroyed = False
@@ -53,3 +59,15 @@ class Entity:
     def destroy(self) -> None:
         """Stop working."""
         self._is_destroyed = True
+        self.handle.destroy_when_not_in_use()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.destroy()

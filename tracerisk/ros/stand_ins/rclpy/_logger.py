@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.ros.controller.frames import controller_frame
+from tracerisk.ros.controller.frames import caller_beyond
 from tracerisk.ros.graph.failures import error_logged
 from tracerisk.ros.time.clock import EPOCH_NS
 
@@ -14,12 +15,25 @@ from .impl.logging_severity import LoggingSeverity
 
 _SEPARATOR = "."
 _FILTERS = {
-    "throttle_duration_sec",
-    "throttle_time_source_type",
-    "skip_first",
-    "once",
-    "name",
+    "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
+    "skip_first": ("skip_first",),
+    "once": ("once",),
 }
+"""The filters in the order in which they are asked, each with its keywords."""
+_KEYWORDS = [keyword for keywords in _FILTERS.values() for keyword in keywords]
+_OWN_FILES = ("rclpy/_logger.py", "rclpy/logging.py")
+
+
+@dataclass(slots=True)
+class _Place:
+    """What is known of a place in the source that logs: its first call says what it is."""
+
+    severity: LoggingSeverity
+    name: str
+    filters: dict[str, Any]
+    throttled_ns: int = 0
+    was_skipped: bool = False
+    was_logged: bool = False
 
 
 class RcutilsLogger:
@@ -53,56 +67,49 @@ class RcutilsLogger:
         """Return whether lines of a severity are logged."""
         return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(self, message: Any, severity: Any, **kwargs: Any) -> bool:
+    def log(self, message: Any, severity: Any, name: str | None = None, **kwargs: Any) -> bool:
         """Log a line, and tell whether it was.
 
-        `once`, `skip_first` and `throttle_duration_sec` [s] count for the line of code.
+        `once`, `skip_first` and `throttle_duration_sec` [s] count for the place in the source.
 
         Raises:
-            TypeError: a keyword is not known.
+            TypeError: a keyword is not known, or is of no use without another.
+            ValueError: the same place has logged with another severity, name or filter.
         """
-        unknown = sorted(set(kwargs) - _FILTERS)
-        if unknown:
-            raise TypeError(
-                f"parameter '{unknown[0]}' is not one of the recognized logging options"
-            )
         level = LoggingSeverity(severity)
-        if not self.is_enabled_for(level) or not self._passes(kwargs):
+        if not self.is_enabled_for(level):
+            return False
+        given_name = self.name if name is None else name
+        place = self._place(level, given_name, _filters(kwargs))
+        if not _passes(place):
             return False
         state = run()
         seconds, rest = divmod(EPOCH_NS + state.scheduler.now_ns, 1_000_000_000)
         print(  # noqa: T201 - this is its purpose
-            f"[{level.name}] [{seconds}.{rest:09d}] [{self.name}]: {message}", file=sys.stderr
+            f"[{level.name}] [{seconds}.{rest:09d}] [{given_name}]: {message}", file=sys.stderr
         )
         self._publish_to_rosout(level, str(message))
         if level >= LoggingSeverity.ERROR:
             error_logged(level.name, str(message))
         return True
 
-    def _passes(self, filters: dict[str, Any]) -> bool:
-        if not filters:
-            return True
-        frame = controller_frame()
-        place = None if frame is None else (frame.f_code.co_filename, frame.f_lineno)
-        seen, now_ns = run().log_places, run().scheduler.now_ns
-        passes = True
-        if filters.get("once"):
-            passes = seen.setdefault((place, "once"), 0) == 0
-            seen[place, "once"] = 1
-        if filters.get("skip_first"):
-            passes = passes and (place, "skip_first") in seen
-            seen[place, "skip_first"] = 1
-        period = filters.get("throttle_duration_sec")
-        if period and passes:
-            last_ns = seen.get((place, "throttle"))
-            passes = last_ns is None or now_ns - last_ns >= period * 1e9
-            if passes:
-                seen[place, "throttle"] = now_ns
-        return passes
+    def _place(self, level: LoggingSeverity, name: str, filters: dict[str, Any]) -> _Place:
+        frame = caller_beyond(_OWN_FILES)
+        key = None if frame is None else (frame.f_code.co_filename, frame.f_lineno, frame.f_lasti)
+        known: _Place = run().log_places.setdefault((self.name, key), _Place(level, name, filters))
+        for what, was, now in (
+            ("Logger severity", known.severity, level),
+            ("Logger name", known.name, name),
+            ("Requested logging filters", set(known.filters), set(filters)),
+            ("Logging filter parameters", known.filters, filters),
+        ):
+            if was != now:
+                raise ValueError(f"{what} cannot be changed between calls.")
+        return known
 
     def _publish_to_rosout(self, level: LoggingSeverity, text: str) -> None:
         state = run()
-        if not state.graph.subscriptions("/rosout"):
+        if self.name in state.unheard_loggers or not state.graph.subscriptions("/rosout"):
             return
         from rcl_interfaces.msg import Log
 
@@ -138,3 +145,41 @@ class RcutilsLogger:
     def fatal(self, message: Any, **kwargs: Any) -> bool:
         """Log a line of severity FATAL; see `log`."""
         return self.log(message, LoggingSeverity.FATAL, **kwargs)
+
+
+def _filters(keywords: dict[str, Any]) -> dict[str, Any]:
+    """Return the keywords of the filters that are asked for."""
+    unknown = sorted(set(keywords) - set(_KEYWORDS))
+    if unknown:
+        raise TypeError(
+            f'parameter "{unknown[0]}" is not one of the recognized logging options "{_KEYWORDS}"'
+        )
+    found: dict[str, Any] = {}
+    for kind, (needed, *others) in _FILTERS.items():
+        if not any(keywords.get(each) for each in (needed, *others)):
+            continue
+        if needed not in keywords:
+            raise TypeError(
+                f'required parameter "{needed}" not specified but is required for the logging '
+                f'filter "{kind}"'
+            )
+        found |= {each: keywords.get(each) for each in (needed, *others)}
+    return found
+
+
+def _passes(place: _Place) -> bool:
+    """Return whether the filters of a place let a line pass, and note that one came."""
+    filters = place.filters
+    if "throttle_duration_sec" in filters:
+        clock = filters["throttle_time_source_type"]
+        now_ns = EPOCH_NS + run().scheduler.now_ns if clock is None else clock._told_ns
+        if now_ns < place.throttled_ns + filters["throttle_duration_sec"] * 1e9:
+            return False
+        place.throttled_ns = now_ns
+    if "skip_first" in filters and not place.was_skipped:
+        place.was_skipped = True
+        return False
+    if "once" in filters and place.was_logged:
+        return False
+    place.was_logged = True
+    return True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from copy import copy
 from typing import Any
 
 from ._node_names import NodeNames
@@ -11,13 +12,13 @@ from .client import Client
 from .clock import Clock
 from .constants import S_TO_NS
 from .context import Context
-from .exceptions import NoTypeSupportImportedException
 from .guard_condition import GuardCondition
 from .publisher import Publisher
 from .qos import QoSProfile, qos_profile_parameters, qos_profile_services_default
 from .service import LibraryService, Service
 from .subscription import Subscription
 from .timer import Rate, Timer
+from .type_support import check_is_valid_msg_type, check_is_valid_srv_type
 
 
 class NodeEntities(NodeNames):
@@ -95,16 +96,19 @@ class NodeEntities(NodeNames):
         Raises:
             TypeError: the profile is neither.
             ValueError: the depth is negative.
-            NoTypeSupportImportedException: `msg_type` is not a message class.
+            AttributeError: `msg_type` is no interface class of ROS 2.
+            RuntimeError: it is one of another kind.
         """
-        _check_type(msg_type, "get_fields_and_field_types")
+        check_is_valid_msg_type(msg_type)
+        name = self.resolve_topic_name(topic)
         made = publisher_class(
             self,
             msg_type,
-            self.resolve_topic_name(topic),
-            _profile(qos_profile),
+            name,
+            self._overridden(publisher_class, name, qos_profile, qos_overriding_options),
             event_callbacks,
             callback_group or self._default_callback_group,
+            topic,
         )
         self._publishers.append(made)
         return made
@@ -123,19 +127,33 @@ class NodeEntities(NodeNames):
         content_filter_options: Any = None,
     ) -> Subscription:
         """Make a subscription; see `create_publisher`."""
-        _check_type(msg_type, "get_fields_and_field_types")
+        check_is_valid_msg_type(msg_type)
+        name = self.resolve_topic_name(topic)
         made = Subscription(
             self,
             msg_type,
-            self.resolve_topic_name(topic),
+            name,
             callback,
             callback_group or self._default_callback_group,
-            _profile(qos_profile),
+            self._overridden(Subscription, name, qos_profile, qos_overriding_options),
             raw,
             event_callbacks,
+            topic,
         )
         self._subscriptions.append(made)
         return made
+
+    def _overridden(
+        self, kind: type, name: str, given: QoSProfile | int, options: Any
+    ) -> QoSProfile:
+        profile = _profile(given)
+        if options is None:
+            return profile
+        from .qos_overriding_options import _declare_qos_parameters
+
+        profile = copy(profile)
+        _declare_qos_parameters(kind, self, name, profile, options)
+        return profile
 
     def create_client(
         self,
@@ -148,9 +166,10 @@ class NodeEntities(NodeNames):
         """Make a client of a service.
 
         Raises:
-            NoTypeSupportImportedException: `srv_type` is not a service class.
+            AttributeError: `srv_type` is no interface class of ROS 2.
+            RuntimeError: it is one of another kind.
         """
-        _check_type(srv_type, "Request")
+        check_is_valid_srv_type(srv_type)
         made = Client(
             self,
             srv_type,
@@ -173,9 +192,10 @@ class NodeEntities(NodeNames):
         """Make a service: `callback` takes request and response, and returns the response.
 
         Raises:
-            NoTypeSupportImportedException: `srv_type` is not a service class.
+            AttributeError: `srv_type` is no interface class of ROS 2.
+            RuntimeError: it is one of another kind.
         """
-        _check_type(srv_type, "Request")
+        check_is_valid_srv_type(srv_type)
         made = Service(
             self,
             srv_type,
@@ -284,11 +304,6 @@ def _profile(given: QoSProfile | int) -> QoSProfile:
             raise ValueError("history depth must be greater than or equal to zero")
         return QoSProfile(depth=given)
     raise TypeError(f"Expected QoSProfile or int, but received {type(given)!r}")
-
-
-def _check_type(given: Any, attribute: str) -> None:
-    if not hasattr(given, attribute) or not hasattr(given, "_ros_type"):
-        raise NoTypeSupportImportedException(f"{given!r} is not an interface class of ROS 2")
 
 
 def _destroy(kept: list[Any], each: Any) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 from ._node_names import NodeNames
 from ._rclpy_pybind11 import NodeNameNonExistentError
 from ._run import run
+from .expand_topic_name import expand_topic_name
 from .qos import QoSProfile
 from .topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 
@@ -45,22 +46,22 @@ class NodeGraph(NodeNames):
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publish on a topic."""
         run().scheduler.touch()
-        return len(run().graph.publications(self.resolve_topic_name(topic_name)))
+        return len(run().graph.publications(self._checked_topic(topic_name)))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return how many subscribe to a topic."""
         run().scheduler.touch()
-        return len(run().graph.subscriptions(self.resolve_topic_name(topic_name)))
+        return len(run().graph.subscriptions(self._checked_topic(topic_name)))
 
     def count_clients(self, service_name: str) -> int:
         """Return how many of the controller's clients call a service."""
-        name = self.resolve_service_name(service_name)
+        name = self._checked_service(service_name)
         return sum(each.srv_name == name for node in run().nodes for each in node.clients)
 
     def count_services(self, service_name: str) -> int:
         """Return how many serve a service."""
         run().scheduler.touch()
-        name = self.resolve_service_name(service_name)
+        name = self._checked_service(service_name)
         return sum(server.name == name for server in run().graph.services())
 
     def get_fully_qualified_node_names(self) -> list[str]:
@@ -133,9 +134,17 @@ class NodeGraph(NodeNames):
         """Return who subscribes to a topic."""
         return self._endpoints(topic_name, TopicEndpointTypeEnum.SUBSCRIPTION)
 
+    def _checked_topic(self, name: str) -> str:
+        expand_topic_name(name, self._name, self._namespace)
+        return self.resolve_topic_name(name)
+
+    def _checked_service(self, name: str) -> str:
+        expand_topic_name(name, self._name, self._namespace)
+        return self.resolve_service_name(name)
+
     def _endpoints(self, topic: str, kind: TopicEndpointTypeEnum) -> list[TopicEndpointInfo]:
         run().scheduler.touch()
-        graph, name = run().graph, self.resolve_topic_name(topic)
+        graph, name = run().graph, self._checked_topic(topic)
         publishes = kind is TopicEndpointTypeEnum.PUBLISHER
         ends: Any = graph.publications(name) if publishes else graph.subscriptions(name)
         found = []

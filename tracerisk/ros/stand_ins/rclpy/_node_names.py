@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from ._arguments import Arguments
+from ._name_rules import namespace_fault, topic_name_fault
 from .exceptions import (
     InvalidNamespaceException,
-    InvalidNodeNameException,
     InvalidServiceNameException,
     InvalidTopicNameException,
 )
-
-_NODE_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-_NAME = re.compile(r"~?(/?[A-Za-z_{}]\w*[\w{}]*)?(/[A-Za-z_{][\w{}]*)*", re.ASCII)
+from .expand_topic_name import expanded
+from .validate_node_name import validate_node_name
 
 
 class NodeNames:
@@ -23,15 +21,7 @@ class NodeNames:
     _sources: tuple[Arguments, ...]
 
     def _take_names(self, node_name: str, namespace: str | None) -> None:
-        if not _NODE_NAME.fullmatch(node_name):
-            raise InvalidNodeNameException(
-                node_name,
-                "node name must not be empty"
-                if not node_name
-                else "node name must not contain characters other than alphanumerics or '_', "
-                "and must not start with a number",
-                0,
-            )
+        validate_node_name(node_name)
         self._given_name = node_name
         self._name = self._renamed("__node", "__name") or node_name
         self._namespace = _namespace(self._renamed("__ns") or namespace or "")
@@ -75,16 +65,9 @@ class NodeNames:
     def _resolved(self, name: str, error: Any, *, remaps: bool = True) -> str:
         if not isinstance(name, str):
             raise TypeError(f"name must be a str, not {type(name).__name__}")
-        if not name or not _NAME.fullmatch(name) or name == "/":
-            told = (
-                "name must not be empty"
-                if not name
-                else (
-                    "name must hold nothing but alphanumerics, '_', '/', '~' and '{}', no part may "
-                    "start with a number and it must not end with '/'"
-                )
-            )
-            raise error(name, told, 0)
+        fault = topic_name_fault(name)
+        if fault is not None:
+            raise error(name, *fault)
         full = self._expanded(name)
         if not remaps:
             return full
@@ -97,23 +80,12 @@ class NodeNames:
         return full
 
     def _expanded(self, name: str) -> str:
-        text = name.replace("{node}", self._name)
-        for key in ("{ns}", "{namespace}"):
-            text = text.replace(key, self._namespace)
-        if text.startswith("~"):
-            return f"{self.get_fully_qualified_name()}/{text[1:].lstrip('/')}".rstrip("/")
-        if text.startswith("/"):
-            return re.sub("/+", "/", text)
-        return f"{self._namespace.rstrip('/')}/{text}"
+        return expanded(name, self._name, self._namespace)
 
 
 def _namespace(given: str) -> str:
     space = "/" + given.strip("/")
-    if given != "/" and not re.fullmatch(r"(/|(/[A-Za-z_]\w*)+)", space, re.ASCII):
-        raise InvalidNamespaceException(
-            given,
-            "namespace must hold nothing but alphanumerics, '_' and '/', and no part may start "
-            "with a number",
-            0,
-        )
+    fault = namespace_fault(space)
+    if fault is not None:
+        raise InvalidNamespaceException(given, *fault)
     return space

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -20,7 +19,6 @@ from tracerisk.ros.controller.needs import Need
 from ._parameter_checks import refusal
 from ._run import run
 from .exceptions import (
-    InvalidParameterException,
     InvalidParameterTypeException,
     InvalidParameterValueException,
     ParameterAlreadyDeclaredException,
@@ -29,8 +27,8 @@ from .exceptions import (
     ParameterUninitializedException,
 )
 from .parameter import PARAMETER_SEPARATOR_STRING, Parameter, parameter_value_to_python
+from .validate_parameter_name import validate_parameter_name
 
-_NAME = re.compile(r"[^.]+(\.[^.]+)*")
 _NOT_SET = Parameter.Type.NOT_SET
 
 
@@ -41,9 +39,9 @@ class NodeParameters:
     _descriptors: dict[str, Any]
     _parameter_overrides: dict[str, Parameter]
     _allow_undeclared_parameters: bool
-    _pre_set_callbacks: list[Callable[[list[Parameter]], list[Parameter]]]
-    _on_set_callbacks: list[Callable[[list[Parameter]], Any]]
-    _post_set_callbacks: list[Callable[[list[Parameter]], None]]
+    _pre_set_parameters_callbacks: list[Callable[[list[Parameter]], list[Parameter]]]
+    _on_set_parameters_callbacks: list[Callable[[list[Parameter]], Any]]
+    _post_set_parameters_callbacks: list[Callable[[list[Parameter]], None]]
 
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
@@ -105,8 +103,7 @@ class NodeParameters:
                 f"First element {name} at index {index} in parameters list is not a str."
             )
         name = f"{namespace}.{name}" if namespace else name
-        if not _NAME.fullmatch(name):
-            raise InvalidParameterException(name)
+        validate_parameter_name(name)
         second = entry[1] if len(entry) > 1 else None
         descriptor = entry[2] if len(entry) > 2 else ParameterDescriptor()
         if not isinstance(descriptor, ParameterDescriptor):
@@ -269,8 +266,10 @@ class NodeParameters:
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]) -> Any:
         """Set all parameters or none, and return a SetParametersResult; see `set_parameters`."""
         wanted = list(parameter_list)
-        if self._pre_set_callbacks:
-            wanted = [p for callback in self._pre_set_callbacks for p in callback(wanted)]
+        if self._pre_set_parameters_callbacks:
+            wanted = [
+                p for callback in self._pre_set_parameters_callbacks for p in callback(wanted)
+            ]
             if not wanted:
                 reason = (
                     "parameter list cannot be empty, this might be due to "
@@ -286,27 +285,27 @@ class NodeParameters:
 
     def add_pre_set_parameters_callback(self, callback: Any) -> None:
         """Call `callback` to change the list of parameters before they are checked."""
-        self._pre_set_callbacks.insert(0, callback)
+        self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: Any) -> None:
         """Call `callback` to agree to what is set: it returns a SetParametersResult."""
-        self._on_set_callbacks.insert(0, callback)
+        self._on_set_parameters_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: Any) -> None:
         """Call `callback` after parameters were set."""
-        self._post_set_callbacks.insert(0, callback)
+        self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: Any) -> None:
         """Undo `add_pre_set_parameters_callback`."""
-        self._pre_set_callbacks.remove(callback)
+        self._pre_set_parameters_callbacks.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback: Any) -> None:
         """Undo `add_on_set_parameters_callback`."""
-        self._on_set_callbacks.remove(callback)
+        self._on_set_parameters_callbacks.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback: Any) -> None:
         """Undo `add_post_set_parameters_callback`."""
-        self._post_set_callbacks.remove(callback)
+        self._post_set_parameters_callbacks.remove(callback)
 
     def describe_parameter(self, name: str) -> Any:
         """Return a parameter's descriptor.
@@ -357,7 +356,7 @@ class NodeParameters:
             reason = refusal(parameter, descriptor, is_new=descriptors is not None)
             if reason:
                 return SetParametersResult(successful=False, reason=reason)
-        for callback in self._on_set_callbacks:
+        for callback in self._on_set_parameters_callbacks:
             result = callback(wanted)
             if not result.successful:
                 return result
@@ -365,7 +364,7 @@ class NodeParameters:
         for parameter in wanted:
             self._store(parameter, descriptors, keeps_unset, event)
         self._publish_event(event)
-        for told in self._post_set_callbacks:
+        for told in self._post_set_parameters_callbacks:
             told(wanted)
         return SetParametersResult(successful=True)
 
@@ -391,6 +390,8 @@ class NodeParameters:
         elif name not in self._descriptors:
             self._descriptors[name] = ParameterDescriptor(dynamic_typing=True)
         self._descriptors[name].name = name
+        if self._descriptors[name].dynamic_typing:
+            self._descriptors[name].type = parameter.type_.value
         self._parameters[name] = parameter
 
     def _publish_event(self, event: Any) -> None:

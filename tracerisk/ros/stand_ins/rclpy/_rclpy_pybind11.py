@@ -10,9 +10,17 @@ __all__ = [
     "InvalidHandle",
     "NodeNameNonExistentError",
     "RCLError",
+    "RCLInvalidROSArgsError",
     "TransitionCallbackReturnType",
+    "UnknownROSArgsError",
     "UnsupportedEventTypeError",
+    "rclpy_get_rmw_implementation_identifier",
 ]
+
+
+def rclpy_get_rmw_implementation_identifier() -> str:
+    """Return the name of the middleware: there is none but the simulation."""
+    return "rmw_tracerisk"
 
 
 class RCLError(RuntimeError):
@@ -21,6 +29,14 @@ class RCLError(RuntimeError):
 
 class NodeNameNonExistentError(RCLError):
     """No node of the name exists."""
+
+
+class RCLInvalidROSArgsError(RCLError):
+    """Arguments for ROS are malformed."""
+
+
+class UnknownROSArgsError(RuntimeError):
+    """There are arguments for ROS that it does not know."""
 
 
 class UnsupportedEventTypeError(RCLError):

@@ -29,6 +29,7 @@ class Run:
         self.log_levels: dict[str, int] = {"": 20}
         self.log_places: dict[tuple[Any, ...], Any] = {}
         self.rosout: Any = None
+        self.unheard_loggers: set[str] = set()
         self.signal_options = 0
 
 

@@ -11,6 +11,7 @@ from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
+from ._handle import GONE
 from ._run import run
 from .callback_groups import CallbackGroup
 from .exceptions import InvalidHandle
@@ -151,7 +152,7 @@ class Client(Entity):
 
     def _check(self, request: Any) -> None:
         if self._is_destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+            raise InvalidHandle(GONE)
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
 

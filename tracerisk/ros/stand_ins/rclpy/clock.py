@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from enum import IntEnum
 from typing import Any
 
@@ -71,7 +73,7 @@ class TimeJump:
 
 
 class JumpHandle:
-    """A callback for jumps; simulated time makes none, so it is never called.
+    """A callback for the jumps of a clock, from `create_jump_callback` to `unregister`.
 
     Raises:
         ValueError: there is no callback, or one that cannot be called.
@@ -86,16 +88,34 @@ class JumpHandle:
             if callback is not None and not callable(callback):
                 raise ValueError(f"{name} must be callable if given")
         self._clock: Clock | None = clock
+        self._threshold = threshold
+        self._pre_callback = pre_callback
+        self._post_callback = post_callback
+        clock._jump_handles.append(self)
 
     def unregister(self) -> None:
         """Forget the callback."""
-        self._clock = None
+        if self._clock is not None:
+            self._clock._jump_handles.remove(self)
+            self._clock = None
+
+    def _is_about(self, jump: TimeJump) -> bool:
+        wanted = self._threshold
+        if jump.clock_change in _CHANGES:
+            return wanted.on_clock_change
+        length_ns = jump.delta.nanoseconds
+        return (wanted.min_forward is not None and length_ns >= wanted.min_forward.nanoseconds) or (
+            wanted.min_backward is not None and length_ns <= wanted.min_backward.nanoseconds
+        )
 
     def __enter__(self) -> JumpHandle:
         return self
 
     def __exit__(self, *error: object) -> None:
         self.unregister()
+
+
+_CHANGES = (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED)
 
 
 class Clock:
@@ -111,6 +131,7 @@ class Clock:
 
     def __init__(self, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> None:
         self._clock_type = clock_type
+        self._jump_handles: list[JumpHandle] = []
 
     @property
     def clock_type(self) -> ClockType:
@@ -122,9 +143,14 @@ class Clock:
 
     def now(self) -> Time:
         """Return the time; a second reading at one instant is 1 ms later."""
+        run().scheduler.touch()
+        return Time(nanoseconds=self._told_ns, clock_type=self._clock_type)
+
+    @property
+    def _told_ns(self) -> int:
+        """What the clock tells [ns]; asking for it moves nothing."""
         start_ns = MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
-        now_ns = start_ns + run().scheduler.read_clock()
-        return Time(nanoseconds=now_ns, clock_type=self._clock_type)
+        return start_ns + run().scheduler.now_ns
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Sleep until a time; False where the context was shut down before.
@@ -158,20 +184,25 @@ class Clock:
         )
 
     def _sleep(self, length_ns: int, context: Context | None) -> bool:
-        state = run()
-        known = state.default_context if context is None else context
-        if not known.is_valid:
-            raise NotInitializedException
+        scheduler = run().scheduler
+        known = _living(context)
         if length_ns <= 0:
-            state.scheduler.sleep(0)
+            scheduler.sleep(0)
             return True
-        return not state.scheduler.wait_until(
-            lambda: not known.is_valid, timeout_ns=length_ns, reason="time to pass"
+        is_interrupted = self._is_interrupted()
+        return not scheduler.wait_until(
+            lambda: not known.is_valid or is_interrupted(),
+            timeout_ns=length_ns,
+            reason="time to pass",
         )
+
+    def _is_interrupted(self) -> Callable[[], bool]:
+        """Return what tells whether a sleep that begins now is over before its time."""
+        return lambda: False
 
 
 class ROSClock(Clock):
-    """The clock that follows `/clock`; it is the simulated time in any case."""
+    """The clock of ROS time: the simulated time, or what it is set to while that is active."""
 
     def __new__(cls, **kwargs: Any) -> ROSClock:
         """Make a clock of ROS time."""
@@ -182,9 +213,85 @@ class ROSClock(Clock):
 
     def __init__(self, **kwargs: Any) -> None:
         del kwargs
-        self._clock_type = ClockType.ROS_TIME
+        super().__init__(clock_type=ClockType.ROS_TIME)
+        self._is_set = False
+        self._set_ns = 0
+        self._n_switches = 0
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Whether the clock follows `/clock`."""
-        return False
+        """Whether the clock tells what it is set to; a `TimeSource` sets it to `/clock`."""
+        return self._is_set
+
+    def set_ros_time_override(self, time: Time) -> None:
+        """Set the clock; it tells that while ROS time is active.
+
+        Raises:
+            TypeError: it is no Time.
+        """
+        if not isinstance(time, Time):
+            raise TypeError("Time must be specified as rclpy.time.Time")
+        jump = TimeJump(
+            ClockChange.ROS_TIME_NO_CHANGE, Duration(nanoseconds=time.nanoseconds - self._set_ns)
+        )
+        if not self._is_set:
+            self._set_ns = time.nanoseconds
+            return
+        with self._jumping(jump):
+            self._set_ns = time.nanoseconds
+
+    def _set_ros_time_is_active(self, enabled: bool) -> None:
+        if self._is_set == enabled:
+            return
+        change = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
+        with self._jumping(TimeJump(change, Duration())):
+            self._is_set = enabled
+            self._n_switches += 1
+
+    @contextmanager
+    def _jumping(self, jump: TimeJump) -> Iterator[None]:
+        told = [each for each in self._jump_handles if each._is_about(jump)]
+        for each in told:
+            if each._pre_callback is not None:
+                each._pre_callback()
+        yield
+        for each in told:
+            if each._post_callback is not None:
+                each._post_callback(jump)
+
+    @property
+    def _told_ns(self) -> int:
+        return self._set_ns if self._is_set else super()._told_ns
+
+    def sleep_until(self, until: Time, context: Context | None = None) -> bool:
+        """Sleep until a time; False also where ROS time becomes active or inactive meanwhile."""
+        if not self._is_set or until.clock_type != self._clock_type:
+            return super().sleep_until(until, context)
+        return self._sleep_while_set(until.nanoseconds, context)
+
+    def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
+        """Sleep for a span; False also where ROS time becomes active or inactive meanwhile."""
+        if not self._is_set:
+            return super().sleep_for(rel_time, context)
+        return self._sleep_while_set(self._set_ns + rel_time.nanoseconds, context)
+
+    def _sleep_while_set(self, until_ns: int, context: Context | None) -> bool:
+        known = _living(context)
+        switches = self._n_switches
+        run().scheduler.wait_until(
+            lambda: self._set_ns >= until_ns or self._n_switches != switches or not known.is_valid,
+            reason="a clock that follows a topic or a program",
+            kind="unmet",
+        )
+        return known.is_valid and self._n_switches == switches
+
+    def _is_interrupted(self) -> Callable[[], bool]:
+        switches = self._n_switches
+        return lambda: self._n_switches != switches
+
+
+def _living(context: Context | None) -> Context:
+    known = run().default_context if context is None else context
+    if not known.is_valid:
+        raise NotInitializedException
+    return known

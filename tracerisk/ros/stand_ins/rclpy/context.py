@@ -10,6 +10,7 @@ from weakref import WeakMethod
 from tracerisk.ros.graph.runtime import current
 
 from ._arguments import Arguments, parse_arguments
+from ._handle import Handle
 
 
 class Context:
@@ -21,6 +22,7 @@ class Context:
         self._callbacks: list[Any] = []
         self._arguments = Arguments()
         self._domain_id = 0
+        self.handle: Handle | None = None
 
     @property
     def is_valid(self) -> bool:
@@ -53,6 +55,7 @@ class Context:
         self._domain_id = domain_id or 0
         self._arguments = parse_arguments(current().argv if args is None else args)
         self._is_valid = True
+        self.handle = Handle()
         for name, level in self._arguments.log_levels:
             from .logging import set_logger_level
 
@@ -77,6 +80,12 @@ class Context:
         """End, where it has begun and not ended."""
         if self._is_valid:
             self._end()
+
+    def destroy(self) -> None:
+        """End, and let nobody use the context any more."""
+        self.try_shutdown()
+        if self.handle is not None:
+            self.handle.destroy_when_not_in_use()
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
         """Call `callback` at the end; a method without keeping its object alive.

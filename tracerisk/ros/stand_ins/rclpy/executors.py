@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import warnings
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
@@ -217,6 +217,38 @@ class Executor:
             if not self._wait(left_ns, future):
                 return None
 
+    def wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | TimeoutObject | None = None,
+        nodes: list[Any] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> tuple[Task, Any, Any]:
+        """Wait for work, and return what does it, the entity that it is of and the entity's node.
+
+        For an executor of the program's own, which calls what it is given. The last two are None
+        where the work is that of a task; `nodes` changes nothing.
+
+        Raises:
+            TimeoutException: nothing was ready in time.
+            ConditionReachedException: `condition` holds.
+            ShutdownException: the executor was shut down.
+            ExternalShutdownException: the context was.
+        """
+        seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
+        if self._is_shutdown:
+            raise ShutdownException
+        with self._spun():
+            task = None if condition() else self._next_task(_nanoseconds(seconds), None)
+        if task is not None:
+            return task, task._entity, task._node
+        if self._is_shutdown:
+            raise ShutdownException
+        raise ConditionReachedException if condition() else TimeoutException
+
+    def _wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Iterator[Any]:
+        while True:
+            yield self.wait_for_ready_callbacks(*args, **kwargs)
+
     def _from_batch(self) -> Task | None:
         while self._batch:
             work = self._batch.popleft()
@@ -308,7 +340,7 @@ class Executor:
         tracer = self._run.tracer
         stack = None if tracer is None else tracer.root(entity._root_kind)
         task = Task(self._handle, (entity,), executor=self, stack=stack)
-        task._node = entity._node
+        task._entity, task._node = entity, entity._node
         self._tasks.append(task)
         return task
 

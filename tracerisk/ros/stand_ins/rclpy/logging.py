@@ -23,6 +23,9 @@ __all__ = [
 ]
 
 
+_root_logger = RcutilsLogger()
+
+
 def get_logger(name: str) -> RcutilsLogger:
     """Return the logger of a name.
 
@@ -31,7 +34,7 @@ def get_logger(name: str) -> RcutilsLogger:
     """
     if not name:
         raise ValueError("Logger name must not be empty.")
-    return RcutilsLogger(name)
+    return _root_logger.get_child(name)
 
 
 def initialize() -> None:
@@ -63,8 +66,18 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """Return the severity of a name."""
-    return LoggingSeverity[log_severity.upper()]
+    """Return the severity of a name.
+
+    Raises:
+        RuntimeError: there is none of that name.
+    """
+    try:
+        return LoggingSeverity[log_severity.upper()]
+    except KeyError:
+        raise RuntimeError(
+            f"no logging severity '{log_severity}'; there are "
+            f"{', '.join(each.name for each in LoggingSeverity)}"
+        ) from None
 
 
 def get_logging_directory() -> Path:

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import ParameterEvent
+from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
 
 from tracerisk.ros.controller.frames import controller_frame
 from tracerisk.ros.controller.thread import Meaning
 from tracerisk.ros.graph.parameter_files import overrides_of
 
+from ._handle import Handle
 from ._logger import RcutilsLogger
 from ._node_entities import NodeEntities
 from ._node_graph import NodeGraph
@@ -31,6 +32,7 @@ from .exceptions import NotInitializedException
 from .executors import Executor as _Executor  # noqa: F401
 from .parameter import Parameter
 from .qos import qos_profile_parameter_events
+from .type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM
 
 __all__ = ["Node", "NodeNameNonExistentError"]
 
@@ -69,13 +71,14 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         own = parse_arguments([FLAG, *cli_args]) if cli_args else Arguments()
         everyones = self._context.arguments if use_global_arguments else Arguments()
         given = Arguments(parameters=list(overrides_of(state.runtime.parameters)))
+        self._handle = Handle()
         self._sources = (own, everyones, given)
         self._take_names(node_name, namespace)
         self._parameters = {}
         self._descriptors = {}
-        self._pre_set_callbacks = []
-        self._on_set_callbacks = []
-        self._post_set_callbacks = []
+        self._pre_set_parameters_callbacks = []
+        self._on_set_parameters_callbacks = []
+        self._post_set_parameters_callbacks = []
         self._allow_undeclared_parameters = allow_undeclared_parameters
         self._parameter_overrides = self._overrides(parameter_overrides or ())
         self._publishers = []
@@ -92,6 +95,10 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         self._rate_group = ReentrantCallbackGroup()
         self._clock = ROSClock()
         self._logger = RcutilsLogger(self.get_fully_qualified_name().strip("/").replace("/", "."))
+        if enable_rosout and self._context.arguments.has_rosout:
+            state.unheard_loggers.discard(self._logger.name)
+        else:
+            state.unheard_loggers.add(self._logger.name)
         self._event_publisher = self.create_publisher(
             ParameterEvent, "/parameter_events", qos_profile_parameter_events
         )
@@ -100,6 +107,10 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             self.declare_parameter("use_sim_time", False)
         else:
             self.declare_parameter("use_sim_time", Parameter.Type.BOOL)
+        if START_TYPE_DESCRIPTION_SERVICE_PARAM not in self._parameters:
+            self.declare_parameter(
+                START_TYPE_DESCRIPTION_SERVICE_PARAM, True, ParameterDescriptor(read_only=True)
+            )
         if automatically_declare_parameters_from_overrides:
             rest = [name for name in self._parameter_overrides if name not in self._parameters]
             self.declare_parameters(
@@ -109,14 +120,23 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             from .parameter_service import ParameterService
 
             self._parameter_service = ParameterService(self)
+        if enable_logger_service:
+            from .logging_service import LoggingService
+
+            self._logger_service = LoggingService(self)
 
     def _overrides(self, given: Sequence[Parameter]) -> dict[str, Parameter]:
         full_name = self.get_fully_qualified_name()
         found: dict[str, Parameter] = {}
         for source in reversed(self._sources):
-            values = source.overrides(self._name, full_name)
+            values = source.overrides(full_name)
             found |= {name: Parameter(name, value=_plain(v)) for name, v in values.items()}
         return found | {parameter.name: parameter for parameter in given}
+
+    @property
+    def handle(self) -> Handle:
+        """What stands for the node in the middleware: good until the node is destroyed."""
+        return self._handle
 
     @property
     def executor(self) -> Any:
@@ -126,11 +146,13 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
     @executor.setter
     def executor(self, new_executor: Any) -> None:
         current = self._executor
-        if current is not None and current is not new_executor:
-            self._taken = _taken_from(current) if current._spinners else ""
+        if current is new_executor:
+            return
+        if current is not None:
+            self._taken = _taken_from(current) if getattr(current, "_spinners", ()) else ""
             current.remove_node(self)
         self._executor = new_executor
-        if new_executor is not None and self not in new_executor._nodes:
+        if new_executor is not None:
             new_executor.add_node(self)
 
     def _meaning_of_wait(self) -> Meaning:
@@ -169,6 +191,8 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
     def add_waitable(self, waitable: Any) -> None:
         """Ask `waitable` for work too."""
         self._waitables.append(waitable)
+        if waitable._node is None:
+            waitable._node = self
 
     def remove_waitable(self, waitable: Any) -> None:
         """Ask `waitable` for work no longer."""
@@ -193,6 +217,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             for each in list(kept):
                 each.destroy()
             kept.clear()
+        self._handle.destroy_when_not_in_use()
         nodes = run().nodes
         if self in nodes:
             nodes.remove(self)

@@ -43,12 +43,11 @@ class ParameterEventHandler:
     ) -> None:
         self.node = node
         self.qos_profile = qos_profile
-        self._for_one: list[ParameterCallbackHandle] = []
-        self._for_all: list[ParameterEventCallbackHandle] = []
+        self._callbacks = _Callbacks()
         self.parameter_event_subscription = node.create_subscription(
             ParameterEvent,
             "/parameter_events",
-            self._on_event,
+            self._callbacks.event_callback,
             qos_profile,
             callback_group=callback_group,
             event_callbacks=event_callbacks,
@@ -78,8 +77,9 @@ class ParameterEventHandler:
         self, parameter_name: str, node_name: str, callback: Callable[[Any], None]
     ) -> ParameterCallbackHandle:
         """Call `callback` with the message of a parameter of a node whenever it changes."""
-        handle = ParameterCallbackHandle(parameter_name, self._full_name(node_name), callback)
-        self._for_one.insert(0, handle)
+        handle = ParameterCallbackHandle(parameter_name, self._resolve_path(node_name), callback)
+        key = handle.parameter_name, handle.node_name
+        self._callbacks.parameter_callbacks.setdefault(key, []).insert(0, handle)
         return handle
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
@@ -88,14 +88,18 @@ class ParameterEventHandler:
         Raises:
             RuntimeError: it is not there.
         """
-        _remove(self._for_one, handle)
+        key = handle.parameter_name, handle.node_name
+        kept = self._callbacks.parameter_callbacks.get(key, [])
+        _remove(kept, handle)
+        if not kept:
+            del self._callbacks.parameter_callbacks[key]
 
     def add_parameter_event_callback(
         self, callback: Callable[[Any], None]
     ) -> ParameterEventCallbackHandle:
         """Call `callback` with every event."""
         handle = ParameterEventCallbackHandle(callback)
-        self._for_all.insert(0, handle)
+        self._callbacks.event_callbacks.insert(0, handle)
         return handle
 
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
@@ -104,22 +108,32 @@ class ParameterEventHandler:
         Raises:
             RuntimeError: it is not there.
         """
-        _remove(self._for_all, handle)
+        _remove(self._callbacks.event_callbacks, handle)
 
-    def _on_event(self, event: Any) -> None:
-        for one in list(self._for_one):
-            parameter = self.get_parameter_from_event(event, one.parameter_name, one.node_name)
-            if parameter is not None:
-                one.callback(parameter)
-        for each in list(self._for_all):
-            each.callback(event)
-
-    def _full_name(self, node_name: str) -> str:
-        if not node_name:
+    def _resolve_path(self, node_path: str = "") -> str:
+        if not node_path:
             return self.node.get_fully_qualified_name()
-        if node_name.startswith("/"):
-            return node_name
-        return f"{self.node.get_namespace().rstrip('/')}/{node_name}"
+        if node_path.startswith("/"):
+            return node_path
+        return f"{self.node.get_namespace().rstrip('/')}/{node_path}"
+
+
+class _Callbacks:
+    """What is called on changes of parameters, by their names and nodes, and on all of them."""
+
+    def __init__(self) -> None:
+        self.parameter_callbacks: dict[tuple[str, str], list[ParameterCallbackHandle]] = {}
+        self.event_callbacks: list[ParameterEventCallbackHandle] = []
+
+    def event_callback(self, event: Any) -> None:
+        """Call whoever wants to know of an event."""
+        for (name, node), handles in list(self.parameter_callbacks.items()):
+            parameter = ParameterEventHandler.get_parameter_from_event(event, name, node)
+            if parameter is not None:
+                for handle in list(handles):
+                    handle.callback(parameter)
+        for each in list(self.event_callbacks):
+            each.callback(event)
 
 
 def _remove(kept: list[Any], handle: Any) -> None:

@@ -8,11 +8,14 @@ from typing import Any
 
 from tracerisk.ros.messages.ros2 import copy_message
 
+from ._endpoint_events import EndpointEvents
+from ._handle import GONE, Handle
 from ._run import run
 from .callback_groups import CallbackGroup
 from .duration import Duration
+from .event_handler import PublisherEventCallbacks
 from .exceptions import InvalidHandle
-from .qos import QoSProfile
+from .qos import QoSProfile, misfit_of
 
 
 class Publisher:
@@ -26,13 +29,20 @@ class Publisher:
         qos_profile: QoSProfile,
         event_callbacks: Any,
         callback_group: CallbackGroup,
+        given_name: str = "",
     ) -> None:
         self.msg_type = msg_type
         self.qos_profile = qos_profile
         self.event_callbacks = event_callbacks
         self.callback_group = callback_group
-        self.event_handlers: list[Any] = []
+        self.handle = Handle()
         self._node = node
+        if event_callbacks is None:
+            event_callbacks = PublisherEventCallbacks()
+        self.event_handlers = event_callbacks.create_event_handlers(
+            callback_group, self, given_name or topic
+        )
+        self._events = EndpointEvents(node, self.event_handlers)
         self._history: deque[Any] = deque(maxlen=qos_profile.kept)
         self._publication = run().graph.advertise(
             topic,
@@ -42,6 +52,7 @@ class Publisher:
             copy=lambda message: message,
             on_connect=self._send_history,
         )
+        self._events.watch(topic, lambda: list(self._publication.subscriptions))
 
     @property
     def topic(self) -> str:
@@ -62,7 +73,7 @@ class Publisher:
             InvalidHandle: the publisher was destroyed.
         """
         if self._publication.closed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+            raise InvalidHandle(GONE)
         if isinstance(msg, bytes):
             from .serialization import deserialize_message
 
@@ -89,13 +100,20 @@ class Publisher:
     def destroy(self) -> None:
         """Leave the topic."""
         self._publication.close()
+        self.handle.destroy_when_not_in_use()
 
     def _send_history(self, subscription: Any) -> None:
         # Late comers get what was sent, if they ask for it; the twin's own always do.
-        receiver = getattr(subscription.deliver, "__self__", None)
+        receiver: Any = getattr(subscription.deliver, "__self__", None)
         asked = getattr(receiver, "qos_profile", None)
-        if asked is not None and not asked.is_latching:
-            return
+        if asked is not None:
+            misfit = misfit_of(self.qos_profile, asked)
+            if misfit is not None:
+                receiver._events.note_misfit(misfit)
+                self._events.note_misfit(misfit)
+                return
+            if not asked.is_latching:
+                return
         for message in self._history:
             subscription.deliver(message, self._publication)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from enum import Enum, IntEnum
 from typing import Any
 
@@ -170,6 +171,10 @@ class QoSProfile:
     depth: int
     reliability: ReliabilityPolicy
     durability: DurabilityPolicy
+    lifespan: Duration
+    deadline: Duration
+    liveliness: LivelinessPolicy
+    liveliness_lease_duration: Duration
 
     def __init__(self, **kwargs: Any) -> None:
         unknown = sorted(set(kwargs) - set(_DEFAULTS))
@@ -182,7 +187,10 @@ class QoSProfile:
         if kwargs["history"] == HistoryPolicy.KEEP_LAST and "depth" not in kwargs:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
         for name, default in _DEFAULTS.items():
-            setattr(self, name, kwargs.get(name, default))
+            setattr(self, f"_{name}", default)
+        for name in _DEFAULTS:
+            if name in kwargs:
+                setattr(self, name, kwargs[name])
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, QoSProfile):
@@ -222,6 +230,12 @@ def _accessor(name: str) -> property:
             _assert(isinstance(value, Duration), name)
         elif name == "depth":
             _assert(isinstance(value, int) and not isinstance(value, bool) and value >= 0, name)
+            if value == 0 and profile.history == HistoryPolicy.KEEP_LAST:
+                warnings.warn(
+                    "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
+                    "This will be interpreted as SYSTEM_DEFAULT",
+                    stacklevel=2,
+                )
         else:
             _assert(isinstance(value, bool), name)
         setattr(profile, slot, value)
@@ -244,6 +258,22 @@ class QoSCompatibility(IntEnum):
     OK = 0
     WARNING = 1
     ERROR = 2
+
+
+def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
+    """Return the last policy in which a subscription asks for more than a publisher offers."""
+    found = None
+    if (
+        offered.durability == DurabilityPolicy.VOLATILE
+        and asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    ):
+        found = QoSPolicyKind.DURABILITY
+    if (
+        offered.reliability == ReliabilityPolicy.BEST_EFFORT
+        and asked.reliability == ReliabilityPolicy.RELIABLE
+    ):
+        found = QoSPolicyKind.RELIABILITY
+    return found
 
 
 def qos_check_compatible(

@@ -12,10 +12,12 @@ from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.messages.ros2_wire import encode
 from tracerisk.ros.time.clock import EPOCH_NS
 
+from ._endpoint_events import EndpointEvents
 from ._entity import Call, Entity
 from ._run import run
 from .callback_groups import CallbackGroup
-from .qos import QoSCompatibility, QoSProfile, qos_check_compatible
+from .event_handler import SubscriptionEventCallbacks
+from .qos import QoSProfile, misfit_of
 
 
 class Subscription(Entity):
@@ -40,24 +42,30 @@ class Subscription(Entity):
         qos_profile: QoSProfile,
         raw: bool,
         event_callbacks: Any,
+        given_name: str = "",
     ) -> None:
         super().__init__(node, callback_group)
         self.msg_type = msg_type
         self.qos_profile = qos_profile
         self.raw = raw
         self.event_callbacks = event_callbacks
-        self.event_handlers: list[Any] = []
         self.callback = callback
         self._queue: deque[tuple[Any, dict[str, Any]]] = deque(maxlen=qos_profile.kept)
-        self._refused: set[str] = set()
         self._received = 0
         self._topic = topic
+        if event_callbacks is None:
+            event_callbacks = SubscriptionEventCallbacks()
+        self.event_handlers = event_callbacks.create_event_handlers(
+            callback_group, self, given_name or topic
+        )
+        self._events = EndpointEvents(node, self.event_handlers)
         self._subscription = run().graph.subscribe(
             topic,
             msg_type._ros_type,
             self._deliver,
             node=node.get_fully_qualified_name(),
         )
+        self._events.watch(topic, lambda: list(self._subscription.publications))
 
     @property
     def callback(self) -> Callable[..., Any]:
@@ -107,7 +115,7 @@ class Subscription(Entity):
     def _deliver(self, message: Any, publication: Any) -> None:
         sender = getattr(publication.on_connect, "__self__", None)
         offered = getattr(sender, "qos_profile", None)
-        if offered is not None and not self._fits(offered, publication):
+        if offered is not None and misfit_of(offered, self.qos_profile) is not None:
             return
         self._received += 1
         now_ns = EPOCH_NS + run().scheduler.now_ns
@@ -118,19 +126,6 @@ class Subscription(Entity):
             "reception_sequence_number": self._received,
         }
         self._queue.append((message, info))
-
-    def _fits(self, offered: QoSProfile, publication: Any) -> bool:
-        compatible, reason = qos_check_compatible(offered, self.qos_profile)
-        if compatible is not QoSCompatibility.ERROR:
-            return True
-        if publication.node not in self._refused:
-            self._refused.add(publication.node)
-            policy = "RELIABILITY" if "Best effort" in reason else "DURABILITY"
-            self._node.get_logger().warning(
-                f"New publisher discovered on topic '{self.topic_name}', offering incompatible "
-                f"QoS. No messages will be received from it. Last incompatible policy: {policy}"
-            )
-        return False
 
     def _is_ready(self) -> bool:
         return bool(self._queue)

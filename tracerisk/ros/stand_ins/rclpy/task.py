@@ -107,7 +107,7 @@ class Future:
         if not self._done:
             self._callbacks.append(callback)
         elif self._executor is not None:
-            self._executor._create_done_task(callback, self)
+            _schedule(self._executor, callback, self)
         else:
             callback(self)
 
@@ -118,7 +118,7 @@ class Future:
         callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
             if self._executor is not None:
-                self._executor._create_done_task(callback, self)
+                _schedule(self._executor, callback, self)
                 continue
             tracer = run().tracer
             root: Any = nullcontext() if tracer is None else tracer.root("done_callback")
@@ -135,12 +135,18 @@ class Future:
         return self._waits_for
 
 
+def _schedule(executor: Any, callback: Callable[[Any], Any], future: Future) -> None:
+    # One that a program has written itself takes tasks, as the real library asks of it.
+    create = getattr(executor, "_create_done_task", None) or executor.create_task
+    create(callback, future)
+
+
 class Task(Future):
     """A function or a coroutine that an executor runs, step by step.
 
     `stack` is the context manager within which each step runs: it is a root of its own, or goes
-    on with the stack of who created the task. `_node` is the node of the entity whose callback it
-    runs, None for other tasks.
+    on with the stack of who created the task. `_entity` is that whose callback it runs and
+    `_node` the entity's node, None for other tasks.
     """
 
     def __init__(
@@ -160,6 +166,7 @@ class Task(Future):
         self._executing = False
         self._is_submitted = False
         self._waits_on: Any = None
+        self._entity: Any = None
         self._node: Any = None
         if inspect.iscoroutinefunction(handler):
             with self._stack:

@@ -6,12 +6,46 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from tracerisk.ros.time.clock import EPOCH_NS, MONOTONIC_START_NS
+
 from ._entity import Call, Entity
+from ._handle import GONE
 from ._run import run
 from .callback_groups import CallbackGroup
 from .clock import Clock
+from .clock_type import ClockType
 from .context import Context
 from .exceptions import InvalidHandle, ROSInterruptException
+from .time import Time
+
+
+class TimerInfo:
+    """When a timer's callback was due, and when it was called [ns].
+
+    Raises:
+        TypeError: `clock_type` is none.
+        ValueError: a time is negative.
+    """
+
+    def __init__(
+        self,
+        *,
+        expected_call_time: int = 0,
+        actual_call_time: int = 0,
+        clock_type: ClockType = ClockType.SYSTEM_TIME,
+    ) -> None:
+        self._expected = Time(nanoseconds=expected_call_time, clock_type=clock_type)
+        self._actual = Time(nanoseconds=actual_call_time, clock_type=clock_type)
+
+    @property
+    def expected_call_time(self) -> Time:
+        """When the callback was due."""
+        return self._expected
+
+    @property
+    def actual_call_time(self) -> Time:
+        """When the callback was called."""
+        return self._actual
 
 
 class Timer(Entity):
@@ -32,6 +66,8 @@ class Timer(Entity):
     ) -> None:
         super().__init__(node, callback_group)
         self.callback = callback
+        self._asked: Any = None
+        self._asks_for: list[str] = []
         self._clock = clock
         self._period_ns = int(timer_period_ns)
         self._last_ns = self._now_ns()
@@ -84,7 +120,7 @@ class Timer(Entity):
 
     def _check(self) -> None:
         if self._is_destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+            raise InvalidHandle(GONE)
 
     @staticmethod
     def _now_ns() -> int:
@@ -98,6 +134,7 @@ class Timer(Entity):
             return None
         now_ns = self._now_ns()
         self._last_ns = now_ns
+        info = self._info(self._due_ns, now_ns)
         following_ns = self._due_ns + self._period_ns
         if following_ns < now_ns:
             # Calls that were missed are left out; the beat stays.
@@ -109,12 +146,38 @@ class Timer(Entity):
         async def call() -> None:
             if self.callback is None:
                 return
+            told = dict.fromkeys(self._info_names(), info)
             if inspect.iscoroutinefunction(self.callback):
-                await self.callback()
+                await self.callback(**told)
             else:
-                self.callback()
+                self.callback(**told)
 
         return call
+
+    def _info_names(self) -> list[str]:
+        # A program may change the callback; its signature is read once.
+        if self._asked is not self.callback:
+            self._asked, self._asks_for = self.callback, _info_parameters(self.callback)
+        return self._asks_for
+
+    def _info(self, due_ns: int, now_ns: int) -> TimerInfo:
+        kind = self._clock.clock_type
+        start_ns = MONOTONIC_START_NS if kind is ClockType.STEADY_TIME else EPOCH_NS
+        return TimerInfo(
+            expected_call_time=start_ns + due_ns,
+            actual_call_time=start_ns + now_ns,
+            clock_type=kind,
+        )
+
+
+def _info_parameters(callback: Any) -> list[str]:
+    """Return the first parameter of a callback that is annotated as a TimerInfo, if any is."""
+    try:
+        parameters = inspect.signature(callback).parameters.values()
+    except (TypeError, ValueError):
+        # A function of C tells no signature.
+        return []
+    return [each.name for each in parameters if each.annotation in (TimerInfo, "TimerInfo")][:1]
 
 
 class Rate:

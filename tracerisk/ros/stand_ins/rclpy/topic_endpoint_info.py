@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from .qos import QoSPresetProfiles, QoSProfile
+from .qos import HistoryPolicy, QoSPresetProfiles, QoSProfile
+from .type_hash import TypeHash
 
 
 class TopicEndpointTypeEnum(IntEnum):
@@ -26,3 +27,26 @@ class TopicEndpointInfo:
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
     endpoint_gid: list[int] = field(default_factory=list)
     qos_profile: QoSProfile = field(default_factory=lambda: QoSPresetProfiles.UNKNOWN.value)
+    topic_type_hash: TypeHash = field(default_factory=TypeHash)
+
+    def __str__(self) -> str:
+        profile = self.qos_profile
+        depth = f" ({profile.depth})" if profile.history == HistoryPolicy.KEEP_LAST else ""
+        return "\n".join(
+            (
+                f"Node name: {self.node_name}",
+                f"Node namespace: {self.node_namespace}",
+                f"Topic type: {self.topic_type}",
+                f"Topic type hash: {self.topic_type_hash}",
+                f"Endpoint type: {self.endpoint_type.name}",
+                f"GID: {'.'.join(f'{part:02x}' for part in self.endpoint_gid)}",
+                "QoS profile:",
+                f"  Reliability: {profile.reliability.name}",
+                f"  History (Depth): {profile.history.name}{depth}",
+                f"  Durability: {profile.durability.name}",
+                f"  Lifespan: {profile.lifespan}",
+                f"  Deadline: {profile.deadline}",
+                f"  Liveliness: {profile.liveliness.name}",
+                f"  Liveliness lease duration: {profile.liveliness_lease_duration}",
+            )
+        )

@@ -11,8 +11,16 @@ def check_for_type_support(msg_or_srv_type: Any) -> None:
     """Accept an interface class of ROS 2.
 
     Raises:
-        NoTypeSupportImportedException: it is none.
+        AttributeError: it is none.
+        NoTypeSupportImportedException: it is one that was not built.
     """
+    if not hasattr(type(msg_or_srv_type), "__import_type_support__") and not getattr(
+        msg_or_srv_type, "_ros_type", ""
+    ):
+        raise AttributeError(
+            f"{msg_or_srv_type!r} has no '_TYPE_SUPPORT'. This might be a ROS 1 message type but "
+            "it should be a ROS 2 message type."
+        )
     if not isinstance(msg_or_srv_type, type) or not getattr(msg_or_srv_type, "_ros_type", ""):
         raise NoTypeSupportImportedException(
             f"{msg_or_srv_type!r} is not an interface class of ROS 2"
@@ -23,7 +31,7 @@ def check_is_valid_msg_type(msg_type: Any) -> None:
     """Accept a message class.
 
     Raises:
-        NoTypeSupportImportedException: it is not an interface class.
+        AttributeError: it is not an interface class.
         RuntimeError: it is one of a service or an action.
     """
     check_for_type_support(msg_type)
@@ -35,7 +43,7 @@ def check_is_valid_srv_type(srv_type: Any) -> None:
     """Accept a service class.
 
     Raises:
-        NoTypeSupportImportedException: it is not an interface class.
+        AttributeError: it is not an interface class.
         RuntimeError: it is one of a message or an action.
     """
     check_for_type_support(srv_type)

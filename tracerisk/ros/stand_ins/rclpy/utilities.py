@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ._arguments import without_ros_arguments
+from ._rclpy_pybind11 import rclpy_get_rmw_implementation_identifier
 from ._run import run
 from .constants import S_TO_NS
 from .context import Context
@@ -53,7 +54,7 @@ def try_shutdown(*, context: Context | None = None) -> None:
 
 def get_rmw_implementation_identifier() -> str:
     """Return the name of the middleware: there is none but the simulation."""
-    return "rmw_tracerisk"
+    return rclpy_get_rmw_implementation_identifier()
 
 
 def get_available_rmw_implementations() -> set[str]:

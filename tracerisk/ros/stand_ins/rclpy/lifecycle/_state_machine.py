@@ -7,7 +7,7 @@ and `Transition.msg`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from .._rclpy_pybind11 import RCLError, TransitionCallbackReturnType
 
@@ -68,10 +68,20 @@ GRAPH: Final[tuple[Transition, ...]] = (
 
 
 class StateMachine:
-    """The state of one node."""
+    """The state of one node, and the services by which others change it, where it has them."""
 
     def __init__(self) -> None:
         self.state = _UNCONFIGURED
+        self.service_change_state: Any = None
+        self.service_get_state: Any = None
+        self.service_get_available_states: Any = None
+        self.service_get_available_transitions: Any = None
+        self.service_get_transition_graph: Any = None
+
+    @property
+    def current_state(self) -> tuple[int, str]:
+        """The state's number and name."""
+        return self.state, self.label
 
     @property
     def label(self) -> str:

@@ -53,6 +53,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
     Raises:
         RuntimeError: the class is not derived from Node.
+        TypeError: `enable_communication_interface` is no bool.
     """
 
     def __init__(
@@ -65,6 +66,8 @@ class LifecycleNodeMixin(ManagedEntity):
             raise RuntimeError(
                 "LifecycleNodeMixin uses Node fields so Node needs to be in the inheritance tree."
             )
+        if not isinstance(enable_communication_interface, bool):
+            raise TypeError("enable_communication_interface must be a bool")
         # A list: the order in which entities are told must be the same in every run.
         self._managed_entities: list[ManagedEntity] = []
         self._state_machine = StateMachine()
@@ -81,7 +84,10 @@ class LifecycleNodeMixin(ManagedEntity):
             (GetAvailableTransitions, "get_available_transitions", self._on_get_transitions),
             (GetAvailableTransitions, "get_transition_graph", self._on_get_graph),
         ):
-            self.create_service(srv_type, f"~/{name}", callback, callback_group=callback_group)
+            made = self.create_service(
+                srv_type, f"~/{name}", callback, callback_group=callback_group
+            )
+            setattr(self._state_machine, f"service_{name}", made)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
         """Go from unconfigured to inactive."""

@@ -1,0 +1,18 @@
+"""Checking a namespace."""
+
+from __future__ import annotations
+
+from ._name_rules import namespace_fault
+from .exceptions import InvalidNamespaceException
+
+
+def validate_namespace(namespace: str) -> bool:
+    """Return True for a namespace that a node may have, with the slash at its start.
+
+    Raises:
+        InvalidNamespaceException: it may not.
+    """
+    fault = namespace_fault(namespace)
+    if fault is not None:
+        raise InvalidNamespaceException(namespace, *fault)
+    return True
