@@ -14,7 +14,7 @@ class Handle:
         self._is_destroyed = False
 
     def destroy_when_not_in_use(self) -> None:
-        """Let nobody use the thing any more; who uses it goes on to the end."""
+        """Refuse new users of the handle; those that hold it go on to the end."""
         self._is_destroyed = True
 
     def __enter__(self) -> Handle:
