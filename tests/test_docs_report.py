@@ -21,7 +21,7 @@ def blocks(language: str) -> list[str]:
 def test_the_commands_write_pages_with_the_sections_that_are_listed(example, quick, monkeypatch):
     monkeypatch.chdir(example.folder)
     example.write("controller.py", quick())
-    commands, _ = blocks("sh")
+    commands, _, _ = blocks("sh")
     first, *others = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*first, "--quiet")
     assert outcome.code == 0, outcome.err
@@ -45,7 +45,7 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
 def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys):
     monkeypatch.chdir(example.folder)
     example.write("controller.py", quick())
-    _, commands = blocks("sh")
+    _, commands, films = blocks("sh")
     again, run, kept = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*run, "--quiet")
     assert outcome.code == 0, outcome.err
@@ -58,6 +58,11 @@ def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys):
         assert code == 0, told
         found.append({path.name: path.read_bytes() for path in Path("pictures").iterdir()})
     assert sorted(found[0]) == ["01-act.png", "legend.json"]
+    pytest.importorskip("av", reason="av is not installed")
+    for words in films.splitlines():
+        assert main([*shlex.split(words)[1:], "--quiet"]) == 0
+    assert example.read("run.gif").startswith(b"GIF89a")
+    assert b"ftyp" in example.read("run.mp4")[:16]
     assert found[0] == found[1]
 
 

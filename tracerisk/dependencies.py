@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from tracerisk.errors import DependencyError
 
 MODULES: Mapping[str, str] = {
+    "av": "av",
     "daqp": "daqp",
     "dm-control": "dm_control.mujoco",
     "etils": "etils.epath",
@@ -49,19 +50,27 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "large": ("numba", "numpy", "scipy"),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
     "lsp": ("lsprotocol", "pygls"),
+    "film": ("av",),
 }
 """The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
 
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
-_SIGN = {"sim": "mujoco", "large": "numba", "cpp": "tree-sitter-cpp", "lsp": "pygls"}
+_SIGN = {
+    "sim": "mujoco",
+    "large": "numba",
+    "cpp": "tree-sitter-cpp",
+    "lsp": "pygls",
+    "film": "av",
+}
 """The distribution that no other extra brings: where it is, the extra was asked for."""
 _WHAT = {
     "sim": "the simulator",
     "large": "NumPy, SciPy and numba",
     "cpp": "tree-sitter",
     "lsp": "pygls",
+    "film": "av",
 }
 
 
@@ -108,6 +117,12 @@ def require_lsp() -> None:
     """Raise DependencyError unless the extra `lsp` is installed."""
     if not all(map(is_installed, EXTRAS["lsp"])):
         raise missing_extra("lsp", "the language server")
+
+
+def require_film() -> None:
+    """Raise DependencyError unless the extra `film` is installed."""
+    if not all(map(is_installed, EXTRAS["film"])):
+        raise missing_extra("film", "a film as MP4")
 
 
 def require_large(*distributions: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
@@ -14,6 +13,7 @@ from tracerisk.cli.shared.report_input import RunShown, history_shown, report_ht
 from tracerisk.cli.shared.report_pictures import (
     add_picture_options,
     check_picture_options,
+    wants_pictures,
     write_report_pictures,
 )
 from tracerisk.cli.shared.sources import model_of_sources, read_file
@@ -68,11 +68,11 @@ def run(options: argparse.Namespace) -> int:
     shown = _write_page(options, kept, trace) if options.output is not None else {}
     if options.history and options.output is None:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
-    if options.png is not None:
+    if wants_pictures(options):
         code, pictures = write_report_pictures(options, kept, trace, _settings(kept, options))
         if code != ExitCode.FINE:
             return int(code)
-        shown["pictures"] = [str(Path(options.png) / name) for name in pictures]
+        shown["pictures"] = list(pictures)
     if options.json:
         print_json("report", exit_code=int(ExitCode.FINE), **shown)
     return int(ExitCode.FINE)

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 _GENERATED = b'<meta name="generator" content="tracerisk">'
 _HEAD_BYTES = 4096  # within which a page tells what made it
-_NOT_WITH_IT = ("against", "history", "trace", "png", "recording", "hardware", "active", "profile")
+_NOT_WITH_IT = (
+    *("against", "history", "trace", "png", "gif", "mp4", "recording"),
+    *("hardware", "active", "profile"),
+)
 
 
 def write_overview(options: argparse.Namespace) -> int:

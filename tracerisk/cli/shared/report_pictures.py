@@ -14,6 +14,7 @@ from tracerisk.errors import ExitCode, InputError, Location
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
 
 
@@ -23,22 +24,48 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--png", metavar="DIR", help="write a picture of the arm for each function into DIR"
     )
     parser.add_argument(
+        "--gif", metavar="OUT.gif", help="write a short film of the arm, of at most 12 seconds"
+    )
+    parser.add_argument(
+        "--mp4", metavar="OUT.mp4", help="write the same film as MP4, a fifth as large"
+    )
+    parser.add_argument(
         "--recording",
         metavar="DIR",
-        help="the recording that `run --keep DIR` left, for --png; else the run is done again",
+        help="the recording that `run --keep DIR` left, for pictures and films; else the run is "
+        "done again",
     )
 
 
 def check_picture_options(options: argparse.Namespace) -> None:
     """Raise InputError where the options of pictures do not fit each other."""
-    if options.output is None and options.png is None:
-        raise InputError("nothing to write; give -o/--output OUT.html, --png DIR, or both")
-    if options.recording is not None and options.png is None:
-        raise InputError("--recording is for pictures; give --png DIR as well")
-    if options.trace is not None and options.png is not None and options.recording is None:
-        raise InputError("--png with --trace needs the recording of that run; give --recording DIR")
+    wanted = wants_pictures(options)
+    if options.output is None and not wanted:
+        raise InputError(
+            "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4 OUT.mp4"
+        )
+    if options.recording is not None and not wanted:
+        raise InputError(
+            "--recording is for pictures and films; give --png DIR, --gif OUT.gif or --mp4 OUT.mp4"
+        )
+    if options.trace is not None and wanted and options.recording is None:
+        raise InputError(
+            f"--{wanted[0]} with --trace needs the recording of that run; give --recording DIR"
+        )
     if options.png is not None:
         _check_folder(Path(options.png))
+    for name in ("gif", "mp4"):
+        if getattr(options, name) is not None:
+            _check_folder(Path(getattr(options, name)).absolute().parent)
+    if options.mp4 is not None:
+        from tracerisk.dependencies import require_film
+
+        require_film()
+
+
+def wants_pictures(options: argparse.Namespace) -> list[str]:
+    """Return which of the options are given that take a recording."""
+    return [name for name in ("png", "gif", "mp4") if getattr(options, name) is not None]
 
 
 def _check_folder(folder: Path) -> None:
@@ -52,12 +79,17 @@ def _check_folder(folder: Path) -> None:
 def write_report_pictures(
     options: argparse.Namespace, kept: KeptRun | None, given: Trace | None, settings: Settings
 ) -> tuple[ExitCode, tuple[str, ...]]:
-    """Write the pictures; return the exit code, and the files written in the folder.
+    """Write the pictures and films; return the exit code, and the files written.
 
     `given` is the trace that the command line names. A run that is done again may fail: then it
     is told how, and nothing is written.
     """
-    from tracerisk.pipeline.results.run_pictures import kept_recording, run_again, write_pictures
+    from tracerisk.pipeline.results.run_pictures import (
+        kept_recording,
+        run_again,
+        write_films,
+        write_pictures,
+    )
 
     if options.recording is not None:
         trace = given if given is not None else None if kept is None else kept.trace
@@ -80,9 +112,15 @@ def write_report_pictures(
         if not trace.is_usable or found is None:
             return ExitCode(print_failure(trace)), ()
         recorded = found
-    files = write_pictures(trace, recorded, settings, options.png)
-    note(
-        f"{Path(options.png)}: {len(files) - 1} pictures and {files[-1]}",
-        quiet=options.quiet or options.json,
-    )
+    quiet = options.quiet or options.json
+    files: tuple[str, ...] = ()
+    if options.png is not None:
+        names = write_pictures(trace, recorded, settings, options.png)
+        note(f"{Path(options.png)}: {len(names) - 1} pictures and {names[-1]}", quiet=quiet)
+        files = tuple(str(Path(options.png) / name) for name in names)
+    asked: dict[FilmFormat, str | None] = {"gif": options.gif, "mp4": options.mp4}
+    films = {name: path for name, path in asked.items() if path is not None}
+    for path, size in write_films(trace, recorded, settings, films).items():
+        note(f"{path}: a film of {size / 1e6:.2f} MB", quiet=quiet)
+        files += (path,)
     return ExitCode.FINE, files

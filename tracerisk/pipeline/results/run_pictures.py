@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.report.html.run.replay import RecordedRun
+    from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
 
 
@@ -85,3 +87,26 @@ def write_pictures(
     for name, data in files.items():
         atomic_write(Path(folder) / name, data)
     return tuple(files)
+
+
+def write_films(
+    trace: Trace, run: RecordedRun, settings: Settings, films: Mapping[FilmFormat, str]
+) -> dict[str, int]:
+    """Write a film of the run in each format to its path; return how many bytes each has.
+
+    Raises as `write_pictures`.
+    """
+    from tracerisk.report.png.drawn import filmed
+    from tracerisk.report.png.film import FRAME_S, make_film
+
+    if not films:
+        return {}
+    frames = make_film(trace, run)
+    written = filmed(frames, list(films), frame_s=FRAME_S, limits=settings.drawing_limits)
+    for path, data in zip(films.values(), written, strict=True):
+        try:
+            atomic_write(Path(path), data)
+        except OSError as error:
+            told = f"cannot be written: {error.strerror}"
+            raise InputError(told, Location(path)) from error
+    return {path: len(data) for path, data in zip(films.values(), written, strict=True)}

@@ -18,6 +18,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
+from tracerisk.report.png.film_child import framed, write_gif, write_mp4
 from tracerisk.sandbox.limited_process import mark_start
 
 READY = "ready"
@@ -46,13 +47,23 @@ def main() -> int:
     sys.stdout.write(f"{READY}\n")
     sys.stdout.flush()
     mark_start()
-    for number, picture in enumerate(request["pictures"]):
-        spec = _spec(picture, width, height)
-        pixels = _rendered(spec.compile(), picture["camera"], width, height)
-        image = _captioned(Image.fromarray(pixels), picture)
-        (folder / f"{number}.png").write_bytes(_png(image, picture))
+    pictures = request["pictures"]
+    images = (_drawn(picture, width, height) for picture in pictures)
+    if request["films"]:
+        frames = [framed(image, each) for image, each in zip(images, pictures, strict=True)]
+        for name in request["films"]:
+            write = {"gif": write_gif, "mp4": write_mp4}[name]
+            write(frames, folder / f"film.{name}", request["frame_s"])
+    else:
+        for number, (image, picture) in enumerate(zip(images, pictures, strict=True)):
+            (folder / f"{number}.png").write_bytes(_png(_captioned(image, picture), picture))
     context.free()
     return 0
+
+
+def _drawn(picture: dict[str, Any], width: int, height: int) -> Image.Image:
+    spec = _spec(picture, width, height)
+    return Image.fromarray(_rendered(spec.compile(), picture["camera"], width, height))
 
 
 def _spec(picture: dict[str, Any], width: int, height: int) -> Any:

@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from tracerisk.errors import RenderError
 from tracerisk.limits import Limit, Limits
@@ -23,6 +24,9 @@ BACKENDS = ("egl", "osmesa")
 """Ways to draw without a screen, in the order in which they are tried."""
 SIZE = (960, 640)
 """Width and height of a picture without its caption [px]."""
+FILM_SIZE = (480, 320)
+"""Width and height of a frame without its caption [px]."""
+FilmFormat = Literal["gif", "mp4"]
 _OFF = frozenset({"", "0", "disable", "disabled", "false", "no", "off"})
 _READY = "ready"
 _LIMITS = Limits(own=Limit("cpu_limit_s", 120.0))
@@ -33,22 +37,47 @@ def drawn(
 ) -> tuple[bytes, ...]:
     """Return each picture as PNG, the same bytes for the same picture on the same machine.
 
+    Raises as `_written`.
+    """
+    names = [f"{number}.png" for number in range(len(pictures))]
+    return _written(_request(pictures, size), names, limits)
+
+
+def filmed(
+    frames: Sequence[Picture],
+    formats: Sequence[FilmFormat],
+    *,
+    frame_s: float,
+    size: tuple[int, int] = FILM_SIZE,
+    limits: Limits = _LIMITS,
+) -> tuple[bytes, ...]:
+    """Return frames as a film in each format, every one seen for `frame_s` [s].
+
+    The same frames give the same bytes of a GIF on the same machine. Raises as `_written`.
+    """
+    request = _request(frames, size) | {"films": list(formats), "frame_s": frame_s}
+    return _written(request, [f"film.{name}" for name in formats], limits)
+
+
+def _request(pictures: Sequence[Picture], size: tuple[int, int]) -> dict[str, object]:
+    return {"size": size, "pictures": [_data(each) for each in pictures], "films": []}
+
+
+def _written(data: dict[str, object], names: Sequence[str], limits: Limits) -> tuple[bytes, ...]:
+    """Return the files that the drawing process writes.
+
     `MUJOCO_GL` chooses the backend where it names one, else EGL is tried and then OSMesa.
     Raises RenderError where none works, LimitError where drawing takes too long: then no other
     backend is tried.
     """
-    request = json.dumps(
-        {"size": size, "pictures": [_data(picture) for picture in pictures]}, sort_keys=True
-    )
+    request = json.dumps(data, sort_keys=True)
     chosen = os.environ.get("MUJOCO_GL", "").strip().lower()
     reasons = []
     for backend in BACKENDS if chosen in _OFF else (chosen,):
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             done = _run(request, folder, backend, limits)
             if done.returncode == 0:
-                return tuple(
-                    (Path(folder) / f"{number}.png").read_bytes() for number in range(len(pictures))
-                )
+                return tuple((Path(folder) / name).read_bytes() for name in names)
         told = _last_line(done.stderr.decode("utf-8", "replace"))
         if done.stdout.startswith(_READY.encode()):
             raise RuntimeError(f"the pictures could not be drawn with {backend}: {told}")

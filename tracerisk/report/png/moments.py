@@ -54,7 +54,7 @@ def function_moments(
     `activity` has an entry every `step_s` [s]; there are `n_frames` poses, one every `frame_s`.
     """
     spans = visit_spans(trace.visits, trace.end.simulated_s or 0.0)
-    count = _FrameCounts(activity, n_frames, frame_s, step_s)
+    count = FrameCounts(activity, n_frames, frame_s, step_s)
     moments = []
     for function in trace.functions:
         own = [i for i, visit in enumerate(trace.visits) if visit.function == function.ref]
@@ -81,8 +81,8 @@ def function_moments(
     return tuple(moments)
 
 
-class _FrameCounts:
-    """What each element does in each frame."""
+class FrameCounts:
+    """What each element does in each frame, of which there are `n_frames`."""
 
     def __init__(
         self,
@@ -93,9 +93,9 @@ class _FrameCounts:
     ) -> None:
         stride = round(frame_s / step_s)
         n_steps = min((len(each.moving) for each in activity.values()), default=0)
-        self._n_frames = max(min(n_frames, -(-n_steps // stride)), 1)
+        self.n_frames = max(min(n_frames, -(-n_steps // stride)), 1)
         self._frame_s = frame_s
-        at = np.minimum(np.arange(self._n_frames) * stride, max(n_steps - 1, 0))
+        at = np.minimum(np.arange(self.n_frames) * stride, max(n_steps - 1, 0))
         self._flags: dict[str, NDArray[np.bool_]] = {
             # Moving, holding, grasping; (3, n_frames).
             name: np.stack([each.moving[at], each.holding[at], each.grasping[at]])
@@ -107,8 +107,8 @@ class _FrameCounts:
     ) -> tuple[tuple[int, int, int], int]:
         """Return the score of the best moment in a span, and its frame."""
         # Of a visit between two poses, the pose after its begin.
-        first = min(math.ceil(start_s / self._frame_s - _ROUNDING), self._n_frames - 1)
-        end = min(math.ceil(stop_s / self._frame_s - _ROUNDING), self._n_frames)
+        first = min(math.ceil(start_s / self._frame_s - _ROUNDING), self.n_frames - 1)
+        end = min(math.ceil(stop_s / self._frame_s - _ROUNDING), self.n_frames)
         last = max(end - 1, first)
         flags = [self._flags[name][:, first : last + 1] for name in elements if name in self._flags]
         n_active = np.sum([each.any(axis=0) for each in flags], axis=0, dtype=np.int64)

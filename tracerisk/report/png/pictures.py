@@ -19,7 +19,10 @@ from tracerisk.report.png.placement import Placed, placed_bodies, placed_shape
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
-    from tracerisk.report.html.run.replay import RecordedRun
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from tracerisk.report.html.run.replay import RecordedRun, Replay
 
 LEGEND = "legend.json"
 STATE_COLOURS: Mapping[State, str] = {
@@ -89,23 +92,7 @@ def make_pictures(
     Raises LogError where the recording is not that of the trace, InputError where no function
     was visited or the robot has no shapes.
     """
-    from tracerisk.errors import LogError
-    from tracerisk.report.html.run.replay import make_replay
-    from tracerisk.report.html.run.replay_frames import unpack_frames
-
-    samples, end_s = run.samples, trace.end.simulated_s or 0.0
-    if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:
-        raise LogError(
-            f"the recording ({samples.header.robot}, {samples.n_steps * samples.step_s:.1f} s) is "
-            f"not of the run of the trace ({trace.robot}, {end_s:.1f} s); give the one that "
-            "`tracerisk run --keep` left, or none"
-        )
-    if not trace.functions:
-        raise InputError("no function of the run commanded hardware: there is nothing to picture")
-    if not any(link.shapes for link in run.robot.links):
-        raise InputError(f"the model of {run.robot.name} has no shapes that could be pictured")
-    replay = make_replay(run, end_s or None)
-    values = unpack_frames(replay.frames)
+    replay, values = shown_run(trace, run)
     moments = function_moments(
         trace,
         replay.activity,
@@ -122,6 +109,30 @@ def make_pictures(
         )
         for number, (moment, placed) in enumerate(zip(moments, places, strict=True), start=1)
     )
+
+
+def shown_run(trace: Trace, run: RecordedRun) -> tuple[Replay, NDArray[np.float64]]:
+    """Return what can be seen of a run, and the values of its frames, (n_frames, n_columns).
+
+    Raises as `make_pictures`.
+    """
+    from tracerisk.errors import LogError
+    from tracerisk.report.html.run.replay import make_replay
+    from tracerisk.report.html.run.replay_frames import unpack_frames
+
+    samples, end_s = run.samples, trace.end.simulated_s or 0.0
+    if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:
+        raise LogError(
+            f"the recording ({samples.header.robot}, {samples.n_steps * samples.step_s:.1f} s) is "
+            f"not of the run of the trace ({trace.robot}, {end_s:.1f} s); give the one that "
+            "`tracerisk run --keep` left, or none"
+        )
+    if not trace.functions:
+        raise InputError("no function of the run commanded hardware: there is nothing to picture")
+    if not any(link.shapes for link in run.robot.links):
+        raise InputError(f"the model of {run.robot.name} has no shapes that could be pictured")
+    replay = make_replay(run, end_s or None)
+    return replay, unpack_frames(replay.frames)
 
 
 def legend_data(trace: Trace, pictures: Iterable[Picture]) -> dict[str, Any]:
@@ -185,7 +196,7 @@ def _picture(
         },
         "always": list(always),
     }
-    solids = tuple(_solids(bodies, places, moment))
+    solids = tuple(solids_of(bodies, places, moment))
     return Picture(file, title, tuple(rows), camera, solids, entry)
 
 
@@ -236,7 +247,8 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join([*shown, f"and {more} more"] if more > 0 else shown)
 
 
-def _solids(bodies: Sequence[Body], places: Sequence[Placed], moment: Moment) -> Iterable[Solid]:
+def solids_of(bodies: Sequence[Body], places: Sequence[Placed], moment: Moment) -> Iterable[Solid]:
+    """Yield what is seen at a moment of bodies at their places, each in its colour."""
     housing = _housings(bodies)
     depths = _depths(bodies)
     for index, (body, place) in enumerate(zip(bodies, places, strict=True)):

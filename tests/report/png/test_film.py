@@ -1,0 +1,92 @@
+"""A film shows the whole run, from one place, and says how fast it is."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tracerisk.dependencies import EXTRAS
+from tracerisk.errors import DependencyError, RenderError
+from tracerisk.report.png.drawn import filmed
+from tracerisk.report.png.film import MOST_FRAMES, make_film
+from tracerisk.report.png.film_child import CAPTION
+from tracerisk.trace import RunEnd
+
+SIZE = (120, 80)
+
+
+@pytest.fixture(scope="module")
+def frames(two_functions, turning_arm):
+    return make_film(two_functions, turning_arm)
+
+
+@pytest.fixture(scope="module")
+def gif(frames):
+    try:
+        return filmed(frames[::8], ("gif",), frame_s=0.1, size=SIZE)[0]
+    except RenderError as error:
+        pytest.skip(f"nothing can be drawn here: {error}")
+
+
+def test_every_tenth_of_a_second_of_a_short_run_has_a_frame_from_one_place(frames):
+    assert len(frames) == 41
+    assert len({each.camera for each in frames}) == 1
+    titles = [each.title for each in frames]
+    assert titles == ["lift"] * 20 + ["bend"] * 21
+    assert frames[0].rows[0].text == "0.0 of 4.0 s"
+    assert frames[-1].rows[0].text == "4.0 of 4.0 s"
+
+
+def test_the_caption_counts_what_the_elements_do(frames):
+    words = [row.text for row in frames[5].rows]
+    assert words[1:] == ["moving 1", "holding 0", "grasping 0"]
+    coloured = {solid.element for solid in frames[5].solids if solid.colour.startswith("#")}
+    assert "panda_joint2" in coloured
+
+
+def test_a_long_run_is_shown_faster_and_says_so(two_functions, turning_arm):
+    samples = turning_arm.samples
+    names = ("control", "position", "velocity", "torque", "pad_force")
+    longer = {name: np.repeat(getattr(samples, name), 8, axis=0) for name in names}
+    longer["poses"] = np.repeat(samples.poses, 8, axis=0)
+    run = replace(turning_arm, samples=replace(samples, **longer))
+    trace = replace(two_functions, end=RunEnd("ended", "the controller ended", 32.0))
+    found = make_film(trace, run)
+    assert len(found) == MOST_FRAMES
+    assert found[60].rows[0].text == "16.1 of 32.0 s, 2.69 times as fast"
+
+
+def test_a_gif_moves_and_has_the_same_bytes_again(frames, gif):
+    shown = Image.open(io.BytesIO(gif))
+    assert (shown.n_frames, shown.size) == (6, (SIZE[0], SIZE[1] + CAPTION))
+    assert shown.info["duration"] == 100
+    assert shown.info["loop"] == 0
+    seen = []
+    for number in range(shown.n_frames):
+        shown.seek(number)
+        seen.append(np.asarray(shown.convert("RGB"))[: SIZE[1]].astype(int))
+    assert all(np.abs(one - other).max() > 40 for one, other in itertools.pairwise(seen))
+    assert filmed(frames[::8], ("gif",), frame_s=0.1, size=SIZE)[0] == gif
+
+
+def test_an_mp4_has_every_frame(frames, gif):
+    av = pytest.importorskip("av", reason="av is not installed")
+    (film,) = filmed(frames[::8], ("mp4",), frame_s=0.1, size=(121, 81))
+    with av.open(io.BytesIO(film)) as container:
+        stream = container.streams.video[0]
+        assert stream.codec_context.name == "h264"
+        shown = list(container.decode(video=0))
+    assert [(each.width, each.height) for each in shown] == [(120, 144)] * 6
+
+
+def test_without_the_extra_the_command_says_how_to_get_it(monkeypatch, tmp_path):
+    from tracerisk import dependencies
+
+    monkeypatch.setattr(dependencies, "is_installed", lambda name: name not in EXTRAS["film"])
+    with pytest.raises(DependencyError, match=r"a film as MP4 needs av.*'tracerisk\[film\]'"):
+        dependencies.require_film()
