@@ -13,6 +13,7 @@ REPOSITORY = "TRACERISK_REPOSITORY"
 """The variable that says where the repository is; without it there are no links to it."""
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
+_PICTURE = re.compile(r"(!\[[^\]]*\])\((?!https?:)([^)\s]+)\)")
 _VERSION = re.compile(r'^__version__ = "(.+)"$', re.MULTILINE)
 
 
@@ -34,6 +35,8 @@ class CustomMetadataHook(MetadataHookInterface):
         repository = os.environ.get(REPOSITORY, "").rstrip("/")
         if repository:
             files = f"{repository}/blob/{f'v{version}' if is_release else 'HEAD'}"
+            # A page about a file is no picture: those are taken as they are.
+            text = _PICTURE.sub(rf"\1({files.replace('/blob/', '/raw/', 1)}/\2)", text)
             text = _LINK.sub(rf"]({files}/\1)", text)
             metadata["urls"] = {
                 "Documentation": f"{files}/docs/tutorial.md",

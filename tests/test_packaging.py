@@ -68,6 +68,11 @@ def test_links_of_the_description_lead_to_the_tag(made):
     here = f"https://git.example.org/tracerisk/blob/v{__version__}/docs/blocks.md"
     assert f"]({here})" in text
     assert f"]({here}#the-lock)" in text
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)\s]+)\)", text)
+    raw = f"https://git.example.org/tracerisk/raw/v{__version__}/docs/pictures/"
+    assert pictures
+    assert all(each.startswith(raw) for each in pictures)
+    assert all((ROOT / "docs/pictures" / each.removeprefix(raw)).is_file() for each in pictures)
     assert set(metadata["urls"]) == {"Documentation", "Source", "Changelog", "Issues"}
 
 
