@@ -1,16 +1,31 @@
-"""What of the metadata is made when a distribution is built: the long description and its links."""
+"""What is made when a distribution is built: the long description, and the compiled loops."""
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 REPOSITORY = "TRACERISK_REPOSITORY"
 """The variable that says where the repository is; without it there are no links to it."""
+
+LIBRARY = "tracerisk/prm/compiled/loops.so"
+"""The compiled loops, in the sources and in a wheel; beside it in the sources stands what it is of."""
+COMPILERS = ("cc", "gcc", "clang")
+"""What is looked for where the variable CC says nothing."""
+# The same digits on every machine: no operation is fused with another or reordered.
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
+OLDEST_PLATFORM = "manylinux_2_17"
+"""The library needs no more of a C library than this one has."""
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
 _PICTURE = re.compile(r"(!\[[^\]]*\])\((?!https?:)([^)\s]+)\)")
@@ -45,3 +60,62 @@ class CustomMetadataHook(MetadataHookInterface):
                 "Issues": f"{repository}/issues",
             }
         metadata["readme"] = {"content-type": "text/markdown", "text": text}
+
+
+class CompiledLoops(BuildHookInterface):  # type: ignore[type-arg]
+    """Compiles the loops into a wheel, or beside their sources for an editable installation.
+
+    Where there is no C compiler, the wheel is one for every machine, and the loops run as Python.
+    """
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile the loops, and say for which machine the wheel then is."""
+        root = Path(self.root)
+        if version == "editable":
+            compile_loops(root, root / LIBRARY)
+            return
+        self._folder = tempfile.TemporaryDirectory()
+        library = Path(self._folder.name) / "loops.so"
+        if compile_loops(root, library):
+            build_data["force_include"][str(library)] = LIBRARY
+            build_data["pure_python"] = False
+            build_data["tag"] = f"py3-none-{platform_tag()}"
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Remove what was compiled, now that it is in the wheel."""
+        if version != "editable":
+            self._folder.cleanup()
+
+
+def compile_loops(root: Path, library: Path) -> bool:
+    """Compile the loops of the sources below a folder; return whether that could be done."""
+    sources = sorted(str(path) for path in (root / LIBRARY).parent.glob("*.c"))
+    compiler = shlex.split(os.environ.get("CC", "")) or [
+        name for name in COMPILERS if shutil.which(name)
+    ][:1]
+    if not compiler:
+        print("no C compiler: trees are solved by Python alone", file=sys.stderr)
+        return False
+    # The old file may be in use: it is replaced, never written into.
+    made = library.with_suffix(".new")
+    command = [*compiler, *FLAGS, *sources, "-o", str(made)]
+    try:
+        subprocess.run(command, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        print(f"{error}: trees are solved by Python alone", file=sys.stderr)
+        return False
+    made.replace(library)
+    return True
+
+
+def platform_tag() -> str:
+    """Return the platforms that a library compiled here is for, as a wheel's name says them."""
+    from packaging.tags import platform_tags
+
+    tags = list(platform_tags())
+    return next((tag for tag in tags if tag.startswith(f"{OLDEST_PLATFORM}_")), tags[0])
+
+
+if __name__ == "__main__":
+    here = Path(__file__).parent
+    sys.exit(0 if compile_loops(here, here / LIBRARY) else 1)

@@ -231,7 +231,7 @@ def test_the_python_api_raises_the_same(python, tmp_path, monkeypatch, program, 
 
 def test_a_large_tree_has_the_same_figures_without_numba(python):
     program = TANGLED + (
-        "shared = SharedTree(tree, Limits(plain_nodes=50))\n"
+        "shared = SharedTree(tree, Limits(small_nodes=50))\n"
         "print(repr(shared.probability(pairs)), max(d.size for d in shared.diagrams.values()))\n"
         "print(minimal_cut_sets(tree).count_by_order())\n"
     )
@@ -244,5 +244,5 @@ def test_a_large_tree_has_the_same_figures_without_numba(python):
 
 
 def test_a_tree_that_would_take_too_long_without_numba_says_what_to_install(python):
-    program = TANGLED + "SharedTree(tree, Limits(nodes=(60, 600_000), plain_nodes=50))"
+    program = TANGLED + "SharedTree(tree, Limits(nodes=(60, 600_000), small_nodes=50))"
     assert python(program).stderr.splitlines()[-1].endswith(LARGE)

@@ -31,7 +31,7 @@ def tangled():
 
 def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled):
     with pytest.raises(TooLargeError) as caught:
-        SharedTree(tangled, Limits(nodes=(1_000, 3_000), plain_nodes=200))
+        SharedTree(tangled, Limits(nodes=(1_000, 3_000), small_nodes=200))
     message = str(caught.value)
     assert message.startswith("fault tree 'top': a part of ")
     assert "outgrew every budget of its decision diagram: 1000, 3000 nodes" in message
@@ -42,7 +42,7 @@ def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled
 
 
 def test_the_least_budget_that_fits_is_enough(tangled):
-    limits = Limits(nodes=(1_000, 2_000_000), plain_nodes=200)
+    limits = Limits(nodes=(1_000, 2_000_000), small_nodes=200)
     found = SharedTree(tangled, limits).probability(
         {event.name: Probability.of(0.25) for event in tangled.events}
     )
@@ -55,7 +55,7 @@ def test_bounds_hold_the_probability_between_them(tangled, p, bound_nodes):
     pairs = {event.name: Probability.of(p) for event in tangled.events}
     exact = SharedTree(tangled).probability(pairs).p
     lower, upper = tree_bounds(
-        tangled, pairs, Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=bound_nodes)
+        tangled, pairs, Limits(nodes=(1_000,), small_nodes=0, bound_nodes=bound_nodes)
     )
     assert lower <= exact <= upper
     assert lower < upper
@@ -65,7 +65,7 @@ def test_bounds_by_diagrams_that_need_no_thinning_are_the_probability():
     tree = tangled_tree(20, 15)
     pairs = {event.name: Probability.of(0.25) for event in tree.events}
     exact = SharedTree(tree).probability(pairs).p
-    limits = Limits(nodes=(100,), plain_nodes=0, bound_nodes=5_000)
+    limits = Limits(nodes=(100,), small_nodes=0, bound_nodes=5_000)
     assert tree_bounds(tree, pairs, limits) == pytest.approx((exact, exact), rel=1e-13)
 
 
@@ -74,13 +74,13 @@ def test_bounds_hold_for_a_tree_that_is_not_coherent(tangled):
     tree = FaultTree("odd", (odd, *tangled.gates), tangled.events)
     pairs = {event.name: Probability.of(0.3) for event in tree.events}
     exact = SharedTree(tree).probability(pairs).p
-    lower, upper = tree_bounds(tree, pairs, Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=300))
+    lower, upper = tree_bounds(tree, pairs, Limits(nodes=(1_000,), small_nodes=0, bound_nodes=300))
     assert lower < exact < upper
 
 
 def test_the_error_tells_the_bounds(tangled):
     pairs = {event.name: Probability.of(0.25) for event in tangled.events}
-    limits = Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=1_000)
+    limits = Limits(nodes=(1_000,), small_nodes=0, bound_nodes=1_000)
     with pytest.raises(TooLargeError) as caught:
         SharedTree(tangled, limits)
     error = with_bounds(caught.value, tangled, pairs, limits)
@@ -105,7 +105,7 @@ assert "numba" not in sys.modules and "numpy" not in sys.modules
 def test_numba_is_used_without_a_folder_for_its_cache(monkeypatch):
     import numba
 
-    from tracerisk.prm.bdd.speed import compiled_by_numba
+    from tracerisk.prm.markov.large.compiling import compiled_by_numba
 
     ways = []
 

@@ -22,8 +22,7 @@ from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
 from tracerisk.prm.bdd.modules import Module, grouped, modules
 from tracerisk.prm.bdd.orders import walked_orders
 from tracerisk.prm.bdd.simplify import simplified
-from tracerisk.prm.bdd.speed import compiled_by_numba, compiled_loops
-from tracerisk.prm.bdd.thinning import collect, thinned
+from tracerisk.prm.bdd.speed import fastest_loops
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.probability import Probability
@@ -110,11 +109,7 @@ class _Thinning:
         q: Sequence[float],
         limits: Limits,
     ) -> None:
-        from tracerisk.prm.numbers.arrays import np
-
-        self._loops = compiled_loops()
-        self._thinned = compiled_by_numba(thinned)
-        self._collect = compiled_by_numba(collect)
+        self._loops = fastest_loops()
         self._local = local_of(graph, module, order)
         self._levels = len(order)
         self._most = limits.bound_nodes
@@ -124,7 +119,7 @@ class _Thinning:
         self._q = self._loops.listed_floats([q[node] for node in order])
         self._gates = len(self._local.offsets) - 1
         # Two edges for each gate, and one for what is being joined.
-        self._edges = np.full(2 * self._gates + 1, -1, dtype=np.int32)
+        self._edges = self._loops.listed([-1] * (2 * self._gates + 1))
         self._nodes = integers(4 * store)
         self._table = integers(2 * (1 << (store - 1).bit_length()))
         self._cache = integers(3 * (1 << (store - 1).bit_length()))
@@ -146,7 +141,7 @@ class _Thinning:
                 self._edges[2 * gate + side] = self._joined(gate, side)
             for other, last in last_use.get(gate, ()):
                 if last == gate:
-                    self._edges[2 * other : 2 * other + 2] = -1
+                    self._edges[2 * other] = self._edges[2 * other + 1] = -1
         lower, upper = self._edges[-3], self._edges[-2]
         return self._probability(int(lower)), self._probability(int(upper))
 
@@ -207,7 +202,7 @@ class _Thinning:
     def _thin(self, side: int) -> None:
         edge = int(self._edges[-1])
         happens, fails, reach, under = self._scratch
-        found = self._thinned(
+        found = self._loops.thinned(
             edge ^ side,
             self._most,
             self._nodes,
@@ -229,9 +224,9 @@ class _Thinning:
 
     def _tidy(self) -> None:
         """Give up the nodes that no edge needs."""
-        self._number[:] = 0
-        self._cache[:] = 0
-        self._collect(self._edges, self._nodes, self._table, self._number, self._used)
+        self._loops.collect(
+            self._edges, self._nodes, self._table, self._cache, self._number, self._used
+        )
 
     def _probability(self, edge: int) -> float:
         count = int(self._used[0])

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.dependencies import require_large
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
-from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops, fastest_loops
+from tracerisk.prm.bdd.speed import Loops, fastest_loops
+from tracerisk.prm.compiled.library import no_library
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,16 +21,16 @@ class Limits:
 
     `nodes` are the budgets of nodes for one module's diagram, tried in turn with several orders
     of its events; a node takes about 40 bytes while the diagram is built.
-    `plain_nodes` is the budget up to which numba is not needed, `pairs` the most pairs of nodes
-    kept for a difference, 16 bytes each, and `samples_bytes` what the sweep of many samples holds
-    at once.
+    `small_nodes` is the budget before all those, which only the orders by walks are given (0:
+    none), `pairs` the most pairs of nodes kept for a difference, 16 bytes each, and
+    `samples_bytes` what the sweep of many samples holds at once.
     `bound_nodes` is the size of the diagrams by which bounds are found where no budget suffices.
     `swapped` lets each two neighbours of an order change places, which gives a second diagram to
     check a first by.
     """
 
     nodes: tuple[int, ...] = (32_000, 120_000, 500_000, 2_000_000, 8_000_000, 25_000_000)
-    plain_nodes: int = 2_000
+    small_nodes: int = 2_000
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
     bound_nodes: int = 20_000
@@ -40,7 +40,7 @@ class Limits:
 DEFAULT_LIMITS = Limits()
 
 _MOST_PLAIN = 500_000
-"""The largest budget that is tried without numba: some minutes."""
+"""The largest budget that is tried where the loops are not compiled: some minutes."""
 _GO_ON = 2
 """How many walks, and how many orders by FORCE, go on after the first budget; later, one each."""
 
@@ -185,18 +185,19 @@ class Diagram:
 
         samples = p.shape[1]
         happens, fails = np.empty(samples), np.empty(samples)
+        loops = self.loops
         step = max(1, limits.samples_bytes // (16 * self.size))
         for start in range(0, samples, step):
             part = slice(start, start + step)
             p_part, q_part = np.ascontiguousarray(p[:, part]), np.ascontiguousarray(q[:, part])
             width = p_part.shape[1]
             rows: tuple[Any, Any]
-            if self.loops is PLAIN:
+            if loops.sweep_many is None:
                 rows = [np.zeros(width)] * self.size, [np.zeros(width)] * self.size
-                self.loops.sweep(self.level, self.low, self.high, p_part, q_part, *rows)
+                loops.sweep(self.level, self.low, self.high, p_part, q_part, *rows)
             else:
                 rows = np.empty((self.size, width)), np.empty((self.size, width))
-                self.loops.sweep_many(self.level, self.low, self.high, p_part, q_part, *rows)
+                loops.sweep_many(width, self.level, self.low, self.high, p_part, q_part, *rows)
             happens[part], fails[part] = (row[self.root >> 1] for row in rows)
         return (fails, happens) if self.root & 1 else (happens, fails)
 
@@ -232,22 +233,20 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     The first budget is given to the orders by walks and, where none fits, to those by FORCE;
     after each, those of either kind that came farthest go on, the farthest first.
     Raises TooLargeError when none fits the last budget, DependencyError when none fits what is
-    tried without numba, and it is not installed.
+    tried without the compiled loops, and there are none.
     """
     walked = _orders(walked_orders(graph, module), limits)
     trials = _trials(graph, module, walked)
-    if limits.plain_nodes:
-        # The same orders and budget at either speed, so that both give the same digits.
-        loops = compiled_loops() if compiled_loops.cache_info().currsize else PLAIN
+    loops = fastest_loops()
+    if limits.small_nodes:
         for local in trials.values():
-            found, _ = _built(local, limits.plain_nodes, loops)
+            found, _ = _built(local, limits.small_nodes, loops)
             if found is not None:
                 return found
-    loops = fastest_loops()
     reached: dict[str, int] = {}
     for number, budget in enumerate(limits.nodes):
-        if loops is PLAIN and budget > _MOST_PLAIN:
-            require_large("numba")
+        if loops.sweep_many is None and budget > _MOST_PLAIN:
+            raise no_library("a tree of this size")
         for name, local in trials.items():
             found, reached[name] = _built(local, budget, loops)
             if found is not None:
@@ -353,7 +352,7 @@ def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, in
     kept = loops.extract(root, count, nodes, loops.integers(count), *kept_nodes)
     # The root is the last of those kept: nothing below it stands after it.
     root = 2 * (kept - 1) + (root & 1)
-    level, low, high = (loops.listed(sequence[:kept]) for sequence in kept_nodes)
+    level, low, high = (sequence[:kept] for sequence in kept_nodes)
     return Diagram(local.order, root, level, low, high, loops), int(used[1])
 
 

@@ -1,8 +1,8 @@
-"""The loops of decision diagrams, on flat arrays: one source for both speeds.
+"""The loops of decision diagrams, on flat sequences, as Python.
 
-Small diagrams run these functions as they stand, on lists; larger ones run them compiled by
-numba, on arrays (`tracerisk.prm.bdd.speed`).
-So each is one function without calls or recursion, and integer hashes stay below 2^63.
+`tracerisk/prm/compiled/diagrams.c` has the same functions, which run where they were compiled
+(`tracerisk.prm.bdd.speed`); these run elsewhere, on lists, and say what each does.
+Integer hashes stay below 2^63, and the stack is a sequence, so that both do the same.
 
 An edge is twice a node's number, plus one for the complement; node 0 is the constant that always
 happens (edge 0), edge 1 never.
@@ -233,29 +233,5 @@ def extract(
             below = nodes[4 * node + 1]
             low[kept] = 2 * number[below >> 1] + (below & 1)
             high[kept] = 2 * number[nodes[4 * node + 2] >> 1]
-            kept += 1
-    return kept
-
-
-def compact(
-    root: int, count: int, level: Integers, low: Integers, high: Integers, number: Integers
-) -> int:
-    """Keep only the nodes below an edge, in place; return their count, the constant's included.
-
-    number: (count,) zeros, scratch; out, the new number of each node kept.
-    """
-    number[root >> 1] = 1
-    for node in range(count - 1, 0, -1):
-        if number[node]:
-            number[low[node] >> 1] = 1
-            number[high[node] >> 1] = 1
-    number[0] = 0
-    kept = 1
-    for node in range(1, count):
-        if number[node]:
-            number[node] = kept
-            level[kept] = level[node]
-            low[kept] = 2 * number[low[node] >> 1] + (low[node] & 1)
-            high[kept] = 2 * number[high[node] >> 1]
             kept += 1
     return kept

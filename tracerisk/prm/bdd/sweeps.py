@@ -1,12 +1,9 @@
 """What is computed on a finished diagram, on flat arrays: probabilities, slopes, differences.
 
-The nodes and edges are those of `kernel`, and as there each function is one without calls, so that
-it runs as Python on lists or compiled on arrays.
+The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has the same functions.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 from tracerisk.prm.bdd.kernel import Floats, Integers
 
@@ -231,35 +228,3 @@ def differences(
         if low[node] & 1:
             below = -below
         out[node] = p[here] * out[high[node] >> 1] + q[here] * below + drop[here] * gains[node]
-
-
-def sweep_many(
-    level: Integers, low: Integers, high: Integers, p: Any, q: Any, happens: Any, fails: Any
-) -> None:
-    """As `sweep`, for n assignments side by side: p, q (levels, n); happens, fails (n_nodes, n)."""
-    samples = p.shape[1]
-    for sample in range(samples):
-        happens[0, sample] = 1.0
-        fails[0, sample] = 0.0
-    for node in range(1, len(level)):
-        here = level[node]
-        below = low[node] >> 1
-        above = high[node] >> 1
-        if low[node] & 1:
-            for sample in range(samples):
-                p_here = p[here, sample]
-                q_here = q[here, sample]
-                happens[node, sample] = (
-                    p_here * happens[above, sample] + q_here * fails[below, sample]
-                )
-                fails[node, sample] = (
-                    p_here * fails[above, sample] + q_here * happens[below, sample]
-                )
-        else:
-            for sample in range(samples):
-                p_here = p[here, sample]
-                q_here = q[here, sample]
-                happens[node, sample] = (
-                    p_here * happens[above, sample] + q_here * happens[below, sample]
-                )
-                fails[node, sample] = p_here * fails[above, sample] + q_here * fails[below, sample]

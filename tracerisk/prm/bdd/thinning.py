@@ -1,7 +1,6 @@
 """Loops on a store of diagram nodes that holds approximations: thin out, and collect.
 
-The nodes and edges are those of `kernel`; every function here is one without calls, so that it
-runs as Python on lists or compiled on arrays.
+The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has the same functions.
 """
 
 from __future__ import annotations
@@ -117,14 +116,23 @@ def thinned(
 
 
 def collect(
-    edges: Integers, nodes: Integers, table: Integers, number: Integers, used: Integers
+    edges: Integers,
+    nodes: Integers,
+    table: Integers,
+    cache: Integers,
+    number: Integers,
+    used: Integers,
 ) -> None:
     """Keep only the nodes below the edges, and renumber those; -1 among the edges is none.
 
-    number: (n_nodes,) zeros, scratch; the others as in `kernel.build`.
+    number: (n_nodes,) scratch; the others as in `kernel.build`, the cache emptied.
     """
     count = used[0]
     table_mask = len(table) - 1
+    for slot in range(len(cache)):
+        cache[slot] = 0
+    for node in range(count):
+        number[node] = 0
     for place in range(len(edges)):
         if edges[place] >= 0:
             number[edges[place] >> 1] = 1

@@ -7,18 +7,15 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from tracerisk.dependencies import is_installed
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.diagram import Diagram
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.speed import compiled_by_numba
+from tracerisk.prm.compiled import library
 from tracerisk.prm.cut_sets import kernel
 
 NO_SET = 0
 EMPTY_SET = 1
-PLAIN_NODES = 1_000
-"""Decision diagrams up to this size are done before numba has started."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,20 +47,21 @@ PLAIN = SetLoops(
 
 
 @cache
-def compiled_loops() -> SetLoops:
-    """Return the loops compiled; each is compiled when first called, then kept on disk."""
-    from tracerisk.prm.numbers.arrays import np
-
+def fastest_loops() -> SetLoops:
+    """Return the loops compiled, or as Python where they were not."""
+    if library.library() is None:
+        return PLAIN
+    loop = library.loop
     return SetLoops(
-        compiled_by_numba(kernel.minimal_solutions),
-        compiled_by_numba(kernel.compact),
-        compiled_by_numba(kernel.totals),
-        compiled_by_numba(kernel.greatest),
-        compiled_by_numba(kernel.lightest),
-        integers=lambda size: np.zeros(size, dtype=np.int32),
-        floats=lambda size: np.zeros(size, dtype=np.float64),
-        listed=lambda items: np.asarray(items, dtype=np.int32),
-        listed_floats=lambda items: np.asarray(items, dtype=np.float64),
+        loop("minimal_solutions", "nsssssn" + 9 * "s", int),
+        loop("compact", "nn" + 4 * "s", int),
+        loop("totals", 5 * "s"),
+        loop("greatest", 5 * "s"),
+        loop("lightest", "ssssns"),
+        integers=library.integers,
+        floats=library.floats,
+        listed=library.listed,
+        listed_floats=library.listed_floats,
     )
 
 
@@ -180,19 +178,18 @@ def of_diagram(
     rising = [int(literal > 0) for literal in literals]
     heavy = [weights[literal] if most is not None else 0 for literal in literals]
     columns = 1 if most is None else most + 1
+    loops = fastest_loops()
     # Each edge may hold a family of its own for each of the weights that are left.
     size = max(2_000, 4 * diagram.size)
     while True:
         size = min(size, budget)
-        plain = diagram.size * columns <= PLAIN_NODES and size <= 16 * PLAIN_NODES
-        loops = PLAIN if plain or not is_installed("numba") else compiled_loops()
         level, low, high = (loops.integers(size) for _ in range(3))
         used = loops.integers(1)
         root = loops.minimal_solutions(
             diagram.root ^ int(sign < 0),
-            loops.listed(diagram.level),
-            loops.listed(diagram.low),
-            loops.listed(diagram.high),
+            diagram.level,
+            diagram.low,
+            diagram.high,
             loops.listed(rising),
             loops.listed(heavy),
             columns - 1,

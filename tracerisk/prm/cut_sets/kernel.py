@@ -1,4 +1,6 @@
-"""The loops on families of sets, on flat arrays: run as they stand, or compiled by numba.
+"""The loops on families of sets, on flat sequences, as Python.
+
+`tracerisk/prm/compiled/families.c` has the same functions, which run where they were compiled.
 
 A family is a zero-suppressed diagram (Minato, "Zero-suppressed BDDs for set manipulation in
 combinatorial problems", DAC 1993): node 0 is the family of no set, node 1 that of the empty set;

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.prm.bdd.speed import compiled_by_numba
+from tracerisk.prm.markov.large.compiling import compiled_by_numba
 
 Array = np.ndarray[Any, Any]
 

@@ -1,0 +1,122 @@
+"""The library of compiled loops, where there is one, and the sequences that its loops take.
+
+It is C without a word of Python, so that one library serves every version of Python;
+`hatch_build.py` makes it where there is a C compiler.
+Where there is none, the functions of the same names run as Python, to the same last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import DependencyError
+
+if TYPE_CHECKING:
+    import ctypes
+
+FILE = Path(__file__).with_name("loops.so")
+VERSION = 1
+"""Of the functions and their arguments, as `loops.h` says it: an older library is not used."""
+_MAPPED = 1 << 16
+"""Longer sequences are mapped: their pages take memory when first written to, and are zeros."""
+
+
+@cache
+def library() -> ctypes.CDLL | None:
+    """Return the compiled loops; `None` where they were not built, or for another machine."""
+    if not FILE.exists():
+        return None
+    import ctypes
+
+    try:
+        found = ctypes.CDLL(str(FILE))
+        version = ctypes.c_int32.in_dll(found, "loops_version").value
+    except (OSError, ValueError):
+        return None
+    return found if version == VERSION else None
+
+
+def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]:
+    """Return a compiled loop as a function.
+
+    takes: a letter for each argument: `n` a whole number, `s` a sequence as `integers` and
+        `floats` make them, or a NumPy array in one piece.
+    gives: `int` where it returns a whole number.
+    """
+    import ctypes
+
+    found = library()
+    assert found is not None
+    function = found[name]
+    function.argtypes = [
+        kind
+        for letter in takes
+        for kind in ((ctypes.c_int64,) if letter == "n" else (ctypes.c_void_p, ctypes.c_int64))
+    ]
+    function.restype = ctypes.c_int64 if gives is int else None
+    first_byte = ctypes.c_char.from_buffer
+    address_of = ctypes.addressof
+
+    def run(*arguments: Any) -> Any:
+        passed: list[int] = []
+        for letter, argument in zip(takes, arguments, strict=True):
+            if letter == "n":
+                passed.append(argument)
+            elif hasattr(argument, "__array_interface__"):
+                passed += (argument.ctypes.data, argument.size)
+            elif argument:
+                passed += (address_of(first_byte(argument)), len(argument))
+            else:
+                passed += (0, 0)
+        return function(*passed)
+
+    return run
+
+
+def integers(size: int) -> Any:
+    """Return so many zeros of 32 bits."""
+    return _zeros("i", 4, size)
+
+
+def floats(size: int) -> Any:
+    """Return so many zeros of double precision."""
+    return _zeros("d", 8, size)
+
+
+def listed(items: Any) -> Any:
+    """Return integers of 32 bits."""
+    from array import array
+
+    return array("i", items)
+
+
+def listed_floats(items: Any) -> Any:
+    """Return numbers of double precision."""
+    from array import array
+
+    return array("d", items)
+
+
+def _zeros(kind: str, width: int, size: int) -> Any:
+    from array import array
+
+    if size < _MAPPED:
+        return array(kind, bytes(width * size))
+    from mmap import mmap
+
+    try:
+        return memoryview(mmap(-1, width * size)).cast(kind)  # type: ignore[call-overload]
+    except OSError as error:
+        raise MemoryError(f"{width * size} bytes for a decision diagram") from error
+
+
+def no_library(purpose: str) -> DependencyError:
+    """Return the error for a purpose that takes too long without the compiled loops."""
+    return DependencyError(
+        f"{purpose} needs the compiled loops, which this installation of tracerisk lacks; with a "
+        "C compiler at hand, install it anew: pip install --force-reinstall --no-binary tracerisk "
+        "tracerisk"
+    )
