@@ -19,13 +19,14 @@ REPOSITORY = "TRACERISK_REPOSITORY"
 """The variable that says where the repository is; without it there are no links to it."""
 
 LIBRARY = "tracerisk/prm/compiled/loops.so"
-"""The compiled loops, in the sources and in a wheel; beside it in the sources stands what it is of."""
+"""The compiled loops, in a wheel and beside their sources."""
 COMPILERS = ("cc", "gcc", "clang")
 """What is looked for where the variable CC says nothing."""
 # The same digits on every machine: no operation is fused with another or reordered.
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
 OLDEST_PLATFORM = "manylinux_2_17"
 """The library needs no more of a C library than this one has."""
+_WITHOUT = "trees are solved by Python alone, and large ones take very long"
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
 _PICTURE = re.compile(r"(!\[[^\]]*\])\((?!https?:)([^)\s]+)\)")
@@ -81,7 +82,12 @@ class CompiledLoops(BuildHookInterface):  # type: ignore[type-arg]
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{platform_tag()}"
 
-    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+    def finalize(
+        self,
+        version: str,
+        build_data: dict[str, Any],  # noqa: ARG002 - as hatchling calls it
+        artifact_path: str,  # noqa: ARG002
+    ) -> None:
         """Remove what was compiled, now that it is in the wheel."""
         if version != "editable":
             self._folder.cleanup()
@@ -90,11 +96,12 @@ class CompiledLoops(BuildHookInterface):  # type: ignore[type-arg]
 def compile_loops(root: Path, library: Path) -> bool:
     """Compile the loops of the sources below a folder; return whether that could be done."""
     sources = sorted(str(path) for path in (root / LIBRARY).parent.glob("*.c"))
-    compiler = shlex.split(os.environ.get("CC", "")) or [
-        name for name in COMPILERS if shutil.which(name)
-    ][:1]
+    compiler = (
+        shlex.split(os.environ.get("CC", ""))
+        or [name for name in COMPILERS if shutil.which(name)][:1]
+    )
     if not compiler:
-        print("no C compiler: trees are solved by Python alone", file=sys.stderr)
+        sys.stderr.write(f"no C compiler: {_WITHOUT}\n")
         return False
     # The old file may be in use: it is replaced, never written into.
     made = library.with_suffix(".new")
@@ -102,7 +109,7 @@ def compile_loops(root: Path, library: Path) -> bool:
     try:
         subprocess.run(command, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
-        print(f"{error}: trees are solved by Python alone", file=sys.stderr)
+        sys.stderr.write(f"{error}: {_WITHOUT}\n")
         return False
     made.replace(library)
     return True

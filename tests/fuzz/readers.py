@@ -16,7 +16,8 @@ from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.solving.chains import ChainFile
-from tracerisk.cli.solving.logic import DynamicFile, LogicFile
+from tracerisk.cli.solving.dynamic import DynamicFile
+from tracerisk.cli.solving.logic import LogicFile
 from tracerisk.evidence.cells import Cell as EvidenceCell
 from tracerisk.evidence.cells import Evidence
 from tracerisk.evidence.file import dump_evidence, loads_evidence

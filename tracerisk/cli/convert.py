@@ -169,7 +169,7 @@ def _tree_text(
         raise InputError("--top goes with --to galileo; the other formats hold all tops")
     if target is ModelFormat.OPENPRA:
         from tracerisk.prm.formats.openpra import dumps_openpra
-        from tracerisk.prm.logic.what_if import needs_mission_time
+        from tracerisk.prm.logic.checks import needs_mission_time
 
         if time is None and not needs_mission_time(model):
             # Then every time gives the same numbers.

@@ -154,7 +154,7 @@ def _asked(options: argparse.Namespace) -> _Asked:
 
 
 def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
-    from tracerisk.prm.logic.what_if import needs_mission_time
+    from tracerisk.prm.logic.checks import needs_mission_time
 
     timed = needs_mission_time(model)
     name = top if top in model.gates_by_name and top is not None else _only(model.tops, top)

@@ -3,13 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
-from tracerisk.prm.hybrid.from_blocks import build_model
-from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
-from tracerisk.prm.hybrid.solve import solve
-from tracerisk.prm.markov import MarkovChain
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
-
 if TYPE_CHECKING:
     from tracerisk.prm.bayes.network import BayesianNetwork, Given
     from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
@@ -23,8 +16,12 @@ if TYPE_CHECKING:
         RestrictionKind,
     )
     from tracerisk.prm.event_trees.event_tree import EventTree
+    from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
+    from tracerisk.prm.hybrid.from_blocks import build_model
+    from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
+    from tracerisk.prm.hybrid.solve import solve
     from tracerisk.prm.linked import LinkedModel
-    from tracerisk.prm.markov import ContinuousChain
+    from tracerisk.prm.markov import ContinuousChain, MarkovChain
     from tracerisk.prm.questions.pair_importance import PairImportance, pair_importances
     from tracerisk.prm.questions.sampled_mission import failure_probabilities
     from tracerisk.prm.trees.common_cause import (
@@ -42,6 +39,8 @@ if TYPE_CHECKING:
         PeriodicTest,
         Weibull,
     )
+    from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
+    from tracerisk.prm.trees.gates import Gate, GateKind
 
 __all__ = [
     "FIGURE_STATEMENT",
@@ -91,6 +90,9 @@ __all__ = [
 
 _ON_DEMAND = (
     {
+        "FIGURE_STATEMENT": "hybrid.assessment",
+        "Assessment": "hybrid.assessment",
+        "BasicEvent": "trees.fault_tree",
         "BayesianNetwork": "bayes.network",
         "CommonCauseGroup": "trees.common_cause",
         "CommonCauseLaw": "trees.common_cause",
@@ -98,14 +100,24 @@ _ON_DEMAND = (
         "CutSet": "cut_sets",
         "CutSets": "cut_sets",
         "EventTree": "event_trees.event_tree",
+        "FaultTree": "trees.fault_tree",
+        "FunctionState": "hybrid.hybrid",
+        "Gate": "trees.gates",
+        "GateKind": "trees.gates",
         "Given": "bayes.network",
+        "HybridModel": "hybrid.hybrid",
         "LinkedModel": "linked",
+        "MarkovChain": "markov",
+        "NextStep": "hybrid.hybrid",
         "PairImportance": "questions.pair_importance",
+        "Parameter": "hybrid.hybrid",
+        "build_model": "hybrid.from_blocks",
         "expand_common_cause": "trees.common_cause",
         "failure_probabilities": "questions.sampled_mission",
         "minimal_cut_sets": "cut_sets",
         "pair_importances": "questions.pair_importance",
         "prime_implicants": "cut_sets",
+        "solve": "hybrid.solve",
     }
     | dict.fromkeys(
         (
@@ -133,7 +145,7 @@ _ON_DEMAND = (
         "dynamic",
     )
 )
-"""The modules of names that most programs do not use: imported when they are."""
+"""The module of each name, imported when the name is first used."""
 
 
 def __getattr__(name: str) -> object:

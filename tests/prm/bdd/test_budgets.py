@@ -100,25 +100,3 @@ assert tree.probability({"p": 0.5}).p == 15 / 16
 assert "numba" not in sys.modules and "numpy" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", program], check=True)
-
-
-def test_numba_is_used_without_a_folder_for_its_cache(monkeypatch):
-    import numba
-
-    from tracerisk.prm.markov.large.compiling import compiled_by_numba
-
-    ways = []
-
-    def njit(function=None, cache=False):
-        ways.append(cache)
-        if cache:
-            raise RuntimeError("cannot cache function: no locator available")
-        return function
-
-    monkeypatch.setattr(numba, "njit", njit)
-
-    def double(value):
-        return 2 * value
-
-    assert compiled_by_numba(double)(4) == 8
-    assert ways == [True, False]

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import product
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -9,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bdd import SharedTree
+from tracerisk.prm.bdd import SharedTree, diagram
 from tracerisk.prm.bdd.diagram import Limits
+from tracerisk.prm.bdd.speed import fastest_loops, plain_loops
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
@@ -148,7 +150,9 @@ def test_nothing_cancels_in_a_coherent_tree(tree, data):
 def test_compiled_loops_and_other_orders_give_the_same(tree, data):
     count = len(tree.events)
     p, low = (data.draw(st.lists(exact_values, min_size=count, max_size=count)) for _ in "ab")
-    plain, fast = SharedTree(tree), SharedTree(tree, Limits(small_nodes=0))
+    fast = SharedTree(tree)
+    with patch.object(diagram, "fastest_loops", plain_loops):
+        plain = SharedTree(tree)
     assert plain.probability(pairs(tree, p)) == fast.probability(pairs(tree, p))
     assert plain.sensitivities(pairs(tree, p)) == fast.sensitivities(pairs(tree, p))
     drops = [solver.difference(pairs(tree, p), pairs(tree, low)) for solver in (plain, fast)]
@@ -157,15 +161,16 @@ def test_compiled_loops_and_other_orders_give_the_same(tree, data):
     assert other == pytest.approx(plain.probability(pairs(tree, p)), rel=1e-14)
 
 
-@pytest.mark.parametrize("small_nodes", [0, 2000])
+@pytest.mark.parametrize("loops", [fastest_loops, plain_loops])
 @settings(max_examples=20, deadline=None)
 @given(tree=shared_trees(tuple(GateKind)), data=st.data())
-def test_many_samples_equal_each_alone(small_nodes, tree, data):
+def test_many_samples_equal_each_alone(loops, tree, data):
     samples = 5
     drawn = [
         data.draw(st.lists(exact_values, min_size=samples, max_size=samples)) for _ in tree.events
     ]
-    solver = SharedTree(tree, Limits(small_nodes=small_nodes, samples_bytes=1))
+    with patch.object(diagram, "fastest_loops", loops):
+        solver = SharedTree(tree, Limits(samples_bytes=1))
     arrays = {
         event.name: np.array(row, dtype=float)
         for event, row in zip(tree.events, drawn, strict=True)

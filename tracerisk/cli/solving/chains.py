@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.cli.solving.model_file import Render, Solved, chosen
+from tracerisk.cli.solving.solved import Render, Solved, chosen
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 

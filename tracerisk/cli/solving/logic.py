@@ -1,24 +1,19 @@
-"""Fault and event trees of other tools, as `solve` takes them."""
+"""Fault and event trees of Open-PSA and OpenPRA, as `solve` takes them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared.output import note
-from tracerisk.cli.solving.model_file import Render, Solved, chosen
-from tracerisk.errors import InputError, one_of
-from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
-from tracerisk.prm.formats import galileo
+from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
+from tracerisk.errors import InputError
 from tracerisk.prm.logic.model import LogicModel
-from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 
 if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
-
-_NO_MISSION_TIME = "figures of '{}' depend on the mission time; give --mission-time H, in hours"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +43,6 @@ class LogicFile:
 
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve all tops and event trees, or one top."""
-        from tracerisk.prm.logic.event_trees import solved_event_trees
         from tracerisk.report.model_files import (
             render_event_tree,
             render_top_importance,
@@ -103,6 +97,8 @@ class LogicFile:
         if begun and not (figure and wanted):
             if importance:
                 notes.append("importance is that of the tops, not of the event trees")
+            from tracerisk.prm.logic.event_trees import solved_event_trees
+
             found = solved_event_trees(model, time)
             data["event_trees"] = [
                 {**asdict(each), "outcomes": each.outcomes, "total": each.total} for each in found
@@ -155,105 +151,8 @@ class LogicFile:
         return chosen(self.model.tops, figure, self.name)
 
     def _time(self) -> float:
-        from tracerisk.prm.logic.what_if import needs_mission_time
+        from tracerisk.prm.logic.checks import needs_mission_time
 
         if self.mission_time_h is None and needs_mission_time(self.model):
-            raise InputError(_NO_MISSION_TIME.format(self.name))
+            raise no_mission_time(self.name)
         return self.mission_time_h or 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class DynamicFile:
-    """A Galileo file; its figure is its top.
-
-    `text` is what it was read from, `parameters` the values of those that it declares, `changes`
-    the figures of events that were set.
-    """
-
-    tree: DynamicTree
-    mission_time_h: float | None
-    text: str = ""
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    changes: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """The name of the top."""
-        return self.tree.top
-
-    def with_values(self, values: Mapping[str, float]) -> DynamicFile:
-        """Return the tree with parameters, and rates or probabilities of events, set."""
-        if not self.parameters.keys().isdisjoint(values):
-            own = {name: values.get(name, value) for name, value in self.parameters.items()}
-            tree = galileo.loads(self.text, self.name, own)
-            rest = {name: value for name, value in values.items() if name not in own}
-            again = replace(self, tree=tree, parameters=own, changes={})
-            return again.with_values({**self.changes, **rest})
-        for name, value in values.items():
-            event = self._event(name)
-            if isinstance(event.model, Constant | PerDemand) and not 0.0 <= value <= 1.0:
-                raise InputError(f"event '{name}': {value!r} is not a probability; give 0 to 1")
-            if value < 0.0:
-                raise InputError(f"event '{name}': the rate {value!r} is below zero")
-        events = tuple(
-            _changed(each, values[each.name]) if each.name in values else each
-            for each in self.tree.events
-        )
-        changes = {**self.changes, **values}
-        return replace(self, tree=replace(self.tree, events=events), changes=changes)
-
-    def value_of(self, name: str) -> float:
-        """Return the value of a parameter, or the rate or probability of an event."""
-        if name in self.parameters:
-            return self.parameters[name]
-        model = self._event(name).model
-        return model.rate if isinstance(model, Exponential | Erlang) else model.probability(0.0).p
-
-    def solve(self, figure: str | None, *, importance: bool) -> Solved:
-        """Solve the tree."""
-        from tracerisk.report.model_files import render_top_importance, render_tops
-
-        chosen((self.tree.top,), figure, self.name)
-        fixed = all(isinstance(each.model, Constant | PerDemand) for each in self.tree.events)
-        if self.mission_time_h is None and not fixed:
-            raise InputError(_NO_MISSION_TIME.format(self.name))
-        solution = self.tree.solve(mission_time_h=self.mission_time_h or 0.0)
-        pair = solution.top
-        top: dict[str, Any] = {"name": self.name, "probability": pair.p, "complement": pair.q}
-        shown: list[tuple[Render, tuple[Any, ...]]] = [
-            (render_tops, (self.name, {self.name: (pair.p, pair.q)}))
-        ]
-        if importance:
-            rows = tuple(solution.importance())
-            top["importance"] = [asdict(each) for each in rows]
-            shown.append((render_top_importance, (self.name, rows)))
-        return Solved({self.name: pair.p}, {"tops": [top]}, tuple(shown), (), (self.name,))
-
-    def at(self, mission_time_h: float) -> DynamicFile:
-        """Return the tree with another mission time."""
-        return replace(self, mission_time_h=mission_time_h)
-
-    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:  # noqa: ARG002
-        """Raise InputError: Galileo has no distributions."""
-        raise InputError(
-            "--uncertainty needs distributions, which Galileo has none of; it goes with "
-            "Open-PSA, linked models and models of functions"
-        )
-
-    def _event(self, name: str) -> DynamicEvent:
-        events = {each.name: each for each in self.tree.events}
-        if name not in events:
-            raise InputError(f"there is no event '{name}'; {one_of(events, name)}")
-        event = events[name]
-        if not isinstance(event.model, Constant | PerDemand | Exponential | Erlang):
-            raise InputError(
-                f"event '{name}' has neither one rate nor a probability, but "
-                f"{type(event.model).__name__}; change it in the model"
-            )
-        return event
-
-
-def _changed(event: DynamicEvent, value: float) -> DynamicEvent:
-    if isinstance(event.model, Exponential | Erlang):
-        return replace(event, model=replace(event.model, rate=value))
-    return replace(event, model=Constant(value))

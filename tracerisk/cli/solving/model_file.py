@@ -3,94 +3,39 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
+    from tracerisk.prm.linked.what_if import FigureSweep
     from tracerisk.prm.properties import PropertyFile
     from tracerisk.prm.questions.time_curve import Curve
-    from tracerisk.prm.questions.uncertainty import Uncertainty
+    from tracerisk.prm.questions.what_if import SetValue
 
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
-Render = Callable[..., str]
-
-
-@dataclass(frozen=True, slots=True)
-class Solved:
-    """A solved model file: its figures by name, all of it as data, and what shows it.
-
-    `risks` are the figures that a limit is for, `None` where only a person knows; `broken` are
-    the limits of its own that do not hold.
-    """
-
-    figures: Mapping[str, float]
-    data: dict[str, Any]
-    shown: tuple[tuple[Render, tuple[Any, ...]], ...]
-    notes: tuple[str, ...] = ()
-    risks: tuple[str, ...] | None = None
-    broken: tuple[str, ...] = ()
-
-
-class Solvable(Protocol):
-    """A model file of some format, as `solve` needs it."""
-
-    @property
-    def name(self) -> str:
-        """What the model is called."""
-        ...
-
-    def with_values(self, values: Mapping[str, float]) -> Solvable:
-        """Return the model with figures set; raise InputError for an unknown name."""
-        ...
-
-    def value_of(self, name: str) -> float:
-        """Return the figure that the model has now."""
-        ...
-
-    def solve(self, figure: str | None, *, importance: bool) -> Solved:
-        """Solve the model, or the part of it that one figure needs."""
-        ...
-
-    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
-        """Return the uncertainty of a figure."""
-        ...
-
-    def at(self, mission_time_h: float) -> Solvable:
-        """Return the model with another mission time."""
-        ...
 
 
 def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> int:
     """Solve a model file as the options ask, print the result and return the exit code."""
-    from tracerisk.prm.linked.what_if import FigurePoint, FigureSweep
-    from tracerisk.prm.questions.uncertainty import SAMPLES
-    from tracerisk.prm.questions.what_if import SetValue, log_spaced
-
     _check_options(options, kind)
     given = _solvable(files, kind, options)
     values = asked.parse_set(options.set_values, asked.number)
     model = given.with_values(values) if values else given
-    changes = [SetValue(name, given.value_of(name), now) for name, now in values.items()]
+    changes = _changes(given, values)
     solved = model.solve(options.figure, importance=options.importance)
-    sweeps = []
-    for name, low, high, count in asked.parse_sweeps(options, asked.number):
-        points = tuple(
-            FigurePoint(
-                value,
-                model.with_values({name: value}).solve(options.figure, importance=False).figures,
-            )
-            for value in log_spaced(low, high, count)
-        )
-        sweeps.append(FigureSweep(name, model.value_of(name), points))
+    sweeps = _sweeps(model, options)
     spread = None
     if asked.wants_uncertainty(options):
+        from tracerisk.prm.questions.uncertainty import SAMPLES
+
         samples = SAMPLES if options.samples is None else options.samples
         spread = model.spread(options.figure, samples, options.seed or 0)
     curve = _curve(model, options)
@@ -136,6 +81,34 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     return int(code)
 
 
+def _changes(given: Solvable, values: Mapping[str, float]) -> list[SetValue]:
+    if not values:
+        return []
+    from tracerisk.prm.questions.what_if import SetValue
+
+    return [SetValue(name, given.value_of(name), now) for name, now in values.items()]
+
+
+def _sweeps(model: Solvable, options: argparse.Namespace) -> list[FigureSweep]:
+    wanted = asked.parse_sweeps(options, asked.number)
+    if not wanted:
+        return []
+    from tracerisk.prm.linked.what_if import FigurePoint, FigureSweep
+    from tracerisk.prm.questions.what_if import log_spaced
+
+    sweeps = []
+    for name, low, high, count in wanted:
+        points = tuple(
+            FigurePoint(
+                value,
+                model.with_values({name: value}).solve(options.figure, importance=False).figures,
+            )
+            for value in log_spaced(low, high, count)
+        )
+        sweeps.append(FigureSweep(name, model.value_of(name), points))
+    return sweeps
+
+
 def _curve(model: Solvable, options: argparse.Namespace) -> Curve | None:
     if options.curve is None:
         return None
@@ -146,15 +119,6 @@ def _curve(model: Solvable, options: argparse.Namespace) -> Curve | None:
         options.mission_time_h,
         options.curve,
     )
-
-
-def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[str, ...]:
-    """Return the figures that are asked for: all, or the one; InputError for an unknown one."""
-    if figure is None:
-        return tuple(figures)
-    if figure not in figures:
-        raise InputError(f"--figure {figure}: no figure of '{model}'; {one_of(figures, figure)}")
-    return (figure,)
 
 
 def _check_options(options: argparse.Namespace, kind: ModelFormat) -> None:
@@ -192,7 +156,7 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
 def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
     """Return the tree of a Galileo file, its parameters as `--set` has them."""
-    from tracerisk.cli.solving.logic import DynamicFile
+    from tracerisk.cli.solving.dynamic import DynamicFile
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats import galileo
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.expressions import Number, references
+from tracerisk.prm.expressions import (
+    Expression,
+    Number,
+    depends_on_mission_time,
+    references,
+)
 from tracerisk.prm.trees.gates import check_gate
 
 if TYPE_CHECKING:
@@ -163,3 +169,28 @@ def _check_alignments(model: LogicModel) -> None:
                         f"alignment '{alignment.name}': phase '{phase.name}' sets '{house}', "
                         f"which is not a house event; {suggestion(houses, house)}",
                     )
+
+
+def needs_mission_time(model: LogicModel) -> bool:
+    """Return whether a figure of the model depends on the mission time."""
+    return depends_on_mission_time(_figures(model), model.definitions.by_name)
+
+
+def _figures(model: LogicModel) -> Iterator[Expression]:
+    """Yield the expressions of all events, groups and event trees."""
+    yield from (each.expression for each in model.events if each.expression is not None)
+    for group in model.groups:
+        yield group.distribution
+        yield from (factor for _, factor in group.factors)
+    waiting: list[Any] = [each.tree for each in model.event_trees]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Expression):
+            yield part
+        elif isinstance(part, tuple):
+            waiting.extend(part)
+        elif is_dataclass(part):
+            # Of a figure the expression alone: its definitions are those of the model.
+            names = [each.name for each in fields(part) if not each.name.startswith("_")]
+            skipped = ("definitions", "location")
+            waiting.extend(getattr(part, name) for name in names if name not in skipped)

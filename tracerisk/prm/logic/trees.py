@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import partial
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Evaluation, ExpressionModel, Reference
 from tracerisk.prm.logic.model import ALWAYS, NEVER, GroupDefinition, LogicModel
 from tracerisk.prm.numbers.gc_pause import collection_paused
-from tracerisk.prm.trees.common_cause import CommonCauseGroup, expand_common_cause
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.forest import Forest
 from tracerisk.prm.trees.gates import Gate, GateKind
+
+if TYPE_CHECKING:
+    from tracerisk.prm.trees.common_cause import CommonCauseGroup
 
 
 def tree_below(
@@ -91,6 +94,8 @@ def common_cause_groups(
 
     Raises ModelError when levels are missing or factors do not fit the law.
     """
+    from tracerisk.prm.trees.common_cause import CommonCauseGroup
+
     found = []
     for group in groups:
         first = group.factors[0][0] if group.factors else 1
@@ -112,6 +117,8 @@ def _expand(
     mission_time_h: float,
 ) -> None:
     """Replace the members of all groups, under whatever tops they stand."""
+    from tracerisk.prm.trees.common_cause import expand_common_cause
+
     values = Evaluation(model.definitions.by_name, mission_time_h)
     groups = common_cause_groups(model.groups, values)
     members = {member: None for group in groups for member in group.members}

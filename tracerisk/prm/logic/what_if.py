@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import (
@@ -17,7 +17,6 @@ from tracerisk.prm.expressions import (
     Number,
     Reference,
     Sampling,
-    depends_on_mission_time,
     references,
 )
 from tracerisk.prm.logic.model import LogicModel
@@ -30,11 +29,6 @@ if TYPE_CHECKING:
 
 _CELLS = 4_000_000
 """How many numbers one pass may hold; more draws are taken in passes."""
-
-
-def needs_mission_time(model: LogicModel) -> bool:
-    """Return whether a figure of the model depends on the mission time."""
-    return depends_on_mission_time(_figures(model), model.definitions.by_name)
 
 
 def value_of(model: LogicModel, name: str, mission_time_h: float) -> float:
@@ -248,23 +242,3 @@ def _fail(model: LogicModel, name: str, known: Mapping[str, object]) -> None:
                 "set the group"
             )
     raise ModelError(f"there is no parameter, event or house event '{name}'; {one_of(known, name)}")
-
-
-def _figures(model: LogicModel) -> Iterator[Expression]:
-    """Yield the expressions of all events, groups and event trees."""
-    yield from (each.expression for each in model.events if each.expression is not None)
-    for group in model.groups:
-        yield group.distribution
-        yield from (factor for _, factor in group.factors)
-    waiting: list[Any] = [each.tree for each in model.event_trees]
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, Expression):
-            yield part
-        elif isinstance(part, tuple):
-            waiting.extend(part)
-        elif is_dataclass(part):
-            # Of a figure the expression alone: its definitions are those of the model.
-            names = [each.name for each in fields(part) if not each.name.startswith("_")]
-            skipped = ("definitions", "location")
-            waiting.extend(getattr(part, name) for name in names if name not in skipped)

@@ -3,14 +3,13 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.markov.chain import MarkovChain
-from tracerisk.prm.markov.cycles import CycleFigures
-from tracerisk.prm.markov.solution import ChainSolution
-
 if TYPE_CHECKING:
+    from tracerisk.prm.markov.chain import MarkovChain
     from tracerisk.prm.markov.continuous import ContinuousChain, ContinuousSolution
+    from tracerisk.prm.markov.cycles import CycleFigures
     from tracerisk.prm.markov.large.matrix_chain import MatrixChain
     from tracerisk.prm.markov.large.matrix_solution import MatrixSolution
+    from tracerisk.prm.markov.solution import ChainSolution
 
 __all__ = [
     "ChainSolution",
@@ -23,12 +22,15 @@ __all__ = [
 ]
 
 _ON_DEMAND = {
+    "ChainSolution": "solution",
     "ContinuousChain": "continuous",
     "ContinuousSolution": "continuous",
+    "CycleFigures": "cycles",
+    "MarkovChain": "chain",
     "MatrixChain": "large.matrix_chain",
     "MatrixSolution": "large.matrix_solution",
 }
-"""The modules of names that most programs do not use: imported when they are."""
+"""The module of each name, imported when the name is first used."""
 
 
 def __getattr__(name: str) -> object:

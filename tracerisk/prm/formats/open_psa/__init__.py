@@ -1,6 +1,19 @@
 """The Open-PSA Model Exchange Format 2.0d, XML, as SCRAM 0.16 reads it."""
 
+from typing import TYPE_CHECKING
+
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa, read_open_psa
-from tracerisk.prm.formats.open_psa.writer import dumps_open_psa, write_open_psa
+
+if TYPE_CHECKING:
+    from tracerisk.prm.formats.open_psa.writer import dumps_open_psa, write_open_psa
 
 __all__ = ["dumps_open_psa", "loads_open_psa", "read_open_psa", "write_open_psa"]
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    # What writes a model knows models of every kind; who only reads one does not load it.
+    from tracerisk.prm.formats.open_psa import writer
+
+    return getattr(writer, name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
@@ -29,6 +30,9 @@ from tracerisk.prm.logic.model import (
 )
 from tracerisk.prm.trees.gates import Gate
 
+if TYPE_CHECKING:
+    from tracerisk.prm.formats.open_psa.event_trees import EventTrees
+
 
 class Linker:
     """Resolves what a collector has taken."""
@@ -41,8 +45,6 @@ class Linker:
 
         Raises ModelError, with the position, for what does not hold together.
         """
-        from tracerisk.prm.formats.open_psa.event_trees import EventTrees, Source, read_event_trees
-
         groups = [self._read_group(each) for each in self._from.groups]
         events = tuple(self._read_basic(each) for each in self._from.basic)
         members = tuple(
@@ -52,22 +54,12 @@ class Linker:
         )
         gates = self._read_gates()
         parameters = tuple(self._read_parameter(each) for each in self._from.defined)
-        trees = EventTrees()
-        if self._from.trees:
-            definitions = Definitions(tuple((each.name, each.expression) for each in parameters))
-            source = Source(
-                self._from.find_public,
-                self._from.expression,
-                self._from.name,
-                self._from.attribute_name,
-                self._from.place,
-                definitions,
-            )
-            trees = read_event_trees(self._from.trees, source)
+        trees = self._read_event_trees(parameters) if self._from.trees else None
         substitutions = tuple(
             self._read_substitution(each, gates) for each in self._from.substitutions
         )
-        gates += [GateDefinition(gate, nested=True) for gate in trees.gates]
+        if trees is not None:
+            gates += [GateDefinition(gate, nested=True) for gate in trees.gates]
         locations = Locations({key: element for element, key in self._positions()})
         name, label, attributes = self._from.root
         try:
@@ -78,8 +70,8 @@ class Linker:
                 tuple(self._from.houses),
                 parameters,
                 tuple(groups),
-                trees.trees,
-                trees.initiating_events,
+                () if trees is None else trees.trees,
+                () if trees is None else trees.initiating_events,
                 tuple(self._from.alignments),
                 substitutions,
                 tuple(self._from.containers),
@@ -91,6 +83,20 @@ class Linker:
         except ElementError as error:
             place = locations.get((error.kind, error.element))
             raise ModelError(error.message, place) from error
+
+    def _read_event_trees(self, parameters: tuple[ParameterDefinition, ...]) -> EventTrees:
+        from tracerisk.prm.formats.open_psa.event_trees import Source, read_event_trees
+
+        definitions = Definitions(tuple((each.name, each.expression) for each in parameters))
+        source = Source(
+            self._from.find_public,
+            self._from.expression,
+            self._from.name,
+            self._from.attribute_name,
+            self._from.place,
+            definitions,
+        )
+        return read_event_trees(self._from.trees, source)
 
     def _positions(self) -> list[tuple[Element, tuple[str, str]]]:
         found = [

@@ -6,29 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import (
-    BetaDeviate,
+from tracerisk.prm import expressions
+from tracerisk.prm.expressions.arithmetic import (
+    FUNCTIONS,
     Call,
     Difference,
-    Exponential,
-    Expression,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
-    MissionTime,
-    Negation,
-    NormalDeviate,
-    Number,
-    PeriodicTest,
     Product,
     Quotient,
-    Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
 )
-from tracerisk.prm.expressions.arithmetic import FUNCTIONS
+from tracerisk.prm.expressions.node import Expression, MissionTime, Number, Reference
 from tracerisk.prm.formats.open_psa.xml_elements import GREATEST_DEPTH, Element
 
 UNITS = ("bool", "int", "float", "hours", "hours-1", "years", "years-1", "fit", "demands")
@@ -36,30 +23,31 @@ UNITS = ("bool", "int", "float", "hours", "hours-1", "years", "years-1", "fit", 
 Resolve = Callable[[Element], str]
 """Gives the full name of the parameter that an element refers to."""
 
-_FIXED: dict[str, tuple[type[Expression], int]] = {
-    "neg": (Negation, 1),
-    "exponential": (Exponential, 2),
-    "GLM": (Glm, 4),
-    "Weibull": (Weibull, 4),
-    "uniform-deviate": (UniformDeviate, 2),
-    "normal-deviate": (NormalDeviate, 2),
-    "gamma-deviate": (GammaDeviate, 2),
-    "beta-deviate": (BetaDeviate, 2),
+# By name, for a model of plain numbers needs neither laws nor deviates.
+_FIXED: dict[str, tuple[str, int]] = {
+    "neg": ("Negation", 1),
+    "exponential": ("Exponential", 2),
+    "GLM": ("Glm", 4),
+    "Weibull": ("Weibull", 4),
+    "uniform-deviate": ("UniformDeviate", 2),
+    "normal-deviate": ("NormalDeviate", 2),
+    "gamma-deviate": ("GammaDeviate", 2),
+    "beta-deviate": ("BetaDeviate", 2),
 }
-_VARIED: dict[str, type[Expression]] = {
-    "add": Sum,
-    "sub": Difference,
-    "mul": Product,
-    "div": Quotient,
-    "periodic-test": PeriodicTest,
-    "lognormal-deviate": LognormalDeviate,
+_VARIED: dict[str, str] = {
+    "add": "Sum",
+    "sub": "Difference",
+    "mul": "Product",
+    "div": "Quotient",
+    "periodic-test": "PeriodicTest",
+    "lognormal-deviate": "LognormalDeviate",
 }
 _NUMBERS = ("float", "int", "bool")
 _OTHERS = ("parameter", "system-mission-time", "histogram", "switch")
 TAGS = frozenset((*_FIXED, *_VARIED, *_NUMBERS, *_OTHERS, *FUNCTIONS))
 """The elements that are expressions."""
 
-_TAG_OF: dict[type[Expression], str] = {kind: tag for tag, (kind, _) in _FIXED.items()} | {
+_TAG_OF: dict[str, str] = {kind: tag for tag, (kind, _) in _FIXED.items()} | {
     kind: tag for tag, kind in _VARIED.items()
 }
 
@@ -93,12 +81,17 @@ def read_expression(element: Element, resolve: Resolve) -> Expression:
             kind, count = _FIXED[tag]
             if len(terms) != count:
                 element.fail(f"<{tag}> has {len(terms)} arguments; allowed: {count}")
-            return kind(*terms)
+            return _kind(kind)(*terms)
         if tag in _VARIED:
-            return _VARIED[tag](tuple(terms))  # type: ignore[call-arg]
+            return _kind(_VARIED[tag])(tuple(terms))
         return Call(tag, tuple(terms))
     except ModelError as error:
         raise ModelError(error.message, error.location or element.location) from error
+
+
+def _kind(name: str) -> Callable[..., Expression]:
+    kind: Callable[..., Expression] = getattr(expressions, name)
+    return kind
 
 
 def read_float(element: Element, attribute: str = "value") -> float:
@@ -147,7 +140,7 @@ def _read_histogram(element: Element, resolve: Resolve) -> Expression:
             each.fail("a histogram takes <bin> elements of an upper boundary and a weight")
         boundaries.append(read_expression(each.children[0], resolve))
         weights.append(read_expression(each.children[1], resolve))
-    return Histogram(tuple(boundaries), tuple(weights))
+    return _kind("Histogram")(tuple(boundaries), tuple(weights))
 
 
 def _read_switch(element: Element, resolve: Resolve) -> list[Expression]:
@@ -185,7 +178,7 @@ def expression_node(expression: Expression, name_of: Callable[[str], str], depth
     if len(parts) == 1 and _is_its_term(expression):
         # SCRAM takes two or more.
         return parts[0]
-    if isinstance(expression, Histogram):
+    if isinstance(expression, expressions.Histogram):
         count = len(expression.boundaries)
         bins: list[Node] = [
             ("bin", {}, [bound, weight])
@@ -200,7 +193,7 @@ def expression_node(expression: Expression, name_of: Callable[[str], str], depth
             ]
             return "switch", {}, [*cases, parts[-1]]
         return expression.function, {}, parts
-    tag = _TAG_OF.get(type(expression))
+    tag = _TAG_OF.get(type(expression).__name__)
     if tag is None:
         raise ModelError(
             f"Open-PSA has no expression such as {type(expression).__name__}; "

@@ -1,0 +1,75 @@
+"""What `solve` needs of a model file of whatever format, and what it makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from tracerisk.errors import InputError, one_of
+
+if TYPE_CHECKING:
+    from tracerisk.prm.questions.uncertainty import Uncertainty
+
+Render = Callable[..., str]
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """A solved model file: its figures by name, all of it as data, and what shows it.
+
+    `risks` are the figures that a limit is for, `None` where only a person knows; `broken` are
+    the limits of its own that do not hold.
+    """
+
+    figures: Mapping[str, float]
+    data: dict[str, Any]
+    shown: tuple[tuple[Render, tuple[Any, ...]], ...]
+    notes: tuple[str, ...] = ()
+    risks: tuple[str, ...] | None = None
+    broken: tuple[str, ...] = ()
+
+
+class Solvable(Protocol):
+    """A model file of some format, as `solve` needs it."""
+
+    @property
+    def name(self) -> str:
+        """What the model is called."""
+        ...
+
+    def with_values(self, values: Mapping[str, float]) -> Solvable:
+        """Return the model with figures set; raise InputError for an unknown name."""
+        ...
+
+    def value_of(self, name: str) -> float:
+        """Return the figure that the model has now."""
+        ...
+
+    def solve(self, figure: str | None, *, importance: bool) -> Solved:
+        """Solve the model, or the part of it that one figure needs."""
+        ...
+
+    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
+        """Return the uncertainty of a figure."""
+        ...
+
+    def at(self, mission_time_h: float) -> Solvable:
+        """Return the model with another mission time."""
+        ...
+
+
+def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[str, ...]:
+    """Return the figures that are asked for: all, or the one; InputError for an unknown one."""
+    if figure is None:
+        return tuple(figures)
+    if figure not in figures:
+        raise InputError(f"--figure {figure}: no figure of '{model}'; {one_of(figures, figure)}")
+    return (figure,)
+
+
+def no_mission_time(name: str) -> InputError:
+    """Return the error for a model whose figures depend on a mission time that is not given."""
+    return InputError(
+        f"figures of '{name}' depend on the mission time; give --mission-time H, in hours"
+    )
