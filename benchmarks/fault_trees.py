@@ -4,15 +4,21 @@
 
 DIR holds Open-PSA XML files and `expected.csv` with the columns model and p_top: the figure that
 is known, in as many digits as are known, or nothing.
+Like is compared with like, process with process and analysis with analysis:
 
-- warm: our seconds in this process, from the file to the probability, the least of some runs.
-- cold: wall seconds of a process that does the same and nothing else, its start included.
-- peak: that process's greatest memory, [MB].
-- peer: wall seconds of SCRAM's fastest exact run, a diagram with products of one event only.
-- ratio: the peer's wall seconds to ours, warm.
+- cold: processor seconds (user and system) of a process that reads the file, solves it, prints the
+  figure and does nothing else, its start included; its bytecode was written by one before it.
+- command: the same of `tracerisk solve FILE`, which prints a table.
+- peer cold: the same of SCRAM's fastest exact run, a diagram with products of one event only.
+- warm: wall seconds in this process from the tree that was read to the probability.
+- peer warm: what SCRAM's report says that its own analysis of the tree took.
+- read: our wall seconds from the file to the tree, which is no part of warm.
+- peak: the greatest memory of the process of cold, [MB].
 - to expected, to order: relative errors, against `expected.csv` (no more digits than that has)
   and against a diagram whose events are in another order.
 - cut sets: our warm seconds for the probability and all minimal cut sets, and the peer's.
+
+Each time is the least of some runs; on a machine that is busy processor seconds vary less.
 """
 
 from __future__ import annotations
@@ -20,16 +26,18 @@ from __future__ import annotations
 import argparse
 import csv
 import gc
-import resource
+import os
 import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd import SharedTree
@@ -39,12 +47,24 @@ from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 TIMES = 3
-"""How often each of our warm runs is repeated; the least counts."""
+"""How often each run is repeated; the least counts."""
 
 LONG_S = 2.0
 """A run that takes longer is not repeated."""
 
 MOST_ERROR = 1e-12
+
+PROGRAM = """
+import sys
+from tracerisk.prm.formats.open_psa import read_open_psa
+model = read_open_psa(sys.argv[1])
+tree = model.fault_tree(model.tops[0])
+print(repr(tree.probability(tree.values_at(0.0)).p))
+for line in open("/proc/self/status"):
+    if line.startswith("VmHWM"):
+        print(int(line.split()[1]) / 1024)
+"""
+"""What a process of `cold` does; the last line is its greatest memory, [MB]."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +73,27 @@ class Row:
 
     model: str
     p_top: float | None
-    warm_s: float | None
     cold_s: float | None
+    command_s: float | None
+    peer_cold_s: float | None
+    read_s: float | None
+    warm_s: float | None
+    peer_warm_s: float | None
     peak_mb: float | None
-    peer_s: float | None
     to_expected: float | None
     to_order: float | None
     cut_sets_s: float | None
     peer_cut_sets_s: float | None
 
     @property
-    def ratio(self) -> float | None:
-        """How many times longer the peer takes."""
-        return self.peer_s / self.warm_s if self.peer_s and self.warm_s else None
+    def cold_ratio(self) -> float | None:
+        """How many times the processor seconds that the peer's process takes."""
+        return self.peer_cold_s / self.cold_s if self.peer_cold_s and self.cold_s else None
+
+    @property
+    def warm_ratio(self) -> float | None:
+        """How many times the seconds that the peer's own analysis takes."""
+        return self.peer_warm_s / self.warm_s if self.peer_warm_s and self.warm_s else None
 
 
 def read(path: Path) -> tuple[FaultTree, dict[str, float]]:
@@ -77,10 +105,12 @@ def read(path: Path) -> tuple[FaultTree, dict[str, float]]:
     return tree, tree.values_at(0.0)
 
 
-def top_of(path: Path) -> float:
-    """Return a model's probability, from its file."""
+def top_of(path: Path) -> tuple[float, float]:
+    """Return a model's probability, and the seconds from its tree on."""
     tree, values = read(path)
-    return tree.probability(values).p
+    began = time.perf_counter()
+    p_top = tree.probability(values).p
+    return p_top, time.perf_counter() - began
 
 
 def top_by_other_order(path: Path) -> float:
@@ -90,68 +120,105 @@ def top_by_other_order(path: Path) -> float:
     return SharedTree(tree, Limits(swapped=True)).probability(pairs).p
 
 
-def with_cut_sets(path: Path) -> float:
-    """Return the probability, after finding all minimal cut sets too."""
+def with_cut_sets(path: Path) -> tuple[float, float]:
+    """Return the probability, and the seconds that it and all minimal cut sets take."""
     from tracerisk.prm.cut_sets import minimal_cut_sets
 
     tree, values = read(path)
+    began = time.perf_counter()
     minimal_cut_sets(tree)
-    return tree.probability(values).p
+    p_top = tree.probability(values).p
+    return p_top, time.perf_counter() - began
 
 
-def least_seconds(run: Callable[[Path], float], path: Path) -> tuple[float | None, float | None]:
-    """Return what a run gives and its least seconds; nothing when it outgrows its budgets."""
-    least: float | None = None
+def least_seconds(
+    run: Callable[[Path], tuple[float, float]], path: Path
+) -> tuple[float | None, float | None, float | None]:
+    """Return what a run gives, its least seconds, and the least seconds of reading the file.
+
+    Nothing where it outgrows its budgets.
+    """
+    least = least_read = float("inf")
     found: float | None = None
     for _ in range(TIMES):
         gc.collect()
         began = time.perf_counter()
         try:
-            found = run(path)
+            found, taken = run(path)
         except TooLargeError as error:
             print(f"  {path.stem}: {error}", file=sys.stderr)
-            return None, None
-        taken = time.perf_counter() - began
+            return None, None, None
+        least_read = min(least_read, time.perf_counter() - began - taken)
+        least = min(least, taken)
+        if taken > LONG_S:
+            break
+    return found, least, least_read
+
+
+def in_a_process(
+    command: list[str], limit_s: float, environment: dict[str, str] | None = None
+) -> tuple[float | None, str]:
+    """Return the least processor seconds of a process, and what it printed.
+
+    Nothing when it fails or takes too long.
+    """
+    least: float | None = None
+    for _ in range(TIMES):
+        with tempfile.TemporaryFile() as told:
+            process = subprocess.Popen(
+                command, stdout=told, stderr=subprocess.DEVNULL, env=environment
+            )
+            until = time.monotonic() + limit_s
+            while True:
+                ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+                if ended:
+                    break
+                if time.monotonic() > until:
+                    process.kill()
+                time.sleep(0.005)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            told.seek(0)
+            printed = told.read().decode()
+        if process.returncode:
+            return None, printed
+        taken = usage.ru_utime + usage.ru_stime
         least = taken if least is None else min(least, taken)
         if taken > LONG_S:
             break
-    return found, least
+    return least, printed
 
 
-def in_a_process(command: list[str], limit_s: float) -> float | None:
-    """Return the wall seconds of a process; nothing when it fails or takes too long."""
-    began = time.perf_counter()
-    try:
-        done = subprocess.run(command, capture_output=True, timeout=limit_s, check=False)
-    except subprocess.TimeoutExpired:
-        return None
-    return time.perf_counter() - began if done.returncode == 0 else None
+def cold(path: Path, limit_s: float, bytecode: str) -> tuple[float | None, float | None]:
+    """Return the processor seconds and the peak memory, [MB], of a process that solves a model."""
+    command = [sys.executable, "-c", PROGRAM, str(path)]
+    taken, printed = in_a_process(command, limit_s, with_bytecode(bytecode))
+    return (taken, float(printed.split()[-1])) if taken is not None else (None, None)
 
 
-def cold(path: Path, limit_s: float) -> tuple[float | None, float | None]:
-    """Return the wall seconds and the peak memory, [MB], of a process that solves a model."""
-    began = time.perf_counter()
-    try:
-        done = subprocess.run(
-            [sys.executable, __file__, "--solve", str(path)],
-            capture_output=True,
-            timeout=limit_s,
-            check=False,
-            text=True,
-        )
-    except subprocess.TimeoutExpired:
-        return None, None
-    taken = time.perf_counter() - began
-    return (taken, float(done.stdout)) if done.returncode == 0 else (None, None)
+def with_bytecode(folder: str) -> dict[str, str]:
+    """Return the environment in which Python keeps what it has compiled, as installed it does."""
+    left = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    root = str(Path(__file__).parents[1])
+    return left | {"PYTHONPYCACHEPREFIX": folder, "PYTHONPATH": root}
 
 
-def peak_mb() -> float:
-    """Return the greatest memory of this process, [MB]; that of `getrusage` is its parent's too."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        fields = dict(line.split(":", 1) for line in status.read_text().splitlines())
-        return float(fields["VmHWM"].split()[0]) / 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+def peer_times(peer: str, path: Path, limit_s: float) -> tuple[float | None, float | None]:
+    """Return the peer's processor seconds, and the seconds that it says its analysis took."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.xml"
+        run = [peer, "--probability", "1", "--bdd", str(path), "--limit-order", "1"]
+        taken, _ = in_a_process([*run, "-o", str(report)], limit_s)
+        if taken is None:
+            return None, None
+        analysis = float("inf")
+        for number in range(TIMES):
+            if number:
+                subprocess.run([*run, "-o", str(report)], capture_output=True, check=True)
+            times = ET.parse(report).findall(".//calculation-time/*")
+            analysis = min(analysis, sum(float(each.text or "0") for each in times))
+            if analysis > LONG_S:
+                break
+    return taken, analysis
 
 
 def error_to(expected: str, found: float | None) -> float | None:
@@ -167,28 +234,34 @@ def error_to(expected: str, found: float | None) -> float | None:
     return float(apart / abs(known))
 
 
-def measure(path: Path, expected: str, options: argparse.Namespace) -> Row:
-    p_top, warm_s = least_seconds(top_of, path)
-    cold_s, peak_mb = cold(path, options.time_limit) if p_top is not None else (None, None)
-    other = top_by_other_order(path) if p_top is not None else None
-    to_order = abs(other / p_top - 1.0) if other is not None and p_top else None
-    peer_s = peer_cut_sets_s = cut_sets_s = None
-    if options.cut_sets and p_top is not None:
-        cut_sets_s = least_seconds(with_cut_sets, path)[1]
-    if options.peer:
-        run = [options.peer, "--probability", "1", "--bdd", str(path), "-o", "/dev/null"]
-        peer_s = in_a_process([*run, "--limit-order", "1"], options.time_limit)
+def measure(path: Path, expected: str, options: argparse.Namespace, bytecode: str) -> Row:
+    p_top, warm_s, read_s = least_seconds(top_of, path)
+    cold_s = command_s = peak_mb = to_order = cut_sets_s = None
+    peer_cold_s = peer_warm_s = peer_cut_sets_s = None
+    if p_top is not None:
+        cold_s, peak_mb = cold(path, options.time_limit, bytecode)
+        command = [sys.executable, "-m", "tracerisk", "solve", str(path)]
+        command_s, _ = in_a_process(command, options.time_limit, with_bytecode(bytecode))
+        other = top_by_other_order(path)
+        to_order = abs(other / p_top - 1.0) if p_top else None
         if options.cut_sets:
-            peer_cut_sets_s = in_a_process(run, options.time_limit)
-    to_expected = error_to(expected, p_top)
+            cut_sets_s = least_seconds(with_cut_sets, path)[1]
+    if options.peer:
+        peer_cold_s, peer_warm_s = peer_times(options.peer, path, options.time_limit)
+        if options.cut_sets:
+            run = [options.peer, "--probability", "1", "--bdd", str(path), "-o", "/dev/null"]
+            peer_cut_sets_s, _ = in_a_process(run, options.time_limit)
     return Row(
         path.stem,
         p_top,
-        warm_s,
         cold_s,
+        command_s,
+        peer_cold_s,
+        read_s,
+        warm_s,
+        peer_warm_s,
         peak_mb,
-        peer_s,
-        to_expected,
+        error_to(expected, p_top),
         to_order,
         cut_sets_s,
         peer_cut_sets_s,
@@ -203,11 +276,15 @@ def tell(row: Row, options: argparse.Namespace) -> None:
     parts = [
         f"{row.model:10}",
         f"{told(row.p_top, '.17g'):>23}",
-        f"{told(row.warm_s, '.4f'):>8}",
-        f"{told(row.cold_s, '.2f'):>6}",
-        f"{told(row.peak_mb, '.0f'):>6}",
-        f"{told(row.peer_s, '.3f'):>8}",
-        f"{told(row.ratio, '.1f'):>7}",
+        f"{told(row.cold_s, '.3f'):>7}",
+        f"{told(row.command_s, '.3f'):>8}",
+        f"{told(row.peer_cold_s, '.3f'):>10}",
+        f"{told(row.cold_ratio, '.2f'):>6}",
+        f"{told(row.read_s, '.4f'):>7}",
+        f"{told(row.warm_s, '.4f'):>7}",
+        f"{told(row.peer_warm_s, '.4f'):>10}",
+        f"{told(row.warm_ratio, '.1f'):>6}",
+        f"{told(row.peak_mb, '.0f'):>5}",
         f"{told(row.to_expected, '.1e'):>11}",
         f"{told(row.to_order, '.1e'):>8}",
     ]
@@ -223,19 +300,14 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--peer", choices=["scram"], help="solve with this one too")
     parser.add_argument("--cut-sets", action="store_true", help="time all minimal cut sets too")
     parser.add_argument("--time-limit", type=float, default=120.0, help="of a process, [s]")
-    parser.add_argument("--solve", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if not options.solve and not options.models:
+    if not options.models:
         parser.error("give --models DIR")
     return options
 
 
 def main() -> int:
     options = arguments()
-    if options.solve:
-        top_of(options.solve)
-        print(peak_mb())
-        return 0
     if options.peer and not shutil.which(options.peer):
         raise SystemExit(f"{options.peer} is not on the PATH; install it, or leave out --peer")
     expected = {}
@@ -251,16 +323,18 @@ def main() -> int:
         raise SystemExit(f"no model in {options.models}; give a folder of .xml files")
     warm_up(paths)
     print(
-        "model                        p_top   warm s cold s   peak   peer s   ratio to expected "
-        "to order" + ("   cut sets  peer's" if options.cut_sets else "")
+        "model                        p_top  cold s command s peer cold s ratio  read s  warm s"
+        " peer warm s ratio  peak to expected to order"
+        + ("   cut sets  peer's" if options.cut_sets else "")
     )
     rows = []
-    for path in paths:
-        rows.append(measure(path, expected.get(path.stem, ""), options))
-        tell(rows[-1], options)
-    ratios = [row.ratio for row in rows if row.ratio is not None]
-    if ratios:
-        print(f"ratio: median {statistics.median(ratios):.1f}, least {min(ratios):.1f}")
+    with tempfile.TemporaryDirectory() as bytecode:
+        cold(paths[0], options.time_limit, bytecode)
+        for path in paths:
+            rows.append(measure(path, expected.get(path.stem, ""), options, bytecode))
+            tell(rows[-1], options)
+    tell_ratios("cold", [row.cold_ratio for row in rows])
+    tell_ratios("warm", [row.warm_ratio for row in rows])
     wrong = [
         row.model for row in rows if max(row.to_expected or 0.0, row.to_order or 0.0) > MOST_ERROR
     ]
@@ -270,8 +344,17 @@ def main() -> int:
     return 1 if wrong else 0
 
 
+def tell_ratios(name: str, found: list[float | None]) -> None:
+    ratios = [ratio for ratio in found if ratio is not None]
+    if ratios:
+        print(
+            f"{name}: the peer takes {statistics.median(ratios):.2f} times as long in the median, "
+            f"{min(ratios):.2f} at least"
+        )
+
+
 def warm_up(paths: list[Path]) -> None:
-    """Load the compiled loops, as a process that has solved a tree before has them."""
+    """Load what a process that has solved a tree before has."""
     tree, values = read(paths[0])
     pairs = {event.name: Probability.of(values[event.parameter]) for event in tree.events}
     SharedTree(tree, Limits(small_nodes=0)).probability(pairs)
