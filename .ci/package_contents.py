@@ -6,6 +6,7 @@ Usage: package_contents.py FOLDER REPOSITORY
 from __future__ import annotations
 
 import re
+import shutil
 import sys
 import tarfile
 import zipfile
@@ -24,6 +25,7 @@ MUST_BE = (
     "tracerisk/ros/messages/interfaces/std_srvs/srv/Empty.srv",
     "tracerisk/twin/robots/shipped/panda.yaml",
 )
+LIBRARY = "tracerisk/prm/compiled/loops.so"
 PLACEHOLDER = re.compile(r"OWNER|REPOSITORY|TODO|FIXME|XXX")
 
 
@@ -40,6 +42,7 @@ def main(folder: Path, repository: str) -> None:
     expect(tops == {"tracerisk", folder_of_metadata}, f"in the wheel: {sorted(tops)}")
     missing = [name for name in MUST_BE if name not in names]
     expect(not missing, f"not in the wheel: {missing}")
+    expect_library(wheel, names)
     with tarfile.open(sdist) as packed_source:
         inside = {name.split("/")[1] for name in packed_source.getnames() if "/" in name}
     expect(inside == TOP_OF_SDIST, f"in the sdist: {sorted(inside ^ TOP_OF_SDIST)}")
@@ -62,6 +65,19 @@ def main(folder: Path, repository: str) -> None:
     expect({"sim", "large", "dev", "test", "docs"} <= extras, f"extras: {sorted(extras)}")
     print(f"{wheel.name}: {len(names)} files, {wheel.stat().st_size / 1e6:.1f} MB")
     print(f"{sdist.name}: {sdist.stat().st_size / 1e6:.1f} MB")
+
+
+def expect_library(wheel: Path, names: list[str]) -> None:
+    """Exit unless a wheel for one machine has the compiled loops, and no other has them."""
+    compiled = not wheel.stem.endswith("-any")
+    expect(compiled or shutil.which("cc") is None, f"no compiled loops: {wheel.name}")
+    expect((LIBRARY in names) == compiled, f"the compiled loops in {wheel.name}: {not compiled}")
+    expect(not any(name.endswith((".c", ".h")) for name in names), "C sources in the wheel")
+    if compiled:
+        with zipfile.ZipFile(wheel) as packed:
+            needed = re.findall(rb"GLIBC_2\.(\d+)", packed.read(LIBRARY))
+        newest = max(map(int, needed), default=0)
+        expect(newest <= 17, f"the compiled loops need glibc 2.{newest}")
 
 
 def expect(is_so: bool, otherwise: str) -> None:

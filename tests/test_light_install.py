@@ -17,7 +17,7 @@ from tracerisk.dependencies import EXTRAS, MODULES
 
 SIMULATOR = "needs the simulator; install it: pip install 'tracerisk[sim]' [dependency]"
 LARGE = (
-    "samples, quantiles, large models and large trees need NumPy, SciPy and numba; "
+    "samples, quantiles and large models need NumPy and SciPy; "
     "install them: pip install 'tracerisk[large]'"
 )
 MOST = 15

@@ -22,7 +22,6 @@ MODULES: Mapping[str, str] = {
     "mcap": "mcap",
     "mink": "mink",
     "mujoco": "mujoco",
-    "numba": "numba",
     "numpy": "numpy",
     "pillow": "PIL",
     "pygls": "pygls.lsp.server",
@@ -47,7 +46,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
         *("daqp", "dm-control", "etils", "greenlet", "libcst", "mcap", "mink", "mujoco"),
         *("numpy", "pillow", "rosbags", "scipy", "six", "xacrodoc"),
     ),
-    "large": ("numba", "numpy", "scipy"),
+    "large": ("numpy", "scipy"),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
     "lsp": ("lsprotocol", "pygls"),
     "film": ("av",),
@@ -57,17 +56,11 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
-_SIGN = {
-    "sim": "mujoco",
-    "large": "numba",
-    "cpp": "tree-sitter-cpp",
-    "lsp": "pygls",
-    "film": "av",
-}
-"""The distribution that no other extra brings: where it is, the extra was asked for."""
+_SIGN = {"sim": "mujoco", "large": "scipy", "cpp": "tree-sitter-cpp", "lsp": "pygls", "film": "av"}
+"""The distribution by which an extra is told to be here; `sim` brings all of `large`."""
 _WHAT = {
     "sim": "the simulator",
-    "large": "NumPy, SciPy and numba",
+    "large": "NumPy and SciPy",
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",
@@ -128,7 +121,7 @@ def require_film() -> None:
 def require_large(*distributions: str) -> None:
     """Raise DependencyError unless these distributions of the extra `large` are installed."""
     if not all(map(is_installed, distributions)):
-        raise missing_extra("large", "samples, quantiles, large models and large trees")
+        raise missing_extra("large", "samples, quantiles and large models")
 
 
 def needed() -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from tracerisk.prm import FaultTree
 tree = FaultTree.of("top", {"top": ("or", "a", ("and", "b", "c"))}, {"a": 0.5, "b": 0.5, "c": 0.5})
 assert tree.solve().importance()["a"].birnbaum == 0.75
 tree._repr_html_()
-heavy = {"numpy", "scipy", "numba", "networkx", "lxml", "pyagrum", "mujoco", "libcst"}
+heavy = {"numpy", "scipy", "networkx", "lxml", "pyagrum", "mujoco", "libcst"}
 print(sorted(heavy & sys.modules.keys()))
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)

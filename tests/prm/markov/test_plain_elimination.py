@@ -17,7 +17,7 @@ n = 5_000
 rows = {str(i): {str(i + 1): 0.9, str(max(i - 1, 0)): 0.09, "down": 0.01} for i in range(n)}
 rows["0"] = {"1": 0.99, "down": 0.01}
 print(MarkovChain.of(rows).solve("0").absorption()["down"])
-print(sorted({"numba", "numpy", "scipy"} & set(sys.modules)))
+print(sorted({"numpy", "scipy"} & set(sys.modules)))
 """
 
 

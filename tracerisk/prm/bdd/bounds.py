@@ -78,19 +78,20 @@ def tree_bounds(
 
 
 def _at(
-    corner: tuple[list[float], list[float]], node: int, p: float
+    corner: tuple[list[float], list[float]], node: int, pair: tuple[float, float]
 ) -> tuple[list[float], list[float]]:
-    """Return a corner with one node's probability set."""
+    """Return a corner with one node's probability and complement set."""
     p_nodes, q_nodes = list(corner[0]), list(corner[1])
-    p_nodes[node], q_nodes[node] = p, 1.0 - p
+    p_nodes[node], q_nodes[node] = pair
     return p_nodes, q_nodes
 
 
 def module_bounds(
     graph: LogicGraph, module: Module, p: Sequence[float], q: Sequence[float], limits: Limits
-) -> tuple[float, float]:
+) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return bounds of the probability of a module's root, its inputs' being exact.
 
+    Each with its complement, which is not lost where the probability is near one.
     p, q: by node of the graph.
     """
     order = next(order for _, order in walked_orders(graph, module))
@@ -133,8 +134,8 @@ class _Thinning:
             integers(2 * store),
         )
 
-    def bounds(self) -> tuple[float, float]:
-        """Return the bounds of the last gate."""
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the bounds of the last gate, each with its complement."""
         last_use = self._last_uses()
         for gate in range(self._gates):
             for side in (LOWER, UPPER):
@@ -228,11 +229,12 @@ class _Thinning:
             self._edges, self._nodes, self._table, self._cache, self._number, self._used
         )
 
-    def _probability(self, edge: int) -> float:
+    def _probability(self, edge: int) -> tuple[float, float]:
         count = int(self._used[0])
         number = self._loops.integers(count)
         level, low, high = (self._loops.integers(count) for _ in range(3))
         kept = self._loops.extract(edge, count, self._nodes, number, level, low, high)
         happens, fails = self._loops.floats(kept), self._loops.floats(kept)
         self._loops.sweep(level[:kept], low[:kept], high[:kept], self._p, self._q, happens, fails)
-        return float((fails if edge & 1 else happens)[kept - 1])
+        pair = float(happens[kept - 1]), float(fails[kept - 1])
+        return pair[::-1] if edge & 1 else pair

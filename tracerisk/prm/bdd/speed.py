@@ -62,17 +62,17 @@ def plain_loops() -> Loops:
 def _compiled_loops() -> Loops:
     loop = library.loop
     return Loops(
-        loop("build", "nn" + 8 * "s", int),
-        loop("extract", "nn" + 5 * "s", int),
-        loop("sweep", 7 * "s"),
-        loop("edge_gains", 14 * "s", int),
-        loop("derivatives", "n" + 8 * "s"),
-        loop("differences", 8 * "s"),
-        loop("thinned", "nn" + 9 * "s", int),
-        loop("collect", 6 * "s"),
+        loop("build", "nn" + 8 * "i", int),
+        loop("extract", "nn" + 5 * "i", int),
+        loop("sweep", "iiidddd"),
+        loop("edge_gains", "iiiddddidiidid", int),
+        loop("derivatives", "niiiddddd"),
+        loop("differences", "iiiddddd"),
+        loop("thinned", "nniidddddii", int),
+        loop("collect", 6 * "i"),
         integers=library.integers,
         floats=library.floats,
         listed=library.listed,
         listed_floats=library.listed_floats,
-        sweep_many=loop("sweep_many", "n" + 7 * "s"),
+        sweep_many=loop("sweep_many", "niiidddd"),
     )

@@ -42,8 +42,9 @@ def library() -> ctypes.CDLL | None:
 def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]:
     """Return a compiled loop as a function.
 
-    takes: a letter for each argument: `n` a whole number, `s` a sequence as `integers` and
-        `floats` make them, or a NumPy array in one piece.
+    takes: a letter for each argument: `n` a whole number, `r` a real one; `i`, `l`, `d` and `?` a
+        sequence of 32 bit or 64 bit integers, of doubles or of truth values in one piece, as
+        `integers` and `floats` make them, or a NumPy array.
     gives: `int` where it returns a whole number.
     """
     import ctypes
@@ -51,26 +52,27 @@ def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]
     found = library()
     assert found is not None
     function = found[name]
-    function.argtypes = [
-        kind
-        for letter in takes
-        for kind in ((ctypes.c_int64,) if letter == "n" else (ctypes.c_void_p, ctypes.c_int64))
-    ]
+    numbers: dict[str, tuple[Any, ...]] = {"n": (ctypes.c_int64,), "r": (ctypes.c_double,)}
+    sequence = (ctypes.c_void_p, ctypes.c_int64)
+    function.argtypes = [kind for letter in takes for kind in numbers.get(letter, sequence)]
     function.restype = ctypes.c_int64 if gives is int else None
     first_byte = ctypes.c_char.from_buffer
     address_of = ctypes.addressof
 
     def run(*arguments: Any) -> Any:
-        passed: list[int] = []
+        passed: list[Any] = []
         for letter, argument in zip(takes, arguments, strict=True):
-            if letter == "n":
+            if letter in numbers:
                 passed.append(argument)
-            elif hasattr(argument, "__array_interface__"):
-                passed += (argument.ctypes.data, argument.size)
-            elif argument:
-                passed += (address_of(first_byte(argument)), len(argument))
+                continue
+            view = memoryview(argument)
+            if view.format != letter or not view.c_contiguous:
+                raise TypeError(f"{name}: a sequence of '{view.format}' in place of '{letter}'")
+            size = view.nbytes // view.itemsize
+            if hasattr(argument, "ctypes"):
+                passed += (argument.ctypes.data, size)
             else:
-                passed += (0, 0)
+                passed += (address_of(first_byte(view)) if size else 0, size)
         return function(*passed)
 
     return run
@@ -111,6 +113,12 @@ def _zeros(kind: str, width: int, size: int) -> Any:
         return memoryview(mmap(-1, width * size)).cast(kind)  # type: ignore[call-overload]
     except OSError as error:
         raise MemoryError(f"{width * size} bytes for a decision diagram") from error
+
+
+def require_library(purpose: str) -> None:
+    """Raise DependencyError where there are no compiled loops; `purpose` is what needs them."""
+    if library() is None:
+        raise no_library(purpose)
 
 
 def no_library(purpose: str) -> DependencyError:

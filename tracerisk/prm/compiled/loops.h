@@ -1,7 +1,6 @@
 /* What the compiled loops share: their version, how sequences come, and hash slots.
 
-   A sequence of integers or numbers comes as its address and its length. Each function does what
-   the Python function of the same name does, to the last bit, and takes the same arguments. */
+   A sequence of integers or numbers comes as its address and its length. */
 
 #ifndef TRACERISK_LOOPS_H
 #define TRACERISK_LOOPS_H
@@ -9,6 +8,8 @@
 #include <stdint.h>
 
 #define INTEGERS(name) int32_t *name, int64_t name##_size
+#define LONGS(name) int64_t *name, int64_t name##_size
+#define BYTES(name) uint8_t *name, int64_t name##_size
 #define FLOATS(name) double *name, int64_t name##_size
 
 #if defined(_WIN32)

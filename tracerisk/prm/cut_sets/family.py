@@ -53,11 +53,11 @@ def fastest_loops() -> SetLoops:
         return PLAIN
     loop = library.loop
     return SetLoops(
-        loop("minimal_solutions", "nsssssn" + 9 * "s", int),
-        loop("compact", "nn" + 4 * "s", int),
-        loop("totals", 5 * "s"),
-        loop("greatest", 5 * "s"),
-        loop("lightest", "ssssns"),
+        loop("minimal_solutions", "niiiiin" + 9 * "i", int),
+        loop("compact", "nniiii", int),
+        loop("totals", "iiidd"),
+        loop("greatest", "iiidd"),
+        loop("lightest", "iiiini"),
         integers=library.integers,
         floats=library.floats,
         listed=library.listed,

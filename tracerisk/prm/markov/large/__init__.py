@@ -1,5 +1,7 @@
 """Chains of up to a million states, on arrays."""
 
 from tracerisk.dependencies import require_large
+from tracerisk.prm.compiled.library import require_library
 
-require_large("numpy", "scipy", "numba")
+require_large("numpy", "scipy")
+require_library("a chain of this size")

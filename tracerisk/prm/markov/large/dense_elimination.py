@@ -10,12 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.prm.markov.large.compiling import compiled_by_numba
+from tracerisk.prm.compiled.library import loop
 
 Array = np.ndarray[Any, Any]
 
 _BLOCK = 96
 _ROWS = 1024
+
+_eliminate_block = loop("eliminate_block", "nnnddr", int)
+"""Eliminates the states of a block among its own rows, and gathers the ways into it."""
 
 
 def eliminate_dense(dense: Array, leaving: Array, smallest: float) -> int:
@@ -28,43 +31,11 @@ def eliminate_dense(dense: Array, leaving: Array, smallest: float) -> int:
     size = len(dense)
     for first in range(0, size, _BLOCK):
         last = min(first + _BLOCK, size)
-        stuck = int(_eliminate_block(dense, first, last, leaving, smallest))
+        stuck: int = _eliminate_block(size, first, last, dense, leaving, smallest)
         if stuck >= 0:
             return stuck
         ahead = dense[first:last, last:]
         for top in range(last, size, _ROWS):
             rows = dense[top : top + _ROWS]
             rows[:, last:] += rows[:, first:last] @ ahead
-    return -1
-
-
-@compiled_by_numba
-def _eliminate_block(dense: Array, first: int, last: int, leaving: Array, smallest: float) -> int:
-    """Eliminate the states of a block among its own rows, and gather the ways into it."""
-    size = dense.shape[0]
-    for k in range(first, last):
-        total = 0.0
-        lost = 0.0
-        for j in range(k + 1, size + 1):
-            added = dense[k, j]
-            grown = total + added
-            lost += (total - grown) + added if total >= added else (added - grown) + total
-            total = grown
-        total += lost
-        if not total >= smallest:
-            return k
-        leaving[k] = total
-        for j in range(k + 1, size + 1):
-            dense[k, j] /= total
-        for i in range(k + 1, last):
-            weight = dense[i, k]
-            if weight != 0.0:
-                for j in range(k + 1, size + 1):
-                    dense[i, j] += weight * dense[k, j]
-    for i in range(last, size):
-        for k in range(first, last):
-            weight = dense[i, k]
-            if weight != 0.0:
-                for j in range(k + 1, last):
-                    dense[i, j] += weight * dense[k, j]
     return -1

@@ -1,4 +1,7 @@
-"""Compiled passes over the pattern of a sparse matrix: its transpose, its symmetric closure."""
+"""Passes over the pattern of a sparse matrix: its transpose, its symmetric closure.
+
+`tracerisk/prm/compiled/chains.c` goes through it.
+"""
 
 from __future__ import annotations
 
@@ -6,33 +9,27 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.prm.markov.large.compiling import compiled_by_numba
-from tracerisk.prm.markov.large.residual import exact_sum
+from tracerisk.prm.compiled.library import loop
 
 Array = np.ndarray[Any, Any]
 
+_transposed = loop("transposed", "lidllid")
+_neighbours = loop("neighbours", "liliili", int)
+_reach_backwards = loop("reach_backwards", "li?i")
+_split = loop("split", "lid?illidddid", int)
+_gathered = loop("gathered", "lid?lddd")
+_row_sums_into = loop("row_sums_into", "lid?ldd")
 
-@compiled_by_numba
+
 def transposed(n: int, indptr: Array, indices: Array, data: Array) -> tuple[Array, Array, Array]:
     """Return the transpose of an n x n matrix in compressed rows, its rows sorted."""
     starts = np.zeros(n + 1, np.int64)
-    for j in indices:
-        starts[j + 1] += 1
-    for i in range(n):
-        starts[i + 1] += starts[i]
-    free = starts[:-1].copy()
     rows = np.empty(len(indices), np.int32)
-    values = np.empty(len(indices), np.float64)
-    for i in range(n):
-        for t in range(indptr[i], indptr[i + 1]):
-            place = free[indices[t]]
-            free[indices[t]] = place + 1
-            rows[place] = i
-            values[place] = data[t]
+    values = np.empty(len(indices))
+    _transposed(indptr, indices, data, starts, np.empty(n, np.int64), rows, values)
     return starts, rows, values
 
 
-@compiled_by_numba
 def neighbours(
     n: int, indptr: Array, indices: Array, turned_ptr: Array, turned: Array
 ) -> tuple[Array, Array]:
@@ -43,48 +40,17 @@ def neighbours(
     seen = np.full(n, -1, np.int32)
     starts = np.zeros(n + 1, np.int64)
     found = np.empty(len(indices) + len(turned), np.int32)
-    count = 0
-    for i in range(n):
-        seen[i] = i
-        for t in range(indptr[i], indptr[i + 1]):
-            j = indices[t]
-            if seen[j] != i:
-                seen[j] = i
-                found[count] = j
-                count += 1
-        for t in range(turned_ptr[i], turned_ptr[i + 1]):
-            j = turned[t]
-            if seen[j] != i:
-                seen[j] = i
-                found[count] = j
-                count += 1
-        starts[i + 1] = count
+    count = _neighbours(indptr, indices, turned_ptr, turned, seen, starts, found)
     return starts, found[:count].copy()
 
 
-@compiled_by_numba
 def not_reached_backwards(n: int, turned_ptr: Array, turned: Array, ends: Array) -> Array:
     """Return the states from which no path leads to one where `ends` holds, in order."""
-    reached = ends.copy()
-    waiting = np.empty(n, np.int32)
-    count = 0
-    for i in range(n):
-        if reached[i]:
-            waiting[count] = i
-            count += 1
-    while count:
-        count -= 1
-        i = waiting[count]
-        for t in range(turned_ptr[i], turned_ptr[i + 1]):
-            j = turned[t]
-            if not reached[j]:
-                reached[j] = True
-                waiting[count] = j
-                count += 1
+    reached: Array = ends.copy()
+    _reach_backwards(turned_ptr, turned, reached, np.empty(n, np.int32))
     return np.flatnonzero(~reached)
 
 
-@compiled_by_numba
 def split(
     indptr: Array, indices: Array, data: Array, absorbing: Array, place: Array, transient: Array
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
@@ -98,63 +64,25 @@ def split(
     n = len(transient)
     starts = np.zeros(n + 1, np.int64)
     targets = np.empty(len(indices), np.int32)
-    values = np.empty(len(indices), np.float64)
-    slack = np.zeros(n, np.float64)
-    slack_low = np.zeros(n, np.float64)
+    values = np.empty(len(indices))
+    slack, slack_low, totals = np.zeros(n), np.zeros(n), np.zeros(n)
     ends = np.zeros(n, np.int32)
-    totals = np.zeros(n, np.float64)
-    count = 0
-    for k in range(n):
-        i = transient[k]
-        leaving = lost_leaving = 0.0
-        total = lost = 0.0
-        for t in range(indptr[i], indptr[i + 1]):
-            weight = data[t]
-            if weight == 0.0:
-                continue
-            grown = total + weight
-            lost += (total - grown) + weight if total >= weight else (weight - grown) + total
-            total = grown
-            j = indices[t]
-            if absorbing[j]:
-                leaving, carried = exact_sum(leaving, weight)
-                leaving, lost_leaving = exact_sum(leaving, lost_leaving + carried)
-                ends[k] += 1
-            elif j != i:
-                targets[count] = place[j]
-                values[count] = weight
-                count += 1
-        starts[k + 1] = count
-        slack[k] = leaving
-        slack_low[k] = lost_leaving
-        totals[k] = total + lost
-    return starts, targets[:count].copy(), values[:count].copy(), slack, slack_low, ends, totals
+    sums = slack, slack_low, ends, totals
+    count = _split(
+        indptr, indices, data, absorbing, place, transient, starts, targets, values, *sums
+    )
+    return starts, targets[:count].copy(), values[:count].copy(), *sums
 
 
-@compiled_by_numba
 def gathered(
     indptr: Array, indices: Array, data: Array, chosen: Array, transient: Array, stay: Array
 ) -> Array:
     """Return for each state where `chosen` holds the sum of the ways into it times `stay`."""
-    n = len(chosen)
-    total = np.zeros(n, np.float64)
-    lost = np.zeros(n, np.float64)
-    for k in range(len(transient)):
-        i = transient[k]
-        for t in range(indptr[i], indptr[i + 1]):
-            j = indices[t]
-            if chosen[j]:
-                added = stay[k] * data[t]
-                grown = total[j] + added
-                if total[j] >= added:
-                    lost[j] += (total[j] - grown) + added
-                else:
-                    lost[j] += (added - grown) + total[j]
-                total[j] = grown
+    total, lost = np.zeros(len(chosen)), np.zeros(len(chosen))
+    _gathered(indptr, indices, data, chosen, transient, stay, total, lost)
     return total + lost
 
 
-@compiled_by_numba
 def row_sums_into(
     indptr: Array, indices: Array, data: Array, chosen: Array, transient: Array
 ) -> tuple[Array, Array]:
@@ -162,15 +90,6 @@ def row_sums_into(
 
     And what its rounding lost.
     """
-    sums = np.zeros(len(transient), np.float64)
-    low = np.zeros(len(transient), np.float64)
-    for k in range(len(transient)):
-        i = transient[k]
-        total = lost = 0.0
-        for t in range(indptr[i], indptr[i + 1]):
-            if chosen[indices[t]]:
-                total, carried = exact_sum(total, data[t])
-                total, lost = exact_sum(total, lost + carried)
-        sums[k] = total
-        low[k] = lost
+    sums, low = np.zeros(len(transient)), np.zeros(len(transient))
+    _row_sums_into(indptr, indices, data, chosen, transient, sums, low)
     return sums, low

@@ -3,6 +3,7 @@
 Error-free sums and products of two doubles: T. J. Dekker, "A floating-point technique for
 extending the available precision", Numerische Mathematik 18 (1971); D. E. Knuth, "The Art of
 Computer Programming", volume 2, 4.2.2.
+`tracerisk/prm/compiled/chains.c` does them.
 """
 
 from __future__ import annotations
@@ -11,35 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.prm.markov.large.compiling import compiled_by_numba
+from tracerisk.prm.compiled.library import loop
 
 Array = np.ndarray[Any, Any]
 
-_SPLITTER = 134217729.0  # 2^27 + 1
+_right_residual = loop("right_residual", "liddddddddd")
+_left_residual = loop("left_residual", "lidddddddd")
+_leaving_and_terms = loop("leaving_and_terms", "lididdd")
 
 
-@compiled_by_numba
-def exact_sum(a: float, b: float) -> tuple[float, float]:
-    """Return the rounded sum of two doubles, and what rounding lost."""
-    total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
-
-
-@compiled_by_numba
-def _product(a: float, b: float) -> tuple[float, float]:
-    product = a * b
-    scaled = _SPLITTER * a
-    a_high = scaled - (scaled - a)
-    a_low = a - a_high
-    scaled = _SPLITTER * b
-    b_high = scaled - (scaled - b)
-    b_low = b - b_high
-    lost = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
-    return product, lost
-
-
-@compiled_by_numba
 def right_residual(
     indptr: Array,
     indices: Array,
@@ -56,30 +37,12 @@ def right_residual(
     Ways between states are weighed with the difference of their values, which is exact and
     small where a chain seldom ends. The slack and the reward are pairs of doubles, too.
     """
-    n = len(slack)
-    residual = np.empty(n, np.float64)
-    size = np.empty(n, np.float64)
-    for i in range(n):
-        value = high[i]
-        rest = low[i]
-        product, lost = _product(slack[i], value)
-        total, error = exact_sum(reward[i], -product)
-        error += reward_low[i] - (lost + slack[i] * rest + slack_low[i] * value)
-        magnitude = abs(reward[i]) + product
-        for t in range(indptr[i], indptr[i + 1]):
-            j = indices[t]
-            difference, left = exact_sum(high[j], -value)
-            left += low[j] - rest
-            product, lost = _product(data[t], difference)
-            total, carried = exact_sum(total, product)
-            error += carried + (lost + data[t] * left)
-            magnitude += abs(product) + data[t] * (abs(low[j]) + abs(rest))
-        residual[i] = total + error
-        size[i] = magnitude
+    residual, size = np.empty(len(slack)), np.empty(len(slack))
+    chain = (indptr, indices, data, slack, slack_low)
+    _right_residual(*chain, reward, reward_low, high, low, residual, size)
     return residual, size
 
 
-@compiled_by_numba
 def left_residual(
     indptr: Array,
     indices: Array,
@@ -92,31 +55,11 @@ def left_residual(
     low: Array,
 ) -> tuple[Array, Array]:
     """Return start - (high + low) G, and the sum of the sizes of all that it was summed from."""
-    n = len(slack)
-    total = start.copy()
-    error = start_low.copy()
-    magnitude = np.abs(start)
-    for i in range(n):
-        value = high[i]
-        rest = low[i]
-        leaving = slack[i]
-        lost_leaving = slack_low[i]
-        for t in range(indptr[i], indptr[i + 1]):
-            j = indices[t]
-            leaving, carried = exact_sum(leaving, data[t])
-            lost_leaving += carried
-            product, lost = _product(value, data[t])
-            total[j], carried = exact_sum(total[j], product)
-            error[j] += carried + (lost + rest * data[t])
-            magnitude[j] += abs(product)
-        product, lost = _product(value, leaving)
-        total[i], carried = exact_sum(total[i], -product)
-        error[i] += carried - (lost + value * lost_leaving + rest * leaving)
-        magnitude[i] += abs(product)
-    return total + error, magnitude
+    total, error, size = start.copy(), start_low.copy(), np.abs(start)
+    _left_residual(indptr, indices, data, slack, slack_low, high, low, total, error, size)
+    return total + error, size
 
 
-@compiled_by_numba
 def leaving_and_terms(
     indptr: Array, indices: Array, data: Array, slack: Array, ends: Array
 ) -> tuple[Array, Array, Array]:
@@ -124,51 +67,32 @@ def leaving_and_terms(
 
     `ends` counts the ways that the slack of each state sums.
     """
-    n = len(slack)
-    leaving = slack.copy()
-    right = np.empty(n, np.float64)
-    left = np.zeros(n, np.float64)
-    for i in range(n):
-        total = leaving[i]
-        for t in range(indptr[i], indptr[i + 1]):
-            total += data[t]
-            left[indices[t]] += 1.0
-        leaving[i] = total
-        right[i] = indptr[i + 1] - indptr[i] + ends[i] + 4.0
-        left[i] += right[i]
+    leaving: Array = slack.copy()
+    right, left = np.empty(len(slack)), np.zeros(len(slack))
+    _leaving_and_terms(indptr, indices, data, ends, leaving, right, left)
     return leaving, right, left
 
 
-@compiled_by_numba
 def worst_share(residual: Array, size: Array, terms: Array, scale: Array, unit: float) -> float:
     """Return the greatest of what a residual can be, rounding included, over the scale.
 
     `unit` bounds the relative rounding of one term. Infinite where something is left of nothing.
     """
-    worst = 0.0
-    for i in range(len(residual)):
-        unknown = abs(residual[i]) + unit * terms[i] * size[i]
-        if scale[i] > 0.0:
-            share = unknown / scale[i]
-            if share > worst:
-                worst = share
-            elif not share <= worst:
-                # No number at all.
-                return np.inf
-        elif not unknown <= 0.0:
-            return np.inf
-    return worst
+    unknown: Array = np.abs(residual) + unit * terms * size
+    some = scale > 0.0
+    if not np.all(unknown[~some] <= 0.0):
+        return np.inf
+    return _greatest(unknown[some], scale[some])
 
 
-@compiled_by_numba
 def worst_ratio(reach: Array, values: Array, smallest: float) -> float:
     """Return the greatest ratio of the one to the other where the other is above `smallest`."""
-    worst = 0.0
-    for i in range(len(reach)):
-        if values[i] > smallest:
-            ratio = reach[i] / values[i]
-            if ratio > worst:
-                worst = ratio
-            elif not ratio <= worst:
-                return np.inf
-    return worst
+    some = values > smallest
+    return _greatest(reach[some], values[some])
+
+
+def _greatest(parts: Array, wholes: Array) -> float:
+    """Return the greatest share, or zero; infinite where one is no number at all."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        greatest = float((parts / wholes).max(initial=0.0))
+    return greatest if greatest >= 0.0 else np.inf
