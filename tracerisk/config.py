@@ -9,7 +9,6 @@ import contextlib
 import re
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
@@ -17,6 +16,7 @@ from typing import Any, Literal, NoReturn, get_args
 from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, SettingsError, one_of
 from tracerisk.limits import Limit, Limits, Sandbox, SandboxMode
+from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import Acceptance
 
 if sys.version_info >= (3, 11):

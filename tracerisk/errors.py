@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from dataclasses import dataclass
 from difflib import get_close_matches
+
+from tracerisk.records import dataclass
 
 
 class ExitCode(enum.IntEnum):

@@ -7,10 +7,10 @@ description: probabilities are computed from it without running anything again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NewType, get_args
 
 from tracerisk.errors import Location
+from tracerisk.records import dataclass, field, replace
 
 QualifiedName = NewType("QualifiedName", str)
 """A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 import types
@@ -12,6 +11,7 @@ from typing import Any, cast
 
 from tracerisk import trace as trace_module
 from tracerisk.errors import Location, LogError, one_of
+from tracerisk.records import MISSING, asdict, fields, is_dataclass
 from tracerisk.trace import Trace, Verdict
 
 SCHEMA = "tracerisk-trace"
@@ -21,12 +21,12 @@ VERSION = 2
 
 def trace_data(trace: Trace) -> dict[str, Any]:
     """Return the trace as plain JSON values, schema and version with it."""
-    return {"schema": SCHEMA, "version": VERSION, **dataclasses.asdict(trace)}
+    return {"schema": SCHEMA, "version": VERSION, **asdict(trace)}
 
 
 def plain_data(value: Any) -> Any:
     """Return a dataclass as plain JSON values."""
-    return json.loads(json.dumps(dataclasses.asdict(value), allow_nan=False))
+    return json.loads(json.dumps(asdict(value), allow_nan=False))
 
 
 def verdict_of_data(data: Any) -> Verdict | None:
@@ -103,7 +103,7 @@ def _check(trace: Trace) -> None:
 def _read(kind: Any, value: Any, path: str) -> Any:
     """Return `value`, plain JSON, as the annotated type `kind`."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if dataclasses.is_dataclass(kind):
+    if is_dataclass(kind):
         return _read_dataclass(cast(type, kind), value, path)
     if origin in (typing.Union, types.UnionType):
         if value is None and type(None) in arguments:
@@ -129,14 +129,12 @@ def _read_dataclass(kind: type, value: Any, path: str) -> Any:
     if not isinstance(value, dict):
         raise _MismatchError(path, "expected an object")
     hints = typing.get_type_hints(kind, vars(trace_module))
-    fields = {field.name: field for field in dataclasses.fields(kind)}
+    known = {field.name: field for field in fields(kind)}
     for key in value:
-        if key not in fields:
-            raise _MismatchError(path, f"unknown key '{key}'; {one_of(fields, key)}")
-    for name, field in fields.items():
-        has_default = not (
-            field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        )
+        if key not in known:
+            raise _MismatchError(path, f"unknown key '{key}'; {one_of(known, key)}")
+    for name, field in known.items():
+        has_default = not (field.default is MISSING and field.default_factory is MISSING)
         if name not in value and not has_default:
             raise _MismatchError(path, f"key '{name}' is missing")
     prefix = f"{path}." if path else ""

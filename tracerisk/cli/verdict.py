@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.errors import ExitCode
+from tracerisk.records import dataclass
 from tracerisk.trace import Verdict, verdict_line
 from tracerisk.trace_json import plain_data
 

@@ -7,10 +7,10 @@ what became of each run in `tracerisk.evidence`, committed like a lock. See docs
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 from tracerisk.evidence.share_interval import clopper_pearson
+from tracerisk.records import dataclass, field, replace
 from tracerisk.trace import Exposure
 
 EVIDENCE_NAME = "tracerisk.evidence"

@@ -8,12 +8,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, cast, get_args
 
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence, Stratum, Use
+from tracerisk.records import asdict, fields, replace
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 _NO_USE = Exposure()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from tracerisk.records import dataclass
 
 Detection = Literal["mission_start", "each_visit"]
 """When the failed units of a redundant group are found, and the group is whole again."""

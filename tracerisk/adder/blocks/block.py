@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, TypeVar
 
 from tracerisk.errors import Location
 from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.records import dataclass, field
 
 T = TypeVar("T")
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
@@ -25,6 +24,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.errors import BlockError, Location, one_of
 from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.records import dataclass
 
 GUTTER = "# | "
 HEADER = "RiskAnnotation"

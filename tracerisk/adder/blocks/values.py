@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, TypeAlias
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, Transition
 from tracerisk.hardware.redundancy import Detection, Redundancy
+from tracerisk.records import dataclass
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -27,6 +26,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.records import dataclass, field, replace
 from tracerisk.text.bounded import loads_json
 
 LOCK_NAME = "tracerisk.lock"

@@ -8,7 +8,6 @@ author is unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -22,6 +21,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.digest import DigestReading, digest_of
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
+from tracerisk.records import dataclass, field
 
 Author = Literal["tool", "person", "unknown"]
 

@@ -8,7 +8,6 @@ branch, is refreshed; where nobody can tell which of the two it is, it is left a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
@@ -22,6 +21,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
 from tracerisk.errors import EditInTheWayError, Location
+from tracerisk.records import dataclass, replace
 
 NOISE = 0.01
 """The relative change of a computed probability up to which its text stays as written."""

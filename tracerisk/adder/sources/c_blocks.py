@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import DEFAULT_WIDTH, GUTTER, print_block
@@ -28,6 +27,7 @@ from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock, tar
 from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 from tracerisk.instance_name import is_name_at, name_at
+from tracerisk.records import replace
 from tracerisk.trace import QualifiedName
 
 _NARROWEST = 40

@@ -9,12 +9,12 @@ from __future__ import annotations
 import bisect
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.dependencies import require_cpp
 from tracerisk.errors import Location, SourceError
+from tracerisk.records import dataclass
 from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, is_c, tokens
 from tracerisk.trace import QualifiedName
 

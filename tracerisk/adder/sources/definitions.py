@@ -13,10 +13,10 @@ import tokenize
 import unicodedata
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.errors import BlockError, Location, SourceError
+from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
 
 MODULE = QualifiedName("<module>")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.errors import BlockError, InputError, Location, one_of
 from tracerisk.instance_name import places
+from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
 
 Place = Literal["body", "above", "module"]

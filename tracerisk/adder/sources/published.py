@@ -20,13 +20,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
+from tracerisk.records import dataclass, replace
 from tracerisk.source.c_tokens import is_c, tokens
 
 _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")

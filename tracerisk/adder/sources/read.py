@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
 from tracerisk.adder.sources.c_blocks import c_block_lines, scan_c_blocks
@@ -30,6 +29,7 @@ from tracerisk.adder.sources.placed import (
 from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
+from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
 
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")

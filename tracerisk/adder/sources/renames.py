@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.values import NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.records import dataclass, replace
 from tracerisk.trace import QualifiedName
 
 # Behind the gutter of Python, or in a comment of C.

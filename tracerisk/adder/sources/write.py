@@ -8,10 +8,10 @@ import os
 import re
 import stat
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.errors import InputError, Location
+from tracerisk.records import dataclass
 
 _LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +49,7 @@ from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from tracerisk.errors import ExitCode, Location
+from tracerisk.records import dataclass
 from tracerisk.trace import Verdict
 
 FindingKind = Literal[

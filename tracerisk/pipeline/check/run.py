@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
@@ -13,6 +12,7 @@ from tracerisk.instance_name import places
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.trace.last_run import kept_contacts
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.records import dataclass
 from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
 
 _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {

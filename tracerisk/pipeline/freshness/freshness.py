@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.records import asdict, dataclass, field, fields, replace
 from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import Trace
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -17,6 +16,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.records import dataclass, field, replace
 from tracerisk.source.c_tokens import is_c
 
 T = TypeVar("T")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.evidence.cells import EVIDENCE_NAME, Evidence
 from tracerisk.evidence.file import dump_evidence, read_evidence
+from tracerisk.records import replace
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.records import replace
 from tracerisk.trace import Verdict
 from tracerisk.trace_json import plain_data, verdict_of_data
 

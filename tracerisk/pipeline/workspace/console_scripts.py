@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.config import loads_toml
+from tracerisk.records import dataclass
 
 # Bounded throughout, so that no text takes long.
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".

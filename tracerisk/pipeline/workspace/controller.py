@@ -6,11 +6,11 @@ import ast
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.records import dataclass, field, replace
 from tracerisk.source.c_tokens import is_c
 
 _PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")

@@ -6,11 +6,11 @@ import ast
 import io
 import tokenize
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.records import replace
 
 _MOST_MODULES = 100
 

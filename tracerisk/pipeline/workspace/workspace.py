@@ -6,8 +6,9 @@ import itertools
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from tracerisk.records import dataclass
 
 PACKAGE_FILE = "package.xml"
 _INTERFACES = ("msg", "srv", "action")

@@ -1,0 +1,273 @@
+"""`dataclasses` for what every command loads: a class costs next to nothing until it is used.
+
+The library takes longer to import than a small command may take at all, and half a millisecond
+more for each class. What stands here takes its place, with the same meaning, for classes with
+slots that inherit no fields. `__dataclass_fields__` is what the library itself makes of the class
+when somebody asks for it: what knows dataclasses knows these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from operator import attrgetter, ge, gt, le, lt
+from typing import TYPE_CHECKING, Any
+
+_FIELDS = "__tracerisk_fields__"
+_ORDERS = (lt, le, gt, ge)
+
+
+class _Missing:
+    """Stands for a default that a field has not."""
+
+    def __repr__(self) -> str:
+        return "MISSING"
+
+
+_MISSING: Any = _Missing()
+
+
+class _Field:
+    """A field: its name, and what `dataclasses.field` takes of its default and its comparison."""
+
+    __slots__ = ("compare", "default", "default_factory", "name")
+
+    def __init__(
+        self,
+        *,
+        default: Any = _MISSING,
+        default_factory: Callable[[], Any] = _MISSING,
+        compare: bool = True,
+    ) -> None:
+        self.name = ""
+        self.default = default
+        self.default_factory = default_factory
+        self.compare = compare
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What the library's own function is to be called with."""
+        given = {"default": self.default, "default_factory": self.default_factory}
+        stated = {name: value for name, value in given.items() if value is not _MISSING}
+        return {**stated, "compare": self.compare}
+
+
+class _Made:
+    """An attribute of a class that is made when it is first looked up."""
+
+    __slots__ = ("make", "name", "of")
+
+    def __init__(self, of: type, name: str, make: Callable[[], Any]) -> None:
+        self.of = of
+        self.name = name
+        self.make = make
+
+    def __get__(self, instance: object, owner: type) -> Any:
+        made = self.make()
+        setattr(self.of, self.name, made)
+        return made.__get__(instance, owner) if hasattr(made, "__get__") else made
+
+
+def _dataclass(
+    *, slots: bool, frozen: bool = False, eq: bool = True, order: bool = False
+) -> Callable[[type], type]:
+    """Return what makes a dataclass of a class, as the library's decorator of these arguments."""
+    if not slots:
+        raise TypeError("a class without slots is for the dataclasses of the library")
+
+    def made(kind: type) -> type:
+        return _with_methods(_with_slots(kind), {"frozen": frozen, "eq": eq, "order": order})
+
+    return made
+
+
+def _with_slots(kind: type) -> type:
+    """Return the class anew, with a slot for each field: a class gets them when it is made."""
+    if any(hasattr(base, "__dataclass_fields__") for base in kind.__bases__):
+        raise TypeError(f"{kind.__name__} inherits fields: that is for the library's dataclasses")
+    body = dict(kind.__dict__)
+    fields = {}
+    for name in kind.__annotations__:
+        default = body.pop(name, _MISSING)
+        fields[name] = default if isinstance(default, _Field) else _Field(default=default)
+        fields[name].name = name
+    for name in ("__dict__", "__weakref__"):
+        body.pop(name, None)
+    made: type = type(kind)(kind.__name__, kind.__bases__, {**body, "__slots__": tuple(fields)})
+    made.__qualname__ = kind.__qualname__
+    setattr(made, _FIELDS, fields)
+    return made
+
+
+def _with_methods(kind: type, options: Mapping[str, bool]) -> type:
+    """Give a class the methods that `dataclasses` would, but what it defines itself."""
+    own = dict(vars(kind))
+    fields: Mapping[str, _Field] = own[_FIELDS]
+    methods: dict[str, Any] = {"__repr__": _repr_of(tuple(fields)), "__match_args__": tuple(fields)}
+    compared = _values_of([name for name, each in fields.items() if each.compare])
+    if options["eq"]:
+
+        def equal(self: object, other: object) -> Any:
+            if other.__class__ is self.__class__:
+                return compared(self) == compared(other)
+            return NotImplemented
+
+        methods["__eq__"] = equal
+    if options["order"]:
+        methods |= {f"__{each.__name__}__": _order_of(compared, each) for each in _ORDERS}
+    if options["frozen"]:
+        methods |= _methods_of_frozen(kind, tuple(fields))
+        if options["eq"] and own.get("__hash__") is None:
+            own.pop("__hash__", None)
+            methods["__hash__"] = lambda self: hash(compared(self))
+    elif options["eq"]:
+        methods["__hash__"] = None
+    for name, method in methods.items():
+        if name not in own:
+            setattr(kind, name, method)
+    lazy: dict[str, Callable[[], Any]] = {
+        "__init__": lambda: _init_of(kind, fields, options["frozen"]),
+        "__dataclass_fields__": lambda: _of_library(kind, fields, options).__dataclass_fields__,
+        "__dataclass_params__": lambda: _of_library(kind, fields, options).__dataclass_params__,
+    }
+    for name, make in lazy.items():
+        setattr(kind, name, _Made(kind, name, make))
+    return kind
+
+
+def _values_of(names: list[str]) -> Callable[[object], tuple[Any, ...]]:
+    """Return what gives the values of some attributes as a tuple."""
+    if len(names) > 1:
+        return attrgetter(*names)
+    return lambda value: tuple(getattr(value, name) for name in names)
+
+
+def _repr_of(names: tuple[str, ...]) -> Callable[[object], str]:
+    def shown(self: object) -> str:
+        values = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
+        return f"{self.__class__.__qualname__}({values})"
+
+    return shown
+
+
+def _order_of(
+    compared: Callable[[object], tuple[Any, ...]], compare: Callable[[Any, Any], Any]
+) -> Callable[[object, object], Any]:
+    def ordered(self: object, other: object) -> Any:
+        if other.__class__ is self.__class__:
+            return compare(compared(self), compared(other))
+        return NotImplemented
+
+    return ordered
+
+
+def _methods_of_frozen(kind: type, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return what keeps values as they were made, and lets them be copied and pickled."""
+
+    def refuse(self: object, name: str, doing: str) -> None:
+        if type(self) is kind or name in names:
+            from dataclasses import FrozenInstanceError
+
+            raise FrozenInstanceError(f"cannot {doing} field {name!r}")
+
+    def set_attribute(self: Any, name: str, value: Any) -> None:
+        refuse(self, name, "assign to")
+        object.__setattr__(self, name, value)
+
+    def delete_attribute(self: Any, name: str) -> None:
+        refuse(self, name, "delete")
+        object.__delattr__(self, name)
+
+    def state(self: object) -> list[Any]:
+        return [getattr(self, name) for name in names]
+
+    def set_state(self: object, values: list[Any]) -> None:
+        for name, value in zip(names, values, strict=True):
+            object.__setattr__(self, name, value)
+
+    return {
+        "__setattr__": set_attribute,
+        "__delattr__": delete_attribute,
+        "__getstate__": state,
+        "__setstate__": set_state,
+    }
+
+
+def _init_of(kind: type, fields: Mapping[str, _Field], frozen: bool) -> Callable[..., None]:
+    """Return the `__init__` of a class, with the signature that its fields give it."""
+    known: dict[str, Any] = {"_set": object.__setattr__, "_missing": _MISSING}
+    parameters, lines = ["self"], []
+    for name, each in fields.items():
+        parameter, value = name, name
+        if each.default is not _MISSING:
+            known[f"_default_{name}"] = each.default
+            parameter = f"{name}=_default_{name}"
+        elif each.default_factory is not _MISSING:
+            known[f"_make_{name}"] = each.default_factory
+            parameter = f"{name}=_missing"
+            value = f"_make_{name}() if {name} is _missing else {name}"
+        parameters.append(parameter)
+        lines.append(f"_set(self, '{name}', {value})" if frozen else f"self.{name} = {value}")
+    if hasattr(kind, "__post_init__"):
+        lines.append("self.__post_init__()")
+    body = "\n ".join(lines or ["pass"])
+    exec(f"def __init__({', '.join(parameters)}):\n {body}", known)
+    made: Callable[..., None] = known["__init__"]
+    made.__qualname__ = f"{kind.__qualname__}.__init__"
+    made.__module__ = kind.__module__
+    made.__annotations__ = {**kind.__annotations__, "return": None}
+    return made
+
+
+def _of_library(kind: type, fields: Mapping[str, _Field], options: Mapping[str, bool]) -> Any:
+    """Return a class with the same fields that the library has made."""
+    import dataclasses
+
+    body: dict[str, Any] = {
+        name: each.default
+        if each.default is not _MISSING and each.compare
+        else dataclasses.field(**each.arguments)
+        for name, each in fields.items()
+    }
+    body |= {"__annotations__": kind.__annotations__, "__module__": kind.__module__}
+    return dataclasses.dataclass(**options)(type(kind.__name__, (), body))
+
+
+def _is_dataclass(of: Any) -> bool:
+    """Return whether something is such a class or a value of one."""
+    return hasattr(of, _FIELDS)
+
+
+def _fields(of: Any) -> tuple[_Field, ...]:
+    """Return the fields of a class or a value of it."""
+    return tuple(getattr(of, _FIELDS).values())
+
+
+def _replace(value: Any, /, **changes: Any) -> Any:
+    """Return a value like another, some fields but changed."""
+    kept = {name: getattr(value, name) for name in getattr(value, _FIELDS) if name not in changes}
+    return value.__class__(**kept, **changes)
+
+
+def _asdict(value: Any) -> Any:
+    """Return the values of all fields by their names, and so on within them."""
+    fields = getattr(value, _FIELDS, None)
+    if fields is not None:
+        return {name: _asdict(getattr(value, name)) for name in fields}
+    if isinstance(value, (list, tuple)):
+        return type(value)(map(_asdict, value))
+    if isinstance(value, dict):
+        return {_asdict(name): _asdict(each) for name, each in value.items()}
+    return value
+
+
+if TYPE_CHECKING:
+    from dataclasses import MISSING as MISSING
+    from dataclasses import asdict as asdict
+    from dataclasses import dataclass as dataclass
+    from dataclasses import field as field
+    from dataclasses import fields as fields
+    from dataclasses import is_dataclass as is_dataclass
+    from dataclasses import replace as replace
+else:
+    MISSING, asdict, dataclass, field = _MISSING, _asdict, _dataclass, _Field
+    fields, is_dataclass, replace = _fields, _is_dataclass, _replace
