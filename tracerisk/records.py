@@ -125,7 +125,8 @@ def _with_methods(kind: type, options: Mapping[str, bool]) -> type:
         if name not in own:
             setattr(kind, name, method)
     lazy: dict[str, Callable[[], Any]] = {
-        "__init__": lambda: _init_of(kind, fields, options["frozen"]),
+        "__init__": lambda: _init_of(kind, fields),
+        "__signature__": lambda: _signature_of(_of_library(kind, fields, options)),
         "__dataclass_fields__": lambda: _of_library(kind, fields, options).__dataclass_fields__,
         "__dataclass_params__": lambda: _of_library(kind, fields, options).__dataclass_params__,
     }
@@ -192,30 +193,50 @@ def _methods_of_frozen(kind: type, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _init_of(kind: type, fields: Mapping[str, _Field], frozen: bool) -> Callable[..., None]:
-    """Return the `__init__` of a class, with the signature that its fields give it."""
-    known: dict[str, Any] = {"_set": object.__setattr__, "_missing": _MISSING}
-    parameters, lines = ["self"], []
-    for name, each in fields.items():
-        parameter, value = name, name
-        if each.default is not _MISSING:
-            known[f"_default_{name}"] = each.default
-            parameter = f"{name}=_default_{name}"
-        elif each.default_factory is not _MISSING:
-            known[f"_make_{name}"] = each.default_factory
-            parameter = f"{name}=_missing"
-            value = f"_make_{name}() if {name} is _missing else {name}"
-        parameters.append(parameter)
-        lines.append(f"_set(self, '{name}', {value})" if frozen else f"self.{name} = {value}")
-    if hasattr(kind, "__post_init__"):
-        lines.append("self.__post_init__()")
-    body = "\n ".join(lines or ["pass"])
-    exec(f"def __init__({', '.join(parameters)}):\n {body}", known)
-    made: Callable[..., None] = known["__init__"]
-    made.__qualname__ = f"{kind.__qualname__}.__init__"
-    made.__module__ = kind.__module__
-    made.__annotations__ = {**kind.__annotations__, "return": None}
-    return made
+def _init_of(kind: type, fields: Mapping[str, _Field]) -> Callable[..., None]:
+    """Return the `__init__` of a class; it is not compiled, which takes longer than a few calls."""
+    puts = [vars(kind)[name].__set__ for name in fields]
+    defaults = tuple(each.default for each in fields.values())
+    required = sum(each.default is _MISSING for each in fields.values())
+    has_factories = any(each.default_factory is not _MISSING for each in fields.values())
+    has_more = hasattr(kind, "__post_init__")
+    count = len(puts)
+
+    def init(self: Any, /, *values: Any, **named: Any) -> None:
+        if named or has_factories or len(values) > count:
+            values = _arguments(self, fields, values, named)
+        elif len(values) < count:
+            if len(values) < required:
+                _arguments(self, fields, values, named)  # it says what is missing
+            values += defaults[len(values) :]
+        for put, value in zip(puts, values, strict=False):
+            put(self, value)
+        if has_more:
+            self.__post_init__()
+
+    return init
+
+
+def _arguments(
+    of: object, fields: Mapping[str, _Field], values: tuple[Any, ...], named: Mapping[str, Any]
+) -> tuple[Any, ...]:
+    """Return a value for each field from the arguments of a call; raises TypeError as Python."""
+    name = f"{type(of).__name__}()"
+    if len(values) > len(fields):
+        raise TypeError(f"{name} takes {len(fields)} arguments but {len(values)} were given")
+    given = dict(zip(fields, values, strict=False))
+    for key, value in named.items():
+        if key not in fields or key in given:
+            what = "multiple values for" if key in given else "an unexpected keyword"
+            raise TypeError(f"{name} got {what} argument '{key}'")
+        given[key] = value
+    for key, each in fields.items():
+        if key not in given:
+            if each.default is _MISSING and each.default_factory is _MISSING:
+                raise TypeError(f"{name} missing a required argument: '{key}'")
+            is_made = each.default is _MISSING
+            given[key] = each.default_factory() if is_made else each.default
+    return tuple(given[key] for key in fields)
 
 
 def _of_library(kind: type, fields: Mapping[str, _Field], options: Mapping[str, bool]) -> Any:
@@ -235,6 +256,12 @@ def _of_library(kind: type, fields: Mapping[str, _Field], options: Mapping[str, 
 def _is_dataclass(of: Any) -> bool:
     """Return whether something is such a class or a value of one."""
     return hasattr(of, _FIELDS)
+
+
+def _signature_of(kind: type) -> Any:
+    from inspect import signature
+
+    return signature(kind)
 
 
 def _fields(of: Any) -> tuple[_Field, ...]:

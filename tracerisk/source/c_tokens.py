@@ -7,12 +7,14 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from typing import NamedTuple
 
+from tracerisk.text.patterns import pattern
+
 C_SUFFIXES = frozenset({".c", ".h"})
 CPP_SUFFIXES = frozenset({".cc", ".cpp", ".cxx", ".c++", ".hh", ".hpp", ".hxx", ".ino"})
 
 # What goes on over lines is only begun here: its end is looked for, which takes no time that
 # grows with the square of a source. A literal that is not closed ends with its line.
-_TOKEN = re.compile(
+_TOKEN = pattern(
     rb'(?<![A-Za-z0-9_])(?:u8|u|U|L)?R"(?P<mark>[^()\\\s"]{0,16})\('
     rb'|(?P<block>""")'
     rb'|"(?:\\.|[^"\\\n])*"?'
@@ -22,7 +24,7 @@ _TOKEN = re.compile(
     rb"|(?P<comment>/\*)",
     re.DOTALL,
 )
-_SPACES = re.compile(rb"[ \t\f\v\r]+")
+_SPACES = pattern(rb"[ \t\f\v\r]+")
 
 
 class Token(NamedTuple):

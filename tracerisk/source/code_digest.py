@@ -10,12 +10,13 @@ import hashlib
 import re
 
 from tracerisk.source.c_tokens import code_of, is_c
+from tracerisk.text.patterns import pattern
 
 # A comment behind an f-string is kept: since Python 3.12 quotes may nest in one, and what looks
 # like a comment there may be text.
 # The letters before a string are plain text here, where no space is squeezed out of them: each
 # part begins with a quote or a hash, which the search finds fast.
-_PART = re.compile(
+_PART = pattern(
     rb"(?P<string>"
     rb'"""(?:\\.|[^\\])*?"""|'
     rb"'''(?:\\.|[^\\])*?'''|"
@@ -24,9 +25,9 @@ _PART = re.compile(
     rb"|(?P<comment>\#[^\n]*)",
     re.DOTALL,
 )
-_SPACES = re.compile(rb"(?<=[^ \t\f\n])[ \t\f]+")
-_BLANK = re.compile(rb"(?:[ \t\f]*\n)+")
-_F_STRING = re.compile(rb"[rR]?[fF][rR]?['\"]")
+_SPACES = pattern(rb"(?<=[^ \t\f\n])[ \t\f]+")
+_BLANK = pattern(rb"(?:[ \t\f]*\n)+")
+_F_STRING = pattern(rb"[rR]?[fF][rR]?['\"]")
 
 
 def code_digest(source: bytes, file: str) -> str:

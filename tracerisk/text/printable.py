@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 
+from tracerisk.text.patterns import pattern
+
 MOST_CHARACTERS = 20_000
 """The length up to which a message is printed: an exception of a controller may be endless."""
 
 # Control characters but line feed and tab, and those that turn the direction of writing.
-_UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-_COMMAND = re.compile(r"^(?=\s*(?:::|##\[))", re.MULTILINE)
+_UNSAFE = pattern(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+_COMMAND = pattern(r"^(?=\s*(?:::|##\[))", re.MULTILINE)
 
 
 def printable(text: str) -> str:

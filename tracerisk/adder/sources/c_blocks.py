@@ -16,7 +16,6 @@ so that nothing else is compiled. Each result is checked before it is handed out
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from tracerisk.adder.blocks.block import RiskBlock
@@ -28,11 +27,12 @@ from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.records import replace
+from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 _NARROWEST = 40
 _TAB_COLUMNS = 8
-_BLANK = re.compile(rb"\s*")
+_BLANK = pattern(rb"\s*")
 
 
 def scan_c_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:

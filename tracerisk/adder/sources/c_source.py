@@ -16,6 +16,7 @@ from tracerisk.dependencies import require_cpp
 from tracerisk.errors import Location, SourceError
 from tracerisk.records import dataclass
 from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, is_c, tokens
+from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ _SCOPES = frozenset(
 _AROUND = frozenset({"template_declaration"})
 _REACH = 256
 """How far back it is looked for what continues a line: behind its sign there are spaces alone."""
-_CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
+_CONTINUED = pattern(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
 
 
 @dataclass(frozen=True, slots=True)

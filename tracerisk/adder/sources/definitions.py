@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import io
-import re
 import tokenize
 import unicodedata
 import warnings
@@ -17,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.errors import BlockError, Location, SourceError
 from tracerisk.records import dataclass
+from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 MODULE = QualifiedName("<module>")
@@ -32,8 +32,8 @@ _LEAVES = frozenset(
     }
 )
 # A header of one line without strings, comments or brackets that could go on over others.
-_PLAIN_HEADER = re.compile(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
-_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
+_PLAIN_HEADER = pattern(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
+_CODING = pattern(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
 
 
 @dataclass(frozen=True, slots=True)

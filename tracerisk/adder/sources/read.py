@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
@@ -30,13 +29,14 @@ from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.records import dataclass
+from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
-_GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
-_SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
-_HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
+_GUTTER = pattern(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
+_SECTION = pattern(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
+_HEADER = pattern(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
 _HEADER_WORD = HEADER.encode()
-_ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
+_ANY_BLOCK = pattern(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,13 +17,14 @@ from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.records import dataclass, replace
+from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 # Behind the gutter of Python, or in a comment of C.
 _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
-_NAME = re.compile(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
-_NEXT = re.compile(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
+_NAME = pattern(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
+_NEXT = pattern(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)

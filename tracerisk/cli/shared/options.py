@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from tracerisk.config import ActiveMode, FailOn
 from tracerisk.errors import InputError
+from tracerisk.text.patterns import pattern
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.merge import MergePolicy
 
-_WEIGHT = re.compile(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
+_WEIGHT = pattern(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
 
 ProfileText = dict[str, dict[str, str]]
 

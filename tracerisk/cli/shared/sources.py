@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,13 +9,14 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
+from tracerisk.text.patterns import pattern
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.linked import LinkedModel
 
 
-_HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
+_HAS_EVIDENCE = pattern(rb"RiskAnnotation [^\n]*with evidence")
 
 
 def read_file(name: str) -> bytes:

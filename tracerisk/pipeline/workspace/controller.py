@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import os
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -12,8 +11,9 @@ from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.records import dataclass, field, replace
 from tracerisk.source.c_tokens import is_c
+from tracerisk.text.patterns import pattern
 
-_PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
+_PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,18 +31,19 @@ from tracerisk.limits import is_secret
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.pipeline.workspace.own_modules import module_files
 from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
+from tracerisk.text.patterns import pattern
 
 _OF_OTHERS = frozenset(
     {"3rdparty", "_vendor", "extern", "external", "third_party", "thirdparty", "vendor", "vendored"}
 )
 _MOST_FILES = 3000
-_FROM = re.compile(
+_FROM = pattern(
     r"^[ \t]*from[ \t]+(\.*)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#;]*)", re.MULTILINE
 )
-_IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n#;]+)", re.MULTILINE)
-_NAMED = re.compile(r"([\w.]+)(?:\s+as\s+\w+)?")
-_STARTS = re.compile(r"\A#!.*python|^if[ (]+__name__\s*==|^main\(", re.MULTILINE)
-_TEST_FILE = re.compile(r"test_.*|.*_test|conftest|setup")
+_IMPORT = pattern(r"^[ \t]*import[ \t]+([^\n#;]+)", re.MULTILINE)
+_NAMED = pattern(r"([\w.]+)(?:\s+as\s+\w+)?")
+_STARTS = pattern(r"\A#!.*python|^if[ (]+__name__\s*==|^main\(", re.MULTILINE)
+_TEST_FILE = pattern(r"test_.*|.*_test|conftest|setup")
 
 
 class Libraries:

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from tracerisk.records import dataclass
+from tracerisk.text.patterns import pattern
 
 PACKAGE_FILE = "package.xml"
 _INTERFACES = ("msg", "srv", "action")
@@ -24,13 +25,13 @@ _TOP_MARKS = frozenset(
      ".rosinstall", ".travis.yml", "colcon.meta"}
 )  # fmt: skip
 _MOST_MODULES = 300
-_IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
+_IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
 _BESIDE = 2
-_NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
-_WORD = re.compile(r"[\w.-]+")
+_NEED = pattern(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
+_WORD = pattern(r"[\w.-]+")
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
-_NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
+_NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
 
 
 @dataclass(frozen=True, slots=True)
