@@ -13,16 +13,10 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
-from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, SettingsError, one_of
 from tracerisk.limits import Limit, Limits, Sandbox, SandboxMode
 from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import Acceptance
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
@@ -36,6 +30,7 @@ DEFAULT_DURATION_S = 300.0
 SANDBOX_SETTINGS = ("sandbox", "readable", "writable", "env")
 """The settings that say how a run is contained."""
 
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ALIASES = {"max_risk": "max_failure_probability"}  # older names
@@ -207,6 +202,12 @@ def _sources(root: Path, file: str | None) -> Iterator[_Reader]:
 
 def loads_toml(text: str) -> dict[str, Any]:
     """Return a TOML document; raise ValueError, with the place, where it is not valid."""
+    # Imported here: not every controller has settings.
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
     try:
         document: dict[str, Any] = tomllib.loads(text)
     except RecursionError as error:
@@ -220,7 +221,8 @@ _loaded = lru_cache(maxsize=8)(loads_toml)
 
 def _text(path: Path, errors: str = "strict") -> str:
     try:
-        return path.read_bytes().decode("utf-8-sig", errors).replace("\r\n", "\n")
+        text = path.read_bytes().removeprefix(_BYTE_ORDER_MARK).decode("utf-8", errors)
+        return text.replace("\r\n", "\n")
     except OSError as error:
         raise SettingsError(f"cannot be read: {error.strerror}", Location(str(path))) from error
     except ValueError as error:
@@ -350,6 +352,8 @@ class _Reader:
                 self.fail(key, f"expected a {what} from 0 to 1, found {value!r}")
             return float(value)
         if key == "accept":
+            from tracerisk.acceptances import read_acceptances
+
             return read_acceptances(value, lambda message: self.fail(key, message))
         if key in ("require_reason", "companions", "draft", "evidence"):
             if not isinstance(value, bool):

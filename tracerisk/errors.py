@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 from tracerisk.records import dataclass
 
@@ -215,5 +214,9 @@ def one_of(names: Iterable[str], found: str | None = None) -> str:
     """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
     ordered = sorted(names)
     text = "allowed: " + (", ".join(ordered) if ordered else "none")
-    near = get_close_matches(found, ordered, n=1) if found is not None else []
+    near = []
+    if found is not None:
+        from difflib import get_close_matches
+
+        near = get_close_matches(found, ordered, n=1)
     return f"did you mean '{near[0]}'? {text}" if near else text

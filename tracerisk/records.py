@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from operator import attrgetter, ge, gt, le, lt
 from typing import TYPE_CHECKING, Any
 
-_FIELDS = "__tracerisk_fields__"
+_FIELDS, _OPTIONS = "__tracerisk_fields__", "__tracerisk_options__"
 _ORDERS = (lt, le, gt, ge)
 
 
@@ -52,18 +52,18 @@ class _Field:
 
 
 class _Made:
-    """An attribute of a class that is made when it is first looked up."""
+    """An attribute of a class that is made of the class when it is first looked up."""
 
-    __slots__ = ("make", "name", "of")
+    __slots__ = ("make", "name")
 
-    def __init__(self, of: type, name: str, make: Callable[[], Any]) -> None:
-        self.of = of
+    def __init__(self, name: str, make: Callable[[type], Any]) -> None:
         self.name = name
         self.make = make
 
     def __get__(self, instance: object, owner: type) -> Any:
-        made = self.make()
-        setattr(self.of, self.name, made)
+        of = next(each for each in owner.__mro__ if self.name in vars(each))
+        made = self.make(of)
+        setattr(of, self.name, made)
         return made.__get__(instance, owner) if hasattr(made, "__get__") else made
 
 
@@ -73,37 +73,42 @@ def _dataclass(
     """Return what makes a dataclass of a class, as the library's decorator of these arguments."""
     if not slots:
         raise TypeError("a class without slots is for the dataclasses of the library")
-
-    def made(kind: type) -> type:
-        return _with_methods(_with_slots(kind), {"frozen": frozen, "eq": eq, "order": order})
-
-    return made
+    options = {"frozen": frozen, "eq": eq, "order": order}
+    return lambda kind: _made_of(kind, options)
 
 
-def _with_slots(kind: type) -> type:
-    """Return the class anew, with a slot for each field: a class gets them when it is made."""
+def _made_of(kind: type, options: Mapping[str, bool]) -> type:
+    """Return the class anew, with slots and with the methods that it does not define itself."""
     if any(hasattr(base, "__dataclass_fields__") for base in kind.__bases__):
         raise TypeError(f"{kind.__name__} inherits fields: that is for the library's dataclasses")
-    body = dict(kind.__dict__)
+    own = dict(kind.__dict__)
     fields = {}
     for name in kind.__annotations__:
-        default = body.pop(name, _MISSING)
+        default = own.pop(name, _MISSING)
         fields[name] = default if isinstance(default, _Field) else _Field(default=default)
         fields[name].name = name
     for name in ("__dict__", "__weakref__"):
-        body.pop(name, None)
-    made: type = type(kind)(kind.__name__, kind.__bases__, {**body, "__slots__": tuple(fields)})
-    made.__qualname__ = kind.__qualname__
-    setattr(made, _FIELDS, fields)
+        own.pop(name, None)
+    if own.get("__hash__", _MISSING) is None:  # Python says so of a class with an `__eq__`
+        del own["__hash__"]
+    body = {
+        **_methods(fields, options),
+        **own,
+        **_MADE,
+        _FIELDS: fields,
+        _OPTIONS: options,
+        "__slots__": tuple(fields),
+        "__qualname__": kind.__qualname__,
+    }
+    made: type = type(kind)(kind.__name__, kind.__bases__, body)
     return made
 
 
-def _with_methods(kind: type, options: Mapping[str, bool]) -> type:
-    """Give a class the methods that `dataclasses` would, but what it defines itself."""
-    own = dict(vars(kind))
-    fields: Mapping[str, _Field] = own[_FIELDS]
-    methods: dict[str, Any] = {"__repr__": _repr_of(tuple(fields)), "__match_args__": tuple(fields)}
+def _methods(fields: Mapping[str, _Field], options: Mapping[str, bool]) -> dict[str, Any]:
+    """Return the methods that `dataclasses` would give to a class."""
+    names = tuple(fields)
     compared = _values_of([name for name, each in fields.items() if each.compare])
+    methods: dict[str, Any] = {"__repr__": _repr_of(names), "__match_args__": names}
     if options["eq"]:
 
         def equal(self: object, other: object) -> Any:
@@ -112,27 +117,12 @@ def _with_methods(kind: type, options: Mapping[str, bool]) -> type:
             return NotImplemented
 
         methods["__eq__"] = equal
+        methods["__hash__"] = (lambda self: hash(compared(self))) if options["frozen"] else None
     if options["order"]:
         methods |= {f"__{each.__name__}__": _order_of(compared, each) for each in _ORDERS}
     if options["frozen"]:
-        methods |= _methods_of_frozen(kind, tuple(fields))
-        if options["eq"] and own.get("__hash__") is None:
-            own.pop("__hash__", None)
-            methods["__hash__"] = lambda self: hash(compared(self))
-    elif options["eq"]:
-        methods["__hash__"] = None
-    for name, method in methods.items():
-        if name not in own:
-            setattr(kind, name, method)
-    lazy: dict[str, Callable[[], Any]] = {
-        "__init__": lambda: _init_of(kind, fields),
-        "__signature__": lambda: _signature_of(_of_library(kind, fields, options)),
-        "__dataclass_fields__": lambda: _of_library(kind, fields, options).__dataclass_fields__,
-        "__dataclass_params__": lambda: _of_library(kind, fields, options).__dataclass_params__,
-    }
-    for name, make in lazy.items():
-        setattr(kind, name, _Made(kind, name, make))
-    return kind
+        methods |= _methods_of_frozen(names)
+    return methods
 
 
 def _values_of(names: list[str]) -> Callable[[object], tuple[Any, ...]]:
@@ -161,11 +151,11 @@ def _order_of(
     return ordered
 
 
-def _methods_of_frozen(kind: type, names: tuple[str, ...]) -> dict[str, Any]:
+def _methods_of_frozen(names: tuple[str, ...]) -> dict[str, Any]:
     """Return what keeps values as they were made, and lets them be copied and pickled."""
 
     def refuse(self: object, name: str, doing: str) -> None:
-        if type(self) is kind or name in names:
+        if name in names or vars(type(self)).get("__match_args__") is names:
             from dataclasses import FrozenInstanceError
 
             raise FrozenInstanceError(f"cannot {doing} field {name!r}")
@@ -193,8 +183,9 @@ def _methods_of_frozen(kind: type, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _init_of(kind: type, fields: Mapping[str, _Field]) -> Callable[..., None]:
+def _init_of(kind: type) -> Callable[..., None]:
     """Return the `__init__` of a class; it is not compiled, which takes longer than a few calls."""
+    fields: Mapping[str, _Field] = getattr(kind, _FIELDS)
     puts = [vars(kind)[name].__set__ for name in fields]
     defaults = tuple(each.default for each in fields.values())
     required = sum(each.default is _MISSING for each in fields.values())
@@ -239,7 +230,7 @@ def _arguments(
     return tuple(given[key] for key in fields)
 
 
-def _of_library(kind: type, fields: Mapping[str, _Field], options: Mapping[str, bool]) -> Any:
+def _of_library(kind: type) -> Any:
     """Return a class with the same fields that the library has made."""
     import dataclasses
 
@@ -247,9 +238,10 @@ def _of_library(kind: type, fields: Mapping[str, _Field], options: Mapping[str, 
         name: each.default
         if each.default is not _MISSING and each.compare
         else dataclasses.field(**each.arguments)
-        for name, each in fields.items()
+        for name, each in getattr(kind, _FIELDS).items()
     }
     body |= {"__annotations__": kind.__annotations__, "__module__": kind.__module__}
+    options = getattr(kind, _OPTIONS)
     return dataclasses.dataclass(**options)(type(kind.__name__, (), body))
 
 
@@ -261,7 +253,18 @@ def _is_dataclass(of: Any) -> bool:
 def _signature_of(kind: type) -> Any:
     from inspect import signature
 
-    return signature(kind)
+    return signature(_of_library(kind))
+
+
+_MADE: Mapping[str, _Made] = {
+    name: _Made(name, make)
+    for name, make in {
+        "__init__": _init_of,
+        "__signature__": _signature_of,
+        "__dataclass_fields__": lambda kind: _of_library(kind).__dataclass_fields__,
+        "__dataclass_params__": lambda kind: _of_library(kind).__dataclass_params__,
+    }.items()
+}
 
 
 def _fields(of: Any) -> tuple[_Field, ...]:

@@ -6,8 +6,9 @@ import re
 
 import pytest
 
-from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.errors import BlockError
+from tracerisk.source.language import is_c_like
 
 C = b"""\
 #include <stdio.h>

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.cli import VERBS, _parser
+from tracerisk.cli import VERBS, _plain_check
+from tracerisk.cli.shared.parser import _parser
 
 
 def parsed(verb: str, *words: str) -> dict[str, object]:
@@ -43,3 +44,33 @@ def test_an_option_that_is_unknown_is_one_wherever_it_is_given(capsys):
         with pytest.raises(SystemExit):
             parsed("run", *words)
         assert "unknown option --sped" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [[], ["a.py"], ["-q"], ["a.py", "-q", "b c.py"], ["--quiet", "a.py"], ["", "a.py", "-q", "-q"]],
+)
+def test_a_plain_check_needs_no_parser_and_reads_the_same(words):
+    options = _plain_check(["check", *words])
+    assert options is not None
+    assert vars(options) == parsed("check", *words)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(
+            "",
+            "-q check",
+            "check -h",
+            "check --json",
+            "check -qq",
+            "check a.py --",
+            "check -- a.py",
+        ),
+        *("check --min-coverage 1 a.py", "check --bas x", "check --watch", "check -x", "checks"),
+        *("run a.py", "check -"),
+    ],
+)
+def test_every_other_command_line_is_for_the_parser(line):
+    assert _plain_check(line.split()) is None

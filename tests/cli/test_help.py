@@ -7,7 +7,8 @@ import re
 
 import pytest
 
-from tracerisk.cli import GROUPS, VERBS, main, whole_parser
+from tracerisk.cli import GROUPS, VERBS, main
+from tracerisk.cli.shared.parser import whole_parser
 
 PROPER = {"Markdown", "PRISM"}
 

@@ -1,16 +1,18 @@
 """The command `tracerisk`: one module a verb, one place where errors become exit codes.
 
-Nothing but argparse is imported before a verb is chosen, so that `--help` is there at once.
+No verb is imported before it is chosen, and no parser where a verb has paths alone to read.
 """
 
 from __future__ import annotations
 
-import argparse
+import gc
 import os
 import sys
 from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import argparse
 
 VERBS = {
     "init": "write what a repository needs to begin, after showing it",
@@ -67,25 +69,24 @@ GROUPS = {
 }
 """The verbs by who needs them."""
 
-_EPILOG = """\
-Begin with `tracerisk run FILE`; `tracerisk VERB --help` lists a verb's options.
 
-exit codes:
-  0    fine
-  1    would change, stale, or over a limit
-  2    usage or bad input
-  3    conflicting manual edit
-  4    the controller failed
-  5    internal error
-  130  interrupted
-"""
-
-_MOST_IN_USAGE = 6  # options, with which a usage line still reads well
+_MADE_BEFORE_A_LOOK = 100_000  # objects, in place of 700
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments is not None:
+        return _guarded(list(arguments))
+    # The process is ours: most of what a command makes it keeps to its end, and nobody is to look
+    # through it again and again for what might be thrown away.
+    gc.set_threshold(_MADE_BEFORE_A_LOOK)
+    try:
+        return _guarded(sys.argv[1:])
+    finally:
+        gc.freeze()
+
+
+def _guarded(given: list[str]) -> int:
     # A stream that was closed before the start is `None` here.
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: PTH123, SIM115 - lives as long as we
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: PTH123, SIM115
@@ -102,12 +103,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(given: list[str]) -> int:
     try:
-        # The verb is found first: only its own options and its own imports are then made.
-        verb = next((word for word in given if not word.startswith("-")), None)
-        parser = _parser(verb if verb in VERBS else None, as_json="--json" in given)
-        if verb is not None and verb not in VERBS:
-            parser.error(_unknown_verb(verb))
-        options = parser.parse_args(given)
+        options = _plain_check(given)
+        if options is None:
+            from tracerisk.cli.shared.parser import parse
+
+            options = parse(given)
         from tracerisk.cli.boundary import guarded
 
         return guarded(options)
@@ -116,159 +116,14 @@ def _run(given: list[str]) -> int:
         sys.stdout.flush()
 
 
-def _unknown_verb(word: str) -> str:
-    from difflib import get_close_matches
+def _plain_check(given: list[str]) -> argparse.Namespace | None:
+    """Return the options of `check` with files alone, or `-q`; `None` for all else.
 
-    near = get_close_matches(word, VERBS, n=1)
-    meant = f"'{near[0]}'" if near else ""
-    if not near and os.path.exists(word):  # noqa: PTH110 - pathlib is not needed to start
-        meant = f"`tracerisk run {word}`"
-    more = f"did you mean {meant}?" if meant else "`tracerisk --help` lists all verbs"
-    return f"unknown verb '{word}'; {more}"
-
-
-def whole_parser() -> argparse.ArgumentParser:
-    """Return the parser with the options of every verb, for what describes the command."""
-    return _parser(*VERBS, as_json=False)
-
-
-def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
-    parser = _Command(
-        prog="tracerisk",
-        description="Redo the risk assessment of a robot arm at every commit of its controller.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.verb = chosen[0] if as_json and chosen else None
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
-    for verb, summary in VERBS.items():
-        sub = verbs.add_parser(
-            verb, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
-        )
-        if verb in chosen:
-            sub.verb = parser.verb
-            parser.chosen = sub
-            import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
-            sub.shorten_usage()
-    return parser
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors suggest, and are JSON too where that was asked for.
-
-    `verb` is that of the JSON, `None` for none; `chosen` parses the options of the verb.
+    A hook runs it at every commit: it is not to wait for a parser of everything.
     """
+    files = [word for word in given[1:] if word not in ("-q", "--quiet")]
+    if given[:1] != ["check"] or any(word.startswith("-") for word in files):
+        return None
+    from tracerisk.cli.check import plain_options
 
-    verb: str | None = None
-    chosen: _Parser | None = None
-
-    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        words = list(sys.argv[1:] if args is None else args)
-        options, unknown = self.parse_known_args(words, namespace)
-        verb = self.chosen or self
-        last: list[str] = []
-        if unknown and "--" in words and (verb._list or verb._takes_arguments):
-            # argparse fills all positional arguments at the first; what stands behind `--` is last.
-            cut = words.index("--")
-            options, unknown = self.parse_known_args(words[:cut], namespace)
-            last = words[cut + 1 :]
-        if unknown and not any(word.startswith("-") for word in unknown) and verb._list:
-            # argparse ends a list of files at the first option; what stands behind belongs to it.
-            getattr(options, verb._list).extend(unknown)
-        elif unknown:
-            verb._unknown(unknown)
-        if last:
-            getattr(options, verb._list or "argv").extend(last)
-        return options
-
-    def shorten_usage(self) -> None:
-        """Name only what must be given: all else is listed below, in its groups."""
-        needed = [each for each in self._actions if each.required or not each.option_strings]
-        if len(self._actions) - len(needed) > _MOST_IN_USAGE:
-            formatter = self._get_formatter()
-            formatter.add_usage(None, needed, [], prefix="")
-            words = formatter.format_help().split()
-            place = len(self.prog.split())
-            self.usage = " ".join((*words[:place], "[options]", *words[place:]))
-
-    @property
-    def _list(self) -> str | None:
-        """The name of the one positional argument, if it takes several."""
-        found = [action for action in self._actions if not action.option_strings]
-        is_list = len(found) == 1 and found[0].nargs in ("*", "+")
-        return found[0].dest if is_list else None
-
-    @property
-    def _takes_arguments(self) -> bool:
-        """Whether what stands behind `--` is for the controller."""
-        return any(action.dest == "argv" for action in self._actions)
-
-    def _unknown(self, words: list[str]) -> None:
-        from difflib import get_close_matches
-
-        # Of a verb with actions, what any of them knows.
-        nested = [
-            parser
-            for action in self._actions
-            if isinstance(action, argparse._SubParsersAction)
-            for parser in action.choices.values()
-        ]
-        parsers = (self, *nested)
-        options = (word for each in parsers for word in each._option_string_actions)
-        known = [word for word in options if word.startswith("--")]
-        option = next((word for word in words if word.startswith("-")), None)
-        if option is None:
-            self.error(f"unexpected: {' '.join(words)}")
-        near = get_close_matches(option.partition("=")[0], known, n=1)
-        message = f"unknown option {option}" + (f"; did you mean {near[0]}?" if near else "")
-        if "--answer" in known:
-            message += "; options for the controller go after --, as in `FILE -- --speed 2`"
-        self.error(message)
-
-    def error(self, message: str) -> NoReturn:
-        self.print_usage(sys.stderr)
-        from tracerisk.text.printable import printable
-
-        print(printable(f"{self.prog}: {message} [usage]"), file=sys.stderr)
-        if self.verb is not None:
-            from tracerisk.cli.shared.output import print_json
-
-            place = {"file": None, "line": None, "column": None}
-            data = {"kind": "UsageError", "code": "usage", "message": message, **place}
-            print_json(self.verb, exit_code=2, error=data)
-        self.exit(2)
-
-
-class _Command(_Parser):
-    """The parser of the whole command, whose help lists the verbs by who needs them."""
-
-    def format_help(self) -> str:
-        verbs = {
-            each.dest: each
-            for action in self._actions
-            if isinstance(action, argparse._SubParsersAction)
-            for each in action._get_subactions()
-        }
-        formatter = self._get_formatter()
-        formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
-        formatter.add_text(self.description)
-        options = [action for action in self._actions if action.option_strings]
-        sections = {
-            **{title: [verbs[verb] for verb in group] for title, group in GROUPS.items()},
-            "options": options,
-        }
-        for title, actions in sections.items():
-            formatter.start_section(title)
-            formatter.add_arguments(actions)
-            formatter.end_section()
-        formatter.add_text(self.epilog)
-        return formatter.format_help()
-
-
-class _Version(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from tracerisk import __version__
-
-        print(f"tracerisk {__version__}")
-        parser.exit()
+    return plain_options(files, quiet=len(files) + 1 < len(given))

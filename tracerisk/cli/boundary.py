@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
+import contextlib
 import os
 import signal
 import sys
-import threading
-import traceback
 import warnings
 from importlib import import_module
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.shared.output import note, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
+
+if TYPE_CHECKING:
+    import argparse
 
 _format = warnings.formatwarning
 _FAULT_ADVICE = "this is an internal error of tracerisk; please report it with the lines above"
@@ -21,7 +22,7 @@ _FAULT_ADVICE = "this is an internal error of tracerisk; please report it with t
 
 def guarded(options: argparse.Namespace) -> int:
     """Run the chosen verb and return its exit code."""
-    if threading.current_thread() is threading.main_thread():
+    with contextlib.suppress(ValueError):  # only the main thread may say what signals do
         signal.signal(signal.SIGTERM, _terminated)
     warnings.formatwarning = _one_line
     # The options speak to the tables, the progress bar and the libraries alike in these words.
@@ -67,6 +68,8 @@ def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
 
 
 def _internal_error() -> int:
+    import traceback
+
     traceback.print_exc()
     note(f"tracerisk: {_FAULT_ADVICE}")
     return int(ExitCode.INTERNAL_FAULT)

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, NoReturn, cast
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
-from tracerisk.cli.shared.without_controllers import note_without_controllers
-from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import DependencyError, ExitCode, InputError, TraceRiskError
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
+    import argparse
+
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.trace import Verdict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
+    from tracerisk.cli.shared import options as shared
+
     parser.add_argument(
         "files",
         metavar="FILE",
@@ -44,6 +45,22 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_sarif(parser)
     shared.add_json(parser)
+
+
+def plain_options(files: Sequence[str], *, quiet: bool) -> argparse.Namespace:
+    """Return what the parser makes of a command line with nothing but files, and maybe `-q`."""
+    plain = SimpleNamespace(
+        verb="check",
+        version=None,
+        files=files,
+        min_coverage=None,
+        base=None,
+        watch=False,
+        sarif=None,
+        json=False,
+        quiet=quiet,
+    )
+    return cast("argparse.Namespace", plain)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -91,6 +108,8 @@ def _check(options: argparse.Namespace) -> int:
 
     paths = _paths(options)
     if options.files:
+        from tracerisk.cli.shared.without_controllers import note_without_controllers
+
         note_without_controllers(options)
     limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
     found = check_controllers(paths, limits)
@@ -108,6 +127,8 @@ def _check(options: argparse.Namespace) -> int:
     if errors:
         code = errors[0].exit_code
     if options.json:
+        from tracerisk.cli.verdict import verdict_json
+
         print_json(
             "check",
             exit_code=int(code),

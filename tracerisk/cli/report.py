@@ -114,8 +114,8 @@ def _write_page(
 
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
-    from tracerisk.adder.sources.published import is_c_like
     from tracerisk.pipeline.check.cached_run import kept_run
+    from tracerisk.source.language import is_c_like
 
     try:
         return None if is_c_like(file) else kept_run(file)

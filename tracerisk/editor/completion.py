@@ -20,7 +20,7 @@ from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import lock_of
 from tracerisk.pipeline.stages import load_hardware
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 
 _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
 _HEADER = re.compile(rf"{HEADER}\b")

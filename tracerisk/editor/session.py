@@ -24,7 +24,7 @@ from tracerisk.pipeline.check.check import check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import Verdict
 
 _MARK = b"\xef\xbb\xbf"

@@ -19,7 +19,7 @@ from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, comput
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.line_map import line_maps
-from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
@@ -33,6 +33,7 @@ from tracerisk.pipeline.freshness.used_evidence import used_evidence
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
+from tracerisk.source.language import is_c_like
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import PurePath
 from typing import NamedTuple
 
 from tracerisk.text.patterns import pattern
-
-C_SUFFIXES = frozenset({".c", ".h"})
-CPP_SUFFIXES = frozenset({".cc", ".cpp", ".cxx", ".c++", ".hh", ".hpp", ".hxx", ".ino"})
 
 # What goes on over lines is only begun here: its end is looked for, which takes no time that
 # grows with the square of a source. A literal that is not closed ends with its line.
@@ -37,11 +33,6 @@ class Token(NamedTuple):
     end: int
     is_comment: bool
     is_closed: bool = True
-
-
-def is_c(file: str) -> bool:
-    """Whether a file is C or C++ by its ending."""
-    return PurePath(file).suffix.lower() in C_SUFFIXES | CPP_SUFFIXES
 
 
 def tokens(source: bytes, *, is_java: bool = False) -> Iterator[Token]:

@@ -6,10 +6,10 @@ version of Python to the next: a team's lock must say the same on each of their 
 
 from __future__ import annotations
 
-import hashlib
 import re
 
-from tracerisk.source.c_tokens import code_of, is_c
+from tracerisk.source.language import is_c
+from tracerisk.text.digests import sha256
 from tracerisk.text.patterns import pattern
 
 # A comment behind an f-string is kept: since Python 3.12 quotes may nest in one, and what looks
@@ -36,9 +36,11 @@ def code_digest(source: bytes, file: str) -> str:
     By the ending of its `file` it is C or C++, else Python.
     """
     if is_c(file):
-        return hashlib.sha256(code_of(source)).hexdigest()
+        from tracerisk.source.c_tokens import code_of
+
+        return sha256(code_of(source))
     text = source.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    digest = hashlib.sha256()
+    parts = []
     # A line begins here too, so that blank ones above the first say nothing.
     plain = [b"\n"]
     at = 0
@@ -46,13 +48,12 @@ def code_digest(source: bytes, file: str) -> str:
         plain.append(text[at : found.start()])
         at = found.end()
         if found["string"] is not None:
-            digest.update(_squeezed(b"".join(plain)))
-            digest.update(found["string"])
+            parts += [_squeezed(b"".join(plain)), found["string"]]
             plain = []
         elif _F_STRING.search(text, text.rfind(b"\n", 0, found.start()) + 1, found.start()):
             plain.append(found["comment"])
-    digest.update(_squeezed(b"".join([*plain, text[at:], b"\n"])))
-    return digest.hexdigest()
+    parts.append(_squeezed(b"".join([*plain, text[at:], b"\n"])))
+    return sha256(b"".join(parts))
 
 
 def _squeezed(text: bytes) -> bytes:

@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any, TypeAlias
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, Transition
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.hardware.redundancy import Detection, Redundancy
 from tracerisk.records import dataclass
 from tracerisk.text.patterns import pattern
@@ -76,6 +76,8 @@ def read_redundancy(text: str) -> Redundancy:
     Raises:
         ValueError: if it states none.
     """
+    if text in ("true", "false"):  # most blocks say no more
+        return Redundancy(text == "true")
     found = _REDUNDANCY.fullmatch(text)
     if found is None or (text.startswith("false") and text != "false"):
         raise ValueError(
@@ -179,6 +181,25 @@ def component_fields(component: ComponentEntry) -> tuple[tuple[FieldKind, Field[
         (PROBABILITY, component.probability),
         (QUANTITY, component.quantity),
         (REDUNDANCY, component.redundancy),
+    )
+
+
+def is_component_pinned(component: ComponentEntry) -> bool:
+    """Return whether anything in a component is a person's."""
+    return (
+        component.added
+        or component.omitted
+        or any(value.pinned for _, value in component_fields(component))
+    )
+
+
+def has_pins(block: RiskBlock) -> bool:
+    """Return whether anything in a block is a person's."""
+    return (
+        block.added
+        or block.call_sequence.pinned
+        or (block.next is not None and block.next.pinned)
+        or any(map(is_component_pinned, block.components))
     )
 
 

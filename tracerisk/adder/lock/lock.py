@@ -8,7 +8,6 @@ written by the tool.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
@@ -28,6 +27,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.records import dataclass, field, replace
 from tracerisk.text.bounded import loads_json
+from tracerisk.text.digests import blake2b
 
 LOCK_NAME = "tracerisk.lock"
 SCHEMA = "tracerisk.lock"
@@ -240,7 +240,7 @@ def _data_digest(data: Mapping[str, Any]) -> str:
     depended_on.pop("given", None)  # says how it was asked for what `settings` hold
     kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
     text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
-    return hashlib.blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest()
+    return str(blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest())
 
 
 def _sources_data(sources: Mapping[str, Written]) -> dict[str, Any]:

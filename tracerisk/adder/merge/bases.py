@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock
-from tracerisk.adder.merge.authors import Evidence
-from tracerisk.adder.merge.merge import Merged, MergePolicy, merge
 from tracerisk.trace import QualifiedName
 
-SourceEvidence: TypeAlias = Callable[[str], Evidence]
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.authors import Evidence
+    from tracerisk.adder.merge.merge import Merged, MergePolicy
+
+SourceEvidence: TypeAlias = "Callable[[str], Evidence]"
 """What is known of a source beyond its blocks and the lock, by the name of its file."""
 
 
@@ -35,6 +37,8 @@ def merge_with_bases(
     renamed: Mapping[QualifiedName, QualifiedName],
 ) -> Merged:
     """Merge the block of one function; `bases` are of its file, under the names of now."""
+    from tracerisk.adder.merge.merge import merge
+
     base, *others = [each.get(name) for each in bases]
     return merge(
         base,

@@ -17,6 +17,8 @@ from tracerisk.adder.blocks.values import (
     NOTHING_COMPUTED,
     FieldKind,
     component_fields,
+    has_pins,
+    is_component_pinned,
 )
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
@@ -266,7 +268,7 @@ class _Merger:
         if self._computed is None:
             # The block stays for something a person set in it, and stays whole.
             return self._fields(current, None)
-        if not self._known.knows(current.name) and not _is_component_pinned(current):
+        if not self._known.knows(current.name) and not is_component_pinned(current):
             author = self._known.author_of_component(current.name, current.probability.value)
             if author == "tool":
                 return None
@@ -274,7 +276,7 @@ class _Merger:
             self._report("added", path, current.location, author)
             return None if self._policy.edits == "discard" else replace(current, added=True)
         merged = self._fields(current, None)
-        return merged if _is_component_pinned(merged) else None
+        return merged if is_component_pinned(merged) else None
 
     def _fields(self, current: ComponentEntry, new: ComponentEntry | None) -> ComponentEntry:
         computed = dict(component_fields(new)) if new else {}
@@ -394,21 +396,3 @@ def _component_beside(current: ComponentEntry, new: ComponentEntry | None) -> Co
         _beside(value, computed.get(kind)) for kind, value in component_fields(current)
     )
     return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
-
-
-def _is_component_pinned(component: ComponentEntry) -> bool:
-    return (
-        component.added
-        or component.omitted
-        or any(value.pinned for _, value in component_fields(component))
-    )
-
-
-def has_pins(block: RiskBlock) -> bool:
-    """Return whether anything in a block is a person's."""
-    return (
-        block.added
-        or block.call_sequence.pinned
-        or (block.next is not None and block.next.pinned)
-        or any(map(_is_component_pinned, block.components))
-    )

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from tracerisk.dependencies import require_cpp
 from tracerisk.errors import Location, SourceError
 from tracerisk.records import dataclass
-from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, is_c, tokens
+from tracerisk.source.c_tokens import tokens
+from tracerisk.source.language import C_SUFFIXES, CPP_SUFFIXES, is_c
 from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 

@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import ast
 import io
-import tokenize
-import unicodedata
 import warnings
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.errors import BlockError, Location, SourceError
 from tracerisk.records import dataclass
 from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
+
+if TYPE_CHECKING:
+    from tokenize import TokenInfo
 
 MODULE = QualifiedName("<module>")
 """The pseudo-function that module-level code is."""
@@ -86,7 +88,11 @@ class PythonSource:
 
 def normal_name(name: str) -> str:
     """Return `name` as Python compares identifiers (NFKC)."""
-    return unicodedata.normalize("NFKC", name)
+    if name.isascii():
+        return name
+    from unicodedata import normalize
+
+    return normalize("NFKC", name)
 
 
 def parse_python(source: bytes, file: str) -> PythonSource:
@@ -100,7 +106,7 @@ def parse_python(source: bytes, file: str) -> PythonSource:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(source, file)
-        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
+        encoding = _encoding_of(source)
     except SyntaxError as error:
         _forbid_conflict_markers(source, file)
         raise SourceError(
@@ -108,8 +114,17 @@ def parse_python(source: bytes, file: str) -> PythonSource:
         ) from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise SourceError(f"cannot be read as Python: {error}", Location(file)) from error
-    encoding = "utf-8" if encoding == "utf-8-sig" else encoding
     return PythonSource(file, tuple(source.splitlines(keepends=True)), encoding, tree)
+
+
+def _encoding_of(source: bytes) -> str:
+    """Return the encoding of a source that the parser takes; raise SyntaxError as it would."""
+    if not any(b"coding" in line for line in source.split(b"\n", 2)[:2]):
+        return "utf-8"
+    from tokenize import detect_encoding
+
+    encoding, _ = detect_encoding(io.BytesIO(source).readline)
+    return "utf-8" if encoding == "utf-8-sig" else encoding
 
 
 def _forbid_conflict_markers(source: bytes, file: str) -> None:
@@ -187,6 +202,8 @@ def header_end(source: PythonSource, definition: Definition) -> int | None:
     header = source.lines[definition.line - 1].rstrip()
     if _PLAIN_HEADER.fullmatch(header) and header.count(b"(") == header.count(b")"):
         return definition.line
+    import tokenize
+
     for token in _tokens_from(source, definition.line):
         if token.type == tokenize.NEWLINE:
             line = definition.line + token.start[0] - 1
@@ -194,18 +211,22 @@ def header_end(source: PythonSource, definition: Definition) -> int | None:
     return None
 
 
-def _tokens_from(source: PythonSource, start: int) -> Iterator[tokenize.TokenInfo]:
+def _tokens_from(source: PythonSource, start: int) -> Iterator[TokenInfo]:
+    from tokenize import generate_tokens
+
     numbers = iter(range(start, len(source.lines) + 1))
 
     def readline() -> str:
         number = next(numbers, None)
         return "" if number is None else source.text(number) + "\n"
 
-    return tokenize.generate_tokens(readline)
+    return generate_tokens(readline)
 
 
 def comment_lines(source: PythonSource) -> frozenset[int]:
     """Return the lines that hold a comment."""
+    import tokenize
+
     found = set()
     try:
         for token in _tokens_from(source, 1):

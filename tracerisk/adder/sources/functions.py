@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import QualifiedName
 
 
@@ -16,6 +15,8 @@ def functions_in(source: bytes, file: str) -> list[tuple[QualifiedName, int]]:
     extra `cpp`.
     """
     if is_c(file):
+        from tracerisk.adder.sources.c_source import parse_c
+
         return [(each.name, each.line) for each in parse_c(source, file).functions]
     tree = parse_python(source, file).tree
     return [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]

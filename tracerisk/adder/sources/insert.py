@@ -28,11 +28,11 @@ from tracerisk.adder.sources.definitions import (
 )
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
 from tracerisk.adder.sources.placed import PlacedBlock, targets_of
-from tracerisk.adder.sources.published import is_c_like
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
 from tracerisk.errors import InputError, Location, UnsafeRewriteError
 from tracerisk.instance_name import is_name_at
+from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
 _NARROWEST = 40

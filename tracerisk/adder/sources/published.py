@@ -19,14 +19,14 @@ blocks where they do not say when a failure is detected, and no digest says that
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import PurePath
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
 from tracerisk.records import dataclass, replace
-from tracerisk.source.c_tokens import is_c, tokens
+from tracerisk.source.c_tokens import tokens
+from tracerisk.source.language import is_c
 from tracerisk.text.patterns import pattern
 
 _C_LEAD = pattern(r"[ \t]*\*+[ \t]?|[ \t]+")
@@ -36,11 +36,6 @@ _PLAIN = pattern(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
 _PLAIN_BLOCK = pattern(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
 _BEGINS = pattern(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
-
-
-def is_c_like(file: str) -> bool:
-    """Return whether a file's ending says that its comments are those of C, C++ and Java."""
-    return is_c(file) or PurePath(file).suffix.lower() == ".java"
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
-from tracerisk.adder.sources.c_blocks import c_block_lines, scan_c_blocks
 from tracerisk.adder.sources.definitions import (
     BYTE_ORDER_MARK,
     MODULE,
@@ -25,10 +24,10 @@ from tracerisk.adder.sources.placed import (
     PlacedBlock,
     only_one_each,
 )
-from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.records import dataclass
+from tracerisk.source.language import is_c_like
 from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
@@ -67,6 +66,8 @@ def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
         DependencyError: if C or C++ is to be read and the extra `cpp` is not installed.
     """
     if is_c_like(file):
+        from tracerisk.adder.sources.c_blocks import scan_c_blocks
+
         return only_one_each(scan_c_blocks(source, file), file)
     if _ANY_BLOCK.search(source) is None:
         return ()
@@ -79,6 +80,8 @@ def block_lines(source: bytes, file: str) -> tuple[int, ...]:
     Raises SourceError if the source is not Python, DependencyError as `read_blocks`.
     """
     if is_c_like(file):
+        from tracerisk.adder.sources.c_blocks import c_block_lines
+
         return c_block_lines(source, file)
     if _ANY_BLOCK.search(source) is None:
         return ()

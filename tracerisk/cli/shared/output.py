@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import json
 import math
 import os
@@ -85,6 +84,8 @@ def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
 
 def print_diff(before: bytes, after: bytes, name: str) -> None:
     """Print a unified diff of two versions of a file."""
+    import difflib
+
     lines = difflib.unified_diff(
         _lines(before), _lines(after), fromfile=name, tofile=f"{name} (annotated)"
     )

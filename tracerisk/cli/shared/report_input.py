@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.source.language import is_c_like
 from tracerisk.trace import FunctionRef, QualifiedName
 
 if TYPE_CHECKING:

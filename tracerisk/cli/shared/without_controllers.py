@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
+from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.output import note
+
+if TYPE_CHECKING:
+    import argparse
 
 _SHOWN = 5
 

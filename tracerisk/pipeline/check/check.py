@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
@@ -14,6 +14,7 @@ from tracerisk.adder.blocks.values import (
     NOTHING_COMPUTED,
     FieldKind,
     component_fields,
+    has_pins,
 )
 from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
@@ -24,8 +25,7 @@ from tracerisk.adder.lock.lock import (
     WrittenBlock,
     as_written,
 )
-from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
-from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, has_pins
+from tracerisk.adder.merge.bases import bases_of, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
@@ -45,12 +45,15 @@ from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, mov
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
-from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.bases import SourceEvidence
+    from tracerisk.adder.merge.merge import PersonEdit
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -66,6 +69,8 @@ def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> C
     found = _check_once(path, limits)
     if not any(map(_sets_source_against_lock, found.findings)):
         return found
+    from tracerisk.pipeline.history.file_lock import one_writer
+
     # Another run may have written between our looks at lock and source; it may not now.
     with one_writer(controller_root(found.path)):
         return _check_once(path, limits)
@@ -285,6 +290,8 @@ def _edits(
         is_settled = written is not None and is_as_written(placed.block, written)
         if is_settled or placed.block.added:
             continue
+        from tracerisk.adder.merge.merge import MergePolicy
+
         outcome = merge_with_bases(
             name,
             bases,

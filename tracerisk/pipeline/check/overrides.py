@@ -21,10 +21,11 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key, read_lock
 from tracerisk.adder.merge.bases import bases_of
-from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
 OverrideKind = Literal["value", "added", "omitted", "block"]

@@ -10,7 +10,6 @@ from tracerisk.adder.sources.functions import functions_in
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instance_name import places
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
-from tracerisk.pipeline.trace.last_run import kept_contacts
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.records import dataclass
 from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
@@ -37,6 +36,8 @@ class CoverageLimits:
 
 def contact_findings(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
     """Yield what touched in the last run, in the functions that are there."""
+    from tracerisk.pipeline.trace.last_run import kept_contacts
+
     for each in kept_contacts(entry.trace):
         place = function_place(controller, each.function)
         if place is not None:

@@ -6,7 +6,6 @@ on: of its sources without comments and blank lines, of other files byte for byt
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -15,13 +14,11 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.evidence.cells import EVIDENCE_NAME
-from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.records import asdict, dataclass, field, fields, replace
 from tracerisk.source.code_digest import code_digest
+from tracerisk.text.digests import sha256
 from tracerisk.trace import Trace
 
 GONE = "gone"
@@ -71,7 +68,7 @@ class RunInputs:
         parts: list[Any] = [run, dict(self.sources), dict(self.files)]
         if self.libraries:
             parts.append(list(self.libraries))
-        return _digest(json.dumps(parts, sort_keys=True).encode())
+        return sha256(json.dumps(parts, sort_keys=True).encode())
 
     def data(self) -> dict[str, Any]:
         """Return what the lock keeps."""
@@ -162,18 +159,20 @@ def hardware_digest(settings: Settings) -> str:
     """
     if settings.hardware is None:
         return ""
+    from tracerisk.hardware.source_files import source_files
+
     path, *beside = source_files(Path(settings.hardware))
     own = file_digest(path)
     if not beside:
         return own
     others = (f"{each.name} {file_digest(each)}" for each in beside)
-    return _digest("\n".join((own, *others)).encode())
+    return sha256("\n".join((own, *others)).encode())
 
 
 def file_digest(path: Path) -> str:
     """Return a digest of a file's bytes, or that it is gone: then a run finds another."""
     try:
-        return _digest(path.read_bytes())
+        return sha256(path.read_bytes())
     except FileNotFoundError:
         return GONE
     except OSError as error:
@@ -204,6 +203,8 @@ def values_reasons(
     if recorded.hardware != hardware_digest(settings):
         found.append(f"{settings.hardware or 'the hardware description'} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
+        from tracerisk.evidence.cells import EVIDENCE_NAME
+
         found.append(f"{EVIDENCE_NAME} has changed")
     return tuple(found)
 
@@ -233,6 +234,10 @@ def _libraries(
     controller: Controller, settings: Settings, sources: Iterable[str]
 ) -> tuple[str, ...]:
     """Return which of the sources of a run are library code now; one that is gone is none."""
+    if all(file == controller.file for file in sources):
+        return ()
+    from tracerisk.pipeline.workspace.libraries import Libraries
+
     libraries = Libraries(controller.path, controller.root, settings.states)
     paths = ((file, controller.path_of(file)) for file in sorted(sources))
     return tuple(file for file, path in paths if path.is_file() and libraries.holds(path))
@@ -273,7 +278,3 @@ def _plain(name: str, value: Any, root: Path) -> Any:
 
 def _from(root: Path, path: Path) -> str:
     return Path(os.path.relpath(path.resolve(), root)).as_posix()
-
-
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()

@@ -10,14 +10,12 @@ from typing import TypeVar
 
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import RunInputs
-from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.records import dataclass, field, replace
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 
 T = TypeVar("T")
 
@@ -86,6 +84,8 @@ def forget_gone(root: Path, *, write: bool = True) -> tuple[str, ...]:
     path = root / LOCK_NAME
     if not path.is_file():
         return ()
+    from tracerisk.pipeline.history.file_lock import one_writer
+
     with one_writer(root):
         lock = read_lock(path)
         gone = tuple(key for key in sorted(lock.controllers) if not (root / key).is_file())
@@ -102,6 +102,8 @@ def forget_blocks(files: Sequence[Path]) -> None:
     A controller of which no block is left goes.
     Raises InputError where a lock cannot be read or written.
     """
+    from tracerisk.pipeline.history.file_lock import one_writer
+
     for root in dict.fromkeys(map(controller_root, files)):
         path = root / LOCK_NAME
         if not path.is_file():
@@ -124,6 +126,8 @@ def forget_blocks(files: Sequence[Path]) -> None:
 def write_or_remove(path: Path, lock: Lock) -> None:
     """Write a lock; one that knows no controller any more is removed."""
     if lock.controllers:
+        from tracerisk.adder.sources.write import FileWrite, write_all
+
         write_all([FileWrite(path, lock.dumps())])
     else:
         path.unlink(missing_ok=True)

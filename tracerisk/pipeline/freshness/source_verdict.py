@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
-from tracerisk.adder.sources.published import is_c_like
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
-from tracerisk.source.c_tokens import is_c
 from tracerisk.source.code_digest import code_digest
+from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import Verdict, verdict_line
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING
 
-from tracerisk.evidence.cells import EVIDENCE_NAME, Evidence
-from tracerisk.evidence.file import dump_evidence, read_evidence
 from tracerisk.records import replace
+from tracerisk.text.digests import sha256
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
+    from tracerisk.evidence.cells import Evidence
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.quantify.evidence_shares import EvidenceShares
 
@@ -20,6 +19,9 @@ def kept_evidence(controller: Controller) -> Evidence | None:
 
     Raises InputError where the file is malformed.
     """
+    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence.file import read_evidence
+
     return read_evidence(controller.root / EVIDENCE_NAME).get(controller.file)
 
 
@@ -51,9 +53,11 @@ def evidence_digest(controller: Controller, settings: Settings, fingerprint: str
     used = _used(controller, settings, fingerprint)
     if used is None:
         return ""
+    from tracerisk.evidence.file import dump_evidence
+
     # Cells that fill the table alone change no figure.
     drawn = replace(used, cells=tuple(each for each in used.cells if each.drawn))
-    return hashlib.sha256(dump_evidence({controller.file: drawn}).encode()).hexdigest()
+    return sha256(dump_evidence({controller.file: drawn}).encode())
 
 
 def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -> str:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from tracerisk.adder.lock.lock import LOCK_NAME
-from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.history.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
+from tracerisk.source.language import is_c_like
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,13 +8,13 @@ from typing import get_args
 
 from tracerisk.adder.lock.digest import KINDS, DigestReading
 from tracerisk.adder.lock.lock import WrittenBlock
-from tracerisk.adder.sources.published import is_c_like, read_c_blocks
+from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.prm.review.risk_change import Cause, ChangedField
-from tracerisk.source.c_tokens import is_c
 from tracerisk.source.code_digest import code_digest
+from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import FunctionRef
 
 _OF_HARDWARE = frozenset({"hardware", "active"})

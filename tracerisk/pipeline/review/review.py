@@ -27,7 +27,7 @@ from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import FunctionRef
 
 

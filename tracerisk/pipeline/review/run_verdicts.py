@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from tracerisk.adder.lock.lock import LOCK_NAME, loads, lock_key
-from tracerisk.adder.sources.published import is_c_like
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.controllers import ControllerVersion, in_version
 from tracerisk.pipeline.review.git_versions import compared
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import Verdict
 
 

@@ -6,10 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.records import replace
 from tracerisk.trace import Verdict
-from tracerisk.trace_json import plain_data, verdict_of_data
 
 _VERDICT = "verdict"
 _WHOLE_S = 1  # decimals of the times that are kept: more would change with every change
@@ -19,6 +17,8 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
     """Return what the lock keeps of a verdict; nothing where none is known."""
     if verdict is None:
         return {}
+    from tracerisk.trace_json import plain_data
+
     reasons = tuple(
         replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
         for each in verdict.reasons
@@ -31,6 +31,8 @@ def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callab
 
     `shown` is how messages call each source.
     """
+    from tracerisk.adder.sources.line_map import line_maps
+
     return line_maps(sources, {}, shown)
 
 
@@ -38,6 +40,8 @@ def block_lines(
     sources: Mapping[str, bytes], shown: Mapping[str, str]
 ) -> Callable[[str, int], int]:
     """Return what gives the line of a source, with its blocks, for one that the lock keeps."""
+    from tracerisk.adder.sources.line_map import line_maps
+
     return line_maps(dict.fromkeys(sources, b""), sources, shown)
 
 
@@ -48,4 +52,6 @@ def kept_verdict(entry: ControllerLock | None) -> Verdict | None:
     """
     if entry is None or not isinstance(entry.trace.get(_VERDICT), Mapping):
         return None
+    from tracerisk.trace_json import verdict_of_data
+
     return verdict_of_data(entry.trace[_VERDICT])

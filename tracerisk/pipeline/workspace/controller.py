@@ -10,7 +10,7 @@ from pathlib import Path
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.records import dataclass, field, replace
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.text.patterns import pattern
 
 _PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")

@@ -15,7 +15,7 @@ from tracerisk.prm.review.risk_change import (
     is_noise,
     ratio_of,
 )
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 _MARKS: dict[Mark, str] = {
