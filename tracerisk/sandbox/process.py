@@ -255,20 +255,27 @@ def _within(place: Path) -> list[tuple[str, bool]]:
         path = place.resolve()
         if not path.is_dir():
             return [(str(path), True)]
-        homes = [Path(each).expanduser().resolve() for each in ("~", _home_on_record())]
-        inside = sorted(path.iterdir())
+        names = sorted(os.listdir(path))  # noqa: PTH208 - hundreds, of which few are looked at
+        homes = _homes(os.environ.get("HOME"))
     except (OSError, RuntimeError):
         return []
     if any(path in home.parents for home in homes):
         return []
     if path in homes:
         # The folder of everything is not a folder of sources, though sources may lie in it.
+        inside = (path / each for each in names)
         parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
-    elif any(is_secret(each.name) for each in inside):
-        parts = [each for each in inside if not is_secret(each.name)]
+    elif any(map(is_secret, names)):
+        parts = [path / each for each in names if not is_secret(each)]
     else:
         return [(str(path), True)]
     return [(str(path), False), *((str(each), True) for each in parts)]
+
+
+@lru_cache(maxsize=2)
+def _homes(_: str | None) -> tuple[Path, ...]:
+    """Return the home folders of this user: what HOME says, and what the system knows."""
+    return tuple(Path(each).expanduser().resolve() for each in ("~", _home_on_record()))
 
 
 def _home_on_record() -> str:
@@ -287,17 +294,25 @@ def _compile_own() -> None:
     if any(each.endswith("-packages") for each in _PACKAGE.parts):
         return
     with contextlib.suppress(OSError):
-        for folder, folders, names in os.walk(_PACKAGE):
-            folders[:] = [each for each in folders if each != "__pycache__"]
-            sources = [Path(folder, each) for each in names if each.endswith(".py")]
+        waiting = [str(_PACKAGE)]
+        while waiting:
+            folder = waiting.pop()
+            with os.scandir(folder) as found:
+                entries = list(found)
+            folders = (each for each in entries if each.is_dir(follow_symlinks=False))
+            waiting += [each.path for each in folders if each.name != "__pycache__"]
+            sources = [each for each in entries if each.name.endswith(".py")]
             if sources and not _is_compiled(sources):
                 import compileall
 
                 compileall.compile_dir(folder, maxlevels=0, quiet=2)
 
 
-def _is_compiled(sources: Sequence[Path]) -> bool:
+def _is_compiled(sources: Sequence[os.DirEntry[str]]) -> bool:
     """Return whether the modules of one folder were compiled after the last was written."""
     written = max(each.stat().st_mtime for each in sources)
-    compiled = Path(cache_from_source(str(sources[0])))
-    return compiled.exists() and compiled.parent.stat().st_mtime >= written
+    compiled = cache_from_source(sources[0].path)
+    with contextlib.suppress(FileNotFoundError):
+        os.stat(compiled)  # noqa: PTH116 - a hundred folders, whose paths take as long as all else
+        return os.stat(os.path.dirname(compiled)).st_mtime >= written  # noqa: PTH116, PTH120
+    return False
