@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
@@ -49,7 +49,8 @@ _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
 
-class BlockLine(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class BlockLine:
     """One line of a block: its number in the file and its text behind the gutter."""
 
     number: int

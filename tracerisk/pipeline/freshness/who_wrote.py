@@ -6,17 +6,20 @@ It is asked only where a block's digest and the lock do not know a value: git ta
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.adder.merge.authors import Evidence
-from tracerisk.adder.merge.bases import SourceEvidence
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import QualifiedName
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.authors import Evidence
+    from tracerisk.adder.merge.bases import SourceEvidence
 
 
 def evidence_for(
@@ -35,6 +38,7 @@ def evidence_for(
     @cache
     def of_file(file: str) -> Evidence:
         # Imported here: of most blocks nobody has to ask git.
+        from tracerisk.adder.merge.authors import Evidence
         from tracerisk.pipeline.history.kept_by_git import kept_by_git
 
         kept = kept_by_git(controller.root.resolve(), file)
