@@ -40,7 +40,7 @@ from tracerisk.adder.sources.insert import insert_everywhere, strip_blocks
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import TraceRiskError
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.source.c_tokens import is_c
+from tracerisk.source.language import is_c
 from tracerisk.trace import QualifiedName
 
 VERDICTS = ("exact", "refused", "wrong")

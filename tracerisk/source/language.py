@@ -9,7 +9,7 @@ CPP_SUFFIXES = frozenset({".cc", ".cpp", ".cxx", ".c++", ".hh", ".hpp", ".hxx", 
 
 
 def is_c(file: str) -> bool:
-    """Whether a file is C or C++ by its ending."""
+    """Return whether a file is C or C++ by its ending."""
     return PurePath(file).suffix.lower() in C_SUFFIXES | CPP_SUFFIXES
 
 
