@@ -58,6 +58,7 @@ def plain_options(files: Sequence[str], *, quiet: bool) -> argparse.Namespace:
         watch=False,
         sarif=None,
         json=False,
+        color="auto",
         quiet=quiet,
     )
     return cast("argparse.Namespace", plain)

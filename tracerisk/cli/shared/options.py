@@ -26,9 +26,10 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-q", "--quiet", action="store_true", help="suppress notes and progress")
     parser.add_argument(
         "--color",
+        metavar="WHEN",
         choices=("auto", "always", "never"),
         default="auto",
-        help="when to color: auto is on a terminal, as NO_COLOR and FORCE_COLOR say (auto)",
+        help="always, never or auto: on a terminal, as NO_COLOR and FORCE_COLOR say (auto)",
     )
 
 
@@ -179,6 +180,7 @@ def add_sandbox(group: argparse._ActionsContainer) -> None:
     """Add the option for the sandbox of what is run of a workspace."""
     group.add_argument(
         "--sandbox",
+        metavar="MODE",
         choices=("auto", "require", "off"),
         help="contain what is run of the workspace: where that works (auto), always and by no "
         "setting widened (require), never (off)",

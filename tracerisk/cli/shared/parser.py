@@ -23,7 +23,7 @@ exit codes:
   130  interrupted
 """
 
-_MOST_IN_USAGE = 6  # options, with which a usage line still reads well
+_MOST_IN_USAGE = 7  # options, with which a usage line still reads well
 
 
 def parse(given: list[str]) -> argparse.Namespace:
