@@ -308,11 +308,11 @@ def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
     [
         (
             "1000000000000 1\n0 1 1\n",
-            "m.tra:1: 1000000000000 states are announced; at most 10000000 are read, and 1 "
-            "transitions name at most 2",
+            "m.tra:1: 1000000000000 states are announced; at most 2000000 are read",
         ),
-        ("9999999 1\n0 1 1\n", "m.tra:1: 9999999 states are announced"),
-        ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999, but 1 transitions name at most 2"),
+        ("999999 1\n0 1 1\n", "m.tra:1: 999999 states are announced, and 1 transitions name at"),
+        ("dtmc\n0 999999 1\n", "m.tra:2: state 999999, but 1 transitions name at most 2"),
+        ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999; at most 2000000 states are read"),
     ],
 )
 def test_states_that_no_transition_can_name_are_refused_before_memory_is_used(text, message):
@@ -324,6 +324,65 @@ def test_states_that_no_transition_can_name_are_refused_before_memory_is_used(te
         assert tracemalloc.get_traced_memory()[1] < 1e6
     finally:
         tracemalloc.stop()
+
+
+def test_a_file_of_too_many_states_is_refused_by_its_last_lines():
+    lines = [f"{state} {state + 1} 1" for state in (*range(500), 2_000_000)]
+    with pytest.raises(TooLargeError, match=r"m.tra: state 2000000 in the last lines; at most 20"):
+        read("\n".join(("dtmc", *lines)))
+
+
+def walk(count):
+    """The texts of a walk of so many states, with a third way out of each to an end."""
+    lines = [
+        f"{state} {target} {p}"
+        for state in range(count - 2)
+        for target, p in ((state + 1, 0.9), (max(state - 3, 0), 0.09), (count - 1, 0.01))
+    ]
+    ends = (f"{count - 2} {count - 2} 1", f"{count - 1} {count - 1} 1")
+    return "\n".join(("dtmc", *lines, *ends)), f'0="init" 1="lost"\n0: 0\n{count - 1}: 1\n'
+
+
+@pytest.mark.parametrize("near", [2, 50_000])
+def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch, near):
+    monkeypatch.setattr("tracerisk.prm.formats.explicit._PIECE", 1_000)
+    monkeypatch.setattr("tracerisk.prm.formats.explicit._NEAR", near)
+    text, labels = walk(4_000)
+    found = read(text, labels)
+    assert len(found.rows) == 4_000
+    assert found.rows[2_000] == {2_001: 0.9, 1_997: 0.09, 3_999: 0.01}
+    assert found.rows[-2:] == ({}, {})
+    cut = text.replace("\n3000 3001 0.9", "\n3000 3001 0.8")
+    with pytest.raises(ModelError, match=r"m.tra:9002: the probabilities from state 3000 sum to"):
+        read(cut, labels)
+
+
+def test_memory_for_a_chain_from_a_text_is_some_hundred_bytes_a_state():
+    text, labels = walk(5_000)
+    tracemalloc.start()
+    try:
+        kept = read(text, labels)
+        assert tracemalloc.get_traced_memory()[1] < 600 * len(kept.rows)
+    finally:
+        tracemalloc.stop()
+
+
+def test_many_states_have_the_figures_of_few(tmp_path, monkeypatch):
+    from tracerisk.cli.shared.model_format import ModelFormat
+    from tracerisk.cli.solving import chains
+
+    text, labels = walk(400)
+    (tmp_path / "m.tra").write_text(text)
+    (tmp_path / "m.lab").write_text(labels)
+    file = chains.ChainFile((str(tmp_path / "m.tra"),), ModelFormat.EXPLICIT, None)
+    few = file.solve(None, importance=False)
+    monkeypatch.setattr(chains, "SMALL", 100)
+    many = file.solve(None, importance=False)
+    assert many.figures == pytest.approx(few.figures, rel=1e-13)
+    assert list(many.figures) == list(few.figures)
+    for name in ("expected_visits", "absorption"):
+        assert many.data[name] == pytest.approx(few.data[name], rel=1e-13)
+        assert list(many.data[name]) == list(few.data[name])
 
 
 def test_several_starts_come_back_from_all_formats():

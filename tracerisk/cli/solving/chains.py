@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
@@ -12,6 +13,7 @@ from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.solving.solved import Render, Solved, chosen
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
+from tracerisk.prm.markov.solver import SMALL
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.prism.reader import PrismModel
@@ -134,13 +136,23 @@ class ChainFile:
         )
 
     def _discrete(self, chain: ExplicitChain, figure: str | None) -> Solved:
-        solution = chain.markov_chain().solve(chain.entry)
-        visits = solution.expected_visits()
-        steps = solution.expected_steps()
+        if len(chain.rows) > SMALL:
+            # Rows by the names of so many states would take twice the memory.
+            large = chain.matrix_chain().solve(chain.initial)
+            ended, stayed = large.absorption(), large.expected_visits()
+            ends = {chain.names[state]: float(ended[state]) for state in chain.absorbing}
+            visits = {
+                name: value
+                for name, value in zip(chain.names, stayed.tolist(), strict=True)
+                if name not in ends
+            }
+        else:
+            solution = chain.markov_chain().solve(chain.entry)
+            ends, visits = solution.absorption(), solution.expected_visits()
+        steps = math.fsum(visits.values())
         data = {"expected_visits": visits, "expected_steps": steps}
-        return self._absorbed(
-            chain, solution.absorption(), data, visits, f"mean number of steps: {steps:.6e}", figure
-        )
+        told = f"mean number of steps: {steps:.6e}"
+        return self._absorbed(chain, ends, data, visits, told, figure)
 
     def _continuous(self, chain: ExplicitChain, figure: str | None) -> Solved:
         from tracerisk.report.model_files import render_states

@@ -19,11 +19,20 @@ from tracerisk.prm.formats.explicit_chain import (
     ExplicitChain,
     names_from_labels,
 )
+from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.text.bounded import whole_number
 
-MOST_STATES = 10_000_000
+MOST_STATES = 2_000_000
 _UNNAMED = 1_000
 """How many states there may be that no transition names, so that small files need not be whole."""
+_PIECE = 1_000_000
+"""How many characters of a text are split into lines at a time."""
+_NEAR = 50_000
+"""How many numbers of lines before are kept."""
+_END = 1_000
+"""How many characters at the end of a text are looked at first."""
+_LONG = 19
+"""From so many digits on, two numbers are looked at one by one."""
 _DECLARED = re.compile(r'(\d+)="([^"]+)"')
 
 
@@ -95,25 +104,42 @@ def read_explicit(
     return ExplicitChain(found, min(starts), rows, sets, names, starts=several)
 
 
-def _lines(text: str) -> Iterator[tuple[int, list[tuple[int, str]]]]:
-    """Yield the number of each line that is not blank, and its words with their columns."""
-    for number, line in enumerate(text.splitlines(), 1):
-        words = [(match.start() + 1, match.group()) for match in re.finditer(r"\S+", line)]
-        if words:
-            yield number, words
+def _lines(text: str, start: int = 0) -> Iterator[tuple[int, list[tuple[int, str]]]]:
+    """Yield the number of each line that is not blank, and its words with their columns.
+
+    The first `start` lines are left out.
+    """
+    for number, line in _numbered(text):
+        if number > start and line.strip():
+            yield number, _words(line)
+
+
+def _numbered(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines and their numbers; of a long text not all are held at once."""
+    number = begin = 0
+    while begin < len(text):
+        end = text.find("\n", begin + _PIECE) + 1 or len(text)
+        for line in text[begin:end].splitlines():
+            number += 1
+            yield number, line
+        begin = end
+
+
+def _words(line: str) -> list[tuple[int, str]]:
+    """Return the words of a line with their columns."""
+    return [(match.start() + 1, match.group()) for match in re.finditer(r"\S+", line)]
 
 
 def _read_transitions(
     text: str, file: str, kind: ChainKind | None, most_states: int
 ) -> tuple[ChainKind, int, tuple[dict[int, float], ...]]:
-    lines = list(_lines(text))
-    if not lines:
+    first, words = next(_lines(text), (1, []))
+    if not words:
         raise ModelError(
             "the file is empty; it begins with dtmc, ctmc or the numbers of states and transitions",
             Location(file, 1, 1),
         )
     declared: tuple[int, int] | None = None
-    first, words = lines[0]
     if len(words) == 1:
         word = words[0][1].lower()
         if word not in ("dtmc", "ctmc"):
@@ -127,68 +153,150 @@ def _read_transitions(
                 f"the file holds a {stated.value}, not a {kind.value}", Location(file, first, 1)
             )
         kind = stated
-        del lines[0]
     elif len(words) == 2:
         declared = (_whole(words[0], file, first), _whole(words[1], file, first))
-        del lines[0]
-    # Each transition names two states; a greater number is not a state of this file.
-    named = max(2 * len(lines), _UNNAMED)
-    if declared is not None and declared[0] > min(named, most_states):
+    head = first if len(words) < 3 else 0
+    if declared is not None and declared[0] > most_states:
         raise TooLargeError(
-            f"{file}:{first}: {declared[0]} states are announced; at most {most_states} are read, "
-            f"and {len(lines)} transitions name at most {2 * len(lines)}"
+            f"{file}:{first}: {declared[0]} states are announced; at most {most_states} are read"
         )
-    entries: dict[tuple[int, int], float] = {}
-    highest = -1
-    for number, row in lines:
-        source, target, weight = _transition(row, file, number)
-        highest = max(highest, source, target)
-        if highest >= most_states:
-            raise TooLargeError(
-                f"{file}:{number}: state {highest}; at most {most_states} states are read"
-            )
-        if declared is not None and highest >= declared[0]:
-            raise ModelError(
-                f"state {highest}, but the file has {declared[0]} states",
-                Location(file, number, row[0][0]),
-            )
-        if highest >= named:
-            raise TooLargeError(
-                f"{file}:{number}: state {highest}, but {len(lines)} transitions name at most "
-                f"{2 * len(lines)} states; number the states from 0 on"
-            )
-        if (source, target) in entries:
-            raise ModelError(
-                f"duplicate transition from {source} to {target}; add the two up",
-                Location(file, number, row[0][0]),
-            )
-        entries[source, target] = weight
-    if declared is not None and len(lines) != declared[1]:
+    _check_end(text, file, most_states)
+    count = sum(number > head and bool(line.strip()) for number, line in _numbered(text))
+    # Each transition names two states; a greater number is not a state of this file.
+    named = max(2 * count, _UNNAMED)
+    if declared is not None and declared[0] > named:
+        raise TooLargeError(
+            f"{file}:{first}: {declared[0]} states are announced, and {count} transitions name at "
+            f"most {2 * count}"
+        )
+    allowed = min(named, most_states, declared[0] if declared is not None else named)
+    with collection_paused():
+        found, highest, last = _rows(text, head, file, allowed, most_states, declared, count)
+    if declared is not None and count != declared[1]:
         raise ModelError(
-            f"{declared[1]} transitions are announced and {len(lines)} are there; "
+            f"{declared[1]} transitions are announced and {count} are there; "
             "the file is cut off or its first line is wrong",
-            Location(file, lines[-1][0] if lines else first),
+            Location(file, last or first),
         )
-    count = declared[0] if declared is not None else highest + 1
-    if count == 0:
+    size = declared[0] if declared is not None else highest + 1
+    if size == 0:
         raise ModelError("the file holds no transition", Location(file, first))
-    rows: list[dict[int, float]] = [{} for _ in range(count)]
-    for (source, target), weight in entries.items():
-        if weight > 0.0:
-            rows[source][target] = weight
     kind = kind or ChainKind.DTMC
     if kind is ChainKind.DTMC:
-        _check_sums(rows, lines, file)
-    return kind, count, tuple({} if set(row) <= {i} else row for i, row in enumerate(rows))
+        _check_sums(found, text, head, file)
+    return (
+        kind,
+        size,
+        tuple(
+            row if (row := found.get(state)) and not (len(row) == 1 and state in row) else {}
+            for state in range(size)
+        ),
+    )
 
 
-def _transition(words: list[tuple[int, str]], file: str, line: int) -> tuple[int, int, float]:
+def _check_end(text: str, file: str, most_states: int) -> None:
+    """Raise TooLargeError, before all is read, when the last lines name too many states.
+
+    Tools write the states in order.
+    """
+    begin = text.rfind("\n", 0, max(0, len(text) - _END)) + 1
+    for line in text[begin:].splitlines() if begin > 0 else ():
+        word = (line.split() or [""])[0]
+        if len(word) < _LONG and word.isascii() and word.isdigit() and int(word) >= most_states:
+            raise TooLargeError(
+                f"{file}: state {int(word)} in the last lines; at most {most_states} states are "
+                "read"
+            )
+
+
+def _rows(
+    document: str,
+    head: int,
+    file: str,
+    allowed: int,
+    most_states: int,
+    declared: tuple[int, int] | None,
+    count: int,
+) -> tuple[dict[int, dict[int, float]], int, int]:
+    """Return the ways out of each state, the highest state, and the last line.
+
+    States are below `allowed`; `count` lines follow the `head`.
+    """
+    found: dict[int, dict[int, float]] = {}
+    never: set[int] = set()
+    highest, last = -1, 0
+    # Numbers that stand in lines near each other, and weights, are one object each.
+    states: dict[str, int] = {}
+    weights: dict[str, float] = {}
+    for number, line in _numbered(document):
+        words = line.split()
+        if number <= head or not words:
+            continue
+        last = number
+        a, b, text = words[:3] if len(words) in (3, 4) else ("", "", "")
+        source, target, weight = states.get(a), states.get(b), weights.get(text)
+        if source is None or target is None or weight is None:
+            source, target, weight = _transition(line, words, file, number)
+            if max(len(states), len(weights)) >= _NEAR:
+                states.clear()
+                weights.clear()
+            source, target = states.setdefault(a, source), states.setdefault(b, target)
+            weight = weights.setdefault(text, weight)
+        greater = max(source, target)
+        if greater > highest:
+            highest = greater
+            if highest >= allowed:
+                raise _beyond(line, highest, file, number, most_states, declared, count)
+        row = found.get(source)
+        if row is None:
+            found[source] = {target: weight}
+        elif target in row:
+            raise ModelError(
+                f"duplicate transition from {source} to {target}; add the two up",
+                Location(file, number, _words(line)[0][0]),
+            )
+        else:
+            row[target] = weight
+        if weight == 0.0:
+            never.add(source)
+    for source in never:
+        found[source] = {target: p for target, p in found[source].items() if p > 0.0}
+    return found, highest, last
+
+
+def _beyond(
+    line: str,
+    state: int,
+    file: str,
+    number: int,
+    most_states: int,
+    declared: tuple[int, int] | None,
+    count: int,
+) -> ModelError | TooLargeError:
+    """Return the error of a state that the file cannot have."""
+    if state >= most_states:
+        return TooLargeError(
+            f"{file}:{number}: state {state}; at most {most_states} states are read"
+        )
+    if declared is not None and state >= declared[0]:
+        return ModelError(
+            f"state {state}, but the file has {declared[0]} states",
+            Location(file, number, _words(line)[0][0]),
+        )
+    return TooLargeError(
+        f"{file}:{number}: state {state}, but {count} transitions name at most "
+        f"{2 * count} states; number the states from 0 on"
+    )
+
+
+def _transition(line: str, words: list[str], file: str, number: int) -> tuple[int, int, float]:
+    """Return source, target and weight of a line, which is split into words."""
     if len(words) not in (3, 4):
         raise ModelError(
             f"{len(words)} words; a transition is a state, the next state and a number",
-            Location(file, line, words[0][0]),
+            Location(file, number, _words(line)[0][0]),
         )
-    column, text = words[2]
+    source, target, text = words[:3]
     try:
         weight = float(text)
     except ValueError:
@@ -196,9 +304,14 @@ def _transition(words: list[tuple[int, str]], file: str, line: int) -> tuple[int
     if not 0.0 <= weight < math.inf:
         raise ModelError(
             f"'{text}' is not a probability or rate; give a number of 0 or more",
-            Location(file, line, column),
+            Location(file, number, _words(line)[2][0]),
         )
-    return _whole(words[0], file, line), _whole(words[1], file, line), weight
+    both = source + target
+    if len(both) < _LONG and both.isascii() and both.isdigit():
+        # The usual case, without a look at where the words stand.
+        return int(source), int(target), weight
+    placed = _words(line)
+    return _whole(placed[0], file, number), _whole(placed[1], file, number), weight
 
 
 def _whole(word: tuple[int, str], file: str, line: int) -> int:
@@ -213,14 +326,13 @@ def _whole(word: tuple[int, str], file: str, line: int) -> int:
         raise ModelError(f"cannot read {error}", Location(file, line, column)) from error
 
 
-def _check_sums(
-    rows: list[dict[int, float]], lines: list[tuple[int, list[tuple[int, str]]]], file: str
-) -> None:
-    for state, row in enumerate(rows):
+def _check_sums(rows: dict[int, dict[int, float]], text: str, head: int, file: str) -> None:
+    for state in sorted(rows):
+        row = rows[state]
         total = math.fsum(row.values())
         if row and abs(total - 1.0) > 1e-9:
             # A number may be written with zeros in front.
-            first = next(n for n, words in lines if (words[0][1].lstrip("0") or "0") == str(state))
+            first = next(n for n, words in _lines(text, head) if int(words[0][1]) == state)
             raise ModelError(
                 f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
                 Location(file, first),

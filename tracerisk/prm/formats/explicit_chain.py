@@ -6,9 +6,15 @@ import enum
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
+from typing import TYPE_CHECKING
 
+from tracerisk.dependencies import require_large
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.markov import ContinuousChain, MarkovChain
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.large.matrix_chain import MatrixChain
 
 INITIAL = "init"
 """The label of the state in which a chain starts."""
@@ -81,6 +87,27 @@ class ExplicitChain:
         if self.kind is not ChainKind.DTMC:
             raise ModelError("a ctmc has rates, no probabilities; ask for its continuous_chain()")
         return MarkovChain(self._named_rows(), self._named(self.absorbing))
+
+    def matrix_chain(self) -> MatrixChain:
+        """Return the chain in discrete time, by the numbers of its states: for many of them.
+
+        Raises ModelError as `markov_chain` does.
+        """
+        from tracerisk.prm.numbers.arrays import np
+
+        require_large("scipy")
+        from scipy.sparse import csr_array
+
+        if self.kind is not ChainKind.DTMC:
+            raise ModelError("a ctmc has rates, no probabilities; ask for its continuous_chain()")
+        counts = np.fromiter(map(len, self.rows), dtype=np.int64, count=len(self.rows))
+        ends = np.concatenate((np.zeros(1, np.int64), np.cumsum(counts)))
+        targets = np.fromiter(chain.from_iterable(self.rows), np.int32, count=int(ends[-1]))
+        weights = chain.from_iterable(row.values() for row in self.rows)
+        values = np.fromiter(weights, np.float64, count=int(ends[-1]))
+        matrix = csr_array((values, targets, ends), shape=(len(self.rows),) * 2)
+        matrix.sort_indices()
+        return MarkovChain.from_matrix(matrix, names=self.names)
 
     def continuous_chain(self) -> ContinuousChain:
         """Return the chain in continuous time, by the names of its states.
