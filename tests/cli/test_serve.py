@@ -19,7 +19,8 @@ from urllib.parse import quote
 import pytest
 
 from tracerisk.adder.lock.lock import ControllerLock, Lock
-from tracerisk.cli import main
+from tracerisk.cli import main, whole_parser
+from tracerisk.cli.serve import PORT
 from tracerisk.cli.serving.server import Server
 from tracerisk.cli.serving.site import Site
 from tracerisk.cli.serving.what_if import answer, choices_of, read_change
@@ -633,3 +634,30 @@ sys.exit(f"loaded: {heavy}" if heavy else 0)
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_a_lock_that_is_new_below_shows_on_the_first_page(server, annotated_source):
+    get(server, "/")
+    Path("more").mkdir()
+    Path("more/late.py").write_text(annotated_source(late=("done 1", "gripper = 1e-7")))
+    lock = Lock().with_controller("late.py", ControllerLock("run", {}))
+    Path("more/tracerisk.lock").write_bytes(lock.dumps())
+    assert "/controller/more/late.py" in get(server, "/").text
+    assert solved(server, "/what-if/more/late.py?rate.gripper=2")["ratio"] == pytest.approx(2.0)
+
+
+def test_without_a_controller_the_page_says_what_writes_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with serving() as server:
+        found = get(server, "/")
+        assert found.status == 422
+        assert "`tracerisk run FILE` writes one" in found.text
+        assert get(server, "/state").status == 200
+
+
+def test_the_commands_of_the_documentation_are_those_of_the_verb():
+    text = (Path(__file__).parents[2] / "docs/serve.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    given = [whole_parser().parse_args(line.split()[1:]) for line in block.splitlines()]
+    assert [(each.folder, each.port) for each in given] == [(".", PORT), ("../cell", 9000)]
+    assert f"127.0.0.1:{PORT}/" in text

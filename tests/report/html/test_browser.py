@@ -5,6 +5,12 @@ import json
 
 import pytest
 
+from tracerisk.report.html.page import page
+from tracerisk.report.html.repository.history import history_section
+from tracerisk.report.html.repository.overview import OverviewRow, overview_lead, overview_section
+from tracerisk.report.series.history import HistoryRow
+from tracerisk.trace import Coverage, Verdict
+
 WIDTHS = (360, 768, 1280, 1920)
 
 
@@ -183,3 +189,37 @@ def test_print_is_light_and_shows_what_is_folded(opened):
     )
     assert opened.execute_script("return unfolded") == folded
     assert opened.execute_script("return document.querySelectorAll('details[open]').length") == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious_on_the_page_over_all_controllers(
+    browser, arm, report_of, tmp_path, scheme
+):
+    assessment = report_of(arm).assessment
+    verdict = Verdict("partial", (), Coverage(8, 10))
+    rows = [
+        OverviewRow("cells/arm.py", verdict, assessment, link="#controllers", report="arm.html"),
+        OverviewRow("gone.py", None, None, error="gone.py: cannot be read"),
+    ]
+    went = [
+        HistoryRow(f"{n}a2b3c4d", "2026-01-02", "Add <b>", 1e-6 * n, None, None, "") for n in (1, 4)
+    ]
+    lead = overview_lead("repository", rows)
+    text = page("All", lead, [overview_section(rows), history_section("arm.py", went)])
+    file = tmp_path / "all.html"
+    file.write_text(text, encoding="utf-8")
+    _emulate(browser, scheme)
+    browser.get(file.as_uri())
+    serious, told = _violations(browser)
+    assert not serious, told
+
+
+def test_what_is_wider_than_the_window_says_so_until_it_is_not(opened):
+    wide = "return document.querySelectorAll('#functions .scroll + .more-sideways').length"
+    wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(opened, 5)
+    for width, is_told in ((360, True), (1920, False), (360, True)):
+        metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        wait.until(lambda it, told=is_told: bool(it.execute_script(wide)) is told)
+    _emulate(opened, "light", "print")
+    assert _state_of(opened, ".more-sideways", "display") == "none"

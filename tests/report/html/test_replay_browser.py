@@ -38,6 +38,7 @@ _FLAGS = (
 _WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 """WebGL 2 in software."""
 
+_SERIOUS = ("serious", "critical")
 TIMES = (0.0, 3.32, 7.88, 20.04, 33.2)
 N_VISITS = 15
 
@@ -626,3 +627,8 @@ def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
     assert [each.text for each in names] == ["faults, findings"]
     folded = page.find_elements("css selector", "details .timeline-mark-jump")
     assert len(folded) == 4
+    axe = pytest.importorskip("selenium_axe_python", reason="selenium-axe-python is missing").Axe
+    checker = axe(page)
+    checker.inject()
+    found = [each for each in checker.run()["violations"] if each["impact"] in _SERIOUS]
+    assert not found, axe.report(found)

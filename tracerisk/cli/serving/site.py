@@ -64,6 +64,7 @@ class Site:
         self._one_at_a_time = threading.Lock()
         self._seen: State = {}
         self._known: tuple[KnownController, ...] = ()
+        self._folders: set[Path] = set()
         self._error: TraceRiskError | None = None
         # By controller, for what is asked at each move of a slider; until a file changes.
         self._choices: dict[str, Choices] = {}
@@ -95,6 +96,8 @@ class Site:
             return _page("This cannot be shown now", str(error), 422)
 
     def _overview(self, _: str, __: str) -> Reply:
+        if set(lock_folders(Path())) != self._folders:
+            self._seen = {}
         known = self._read()
         reports = reports_in(Path(), known)
         links = report_links([each.name for each in known], reports)
@@ -191,7 +194,8 @@ class Site:
     def _read(self) -> tuple[KnownController, ...]:
         """Return what is known of the controllers, read anew where a file has changed."""
         if not self._seen or state_of(tuple(self._seen)) != self._seen:
-            folders = list(lock_folders(Path())) or [Path()]
+            self._folders = set(lock_folders(Path()))
+            folders = sorted(self._folders) or [Path()]
             before = state_of(tuple(self._files(folders, self._known)))
             self._error = None
             self._choices.clear()
