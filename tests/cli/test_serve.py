@@ -265,7 +265,7 @@ def test_the_head_of_a_page_is_sent_without_it(server):
         "/files/pick.py", "/files/tracerisk.lock", "/files/plain.html", "/files/.git/x.html",
         "/files/a%00.html", "/files/", "/files", "/files/cells", "/controller/../secret.html",
         "/report/%2e%2e%2fsecret.html", "/history//etc/passwd", "/what-if/..%2f..%2fetc%2fpasswd",
-        "//evil.example/", "/%ff%fe", "/controller/" + "a" * 5000,
+        "//evil.example/", "/%ff%fe", "/[", "/controller/[::1", "/files/%5b.html", "/controller/" + "a" * 5000,
     ],
 )  # fmt: skip
 def test_no_path_leads_to_what_is_no_page(server, folder, path):

@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
         shown = action.metavar if isinstance(action.metavar, str) else ""
         if "FILE" in shown or shown.startswith("OUT"):
             action.complete = shtab.FILE  # type: ignore[attr-defined]
-        elif shown == "DIR":
+        elif shown in ("DIR", "FOLDER"):
             action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
     print(shtab.complete(parser, shell=options.shell))
     return 0

@@ -63,11 +63,11 @@ def run(options: argparse.Namespace) -> int:
     if not options.files:
         raise InputError("name a source, or give --all for every controller of the lock")
     check_picture_options(options)
+    if options.history and options.output is None:
+        raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
     trace = _given_trace(options.trace)
     shown = _write_page(options, kept, trace) if options.output is not None else {}
-    if options.history and options.output is None:
-        raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     if wants_pictures(options):
         code, pictures = write_report_pictures(options, kept, trace, _settings(kept, options))
         if code != ExitCode.FINE:

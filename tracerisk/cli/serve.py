@@ -50,6 +50,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) < 2**16):
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and int(text) < 2**16):
         raise argparse.ArgumentTypeError(f"'{text}' is no port; allowed: 0 to 65535")
     return int(text)

@@ -19,9 +19,11 @@ from tracerisk.errors import InputError
 HOST = "127.0.0.1"
 _IDLE_S = 10.0
 """How long a connection may say nothing [s]."""
-_FOREIGN = refused(403, "Another site", "Pages of other sites get nothing from here.")
 _LONGEST = 8192
 """The longest target of a request [bytes]."""
+
+
+_FOREIGN = "Pages of other sites get nothing from here."
 
 
 class Server(ThreadingHTTPServer):
@@ -91,16 +93,12 @@ class _Handler(BaseHTTPRequestHandler):
             return refused(HTTPStatus.MISDIRECTED_REQUEST, "Another host", told)
         origins = self.headers.get_all("Origin", [])
         if origins and origins not in [[f"http://{name}"] for name in names]:
-            return refused(
-                HTTPStatus.FORBIDDEN, "Another site", "Pages of other sites get nothing."
-            )
+            return refused(HTTPStatus.FORBIDDEN, "Another site", _FOREIGN)
         site = self.headers.get("Sec-Fetch-Site", "none")
         mode = self.headers.get("Sec-Fetch-Mode", "navigate")
         # Whoever follows a link of another site sees the page; the other site does not.
         if site not in ("none", "same-origin") and mode != "navigate":
-            return refused(
-                HTTPStatus.FORBIDDEN, "Another site", "Pages of other sites get nothing."
-            )
+            return refused(HTTPStatus.FORBIDDEN, "Another site", _FOREIGN)
         return None
 
     def _send(self, reply: Reply, *, with_body: bool) -> None:

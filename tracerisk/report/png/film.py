@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 FRAME_S = 0.1
 """How long a frame of the film is seen [s]."""
 MOST_FRAMES = 120
-_CAMERA_EVERY = 8
+_CAMERA_EVERY = 2
 """Of so many frames one is enough to know what the camera must see."""
 _STEP_S = 0.002
 """The run ends within a step of the physics [s]: its last frame belongs to its last visit."""
