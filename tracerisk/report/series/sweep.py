@@ -14,6 +14,8 @@ from tracerisk.report.tables import rendered, share_text, table_of
 _WIDTH, _HEIGHT = 640.0, 360.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 84.0, 20.0, 24.0, 56.0
 _COLOURS = ("#1f4fa3", "#b3541e", "#2f7d4f", "#7a3b8f", "#8a6d1f", "#35788a", "#a33a5a", "#555555")
+_FEW = 40
+"""Of more values the dots are smaller, so that they stand apart."""
 _LETTER = 7.3
 """The width of a letter [px]."""
 _FONT = {"font-family": "monospace", "font-size": "12"}
@@ -119,6 +121,7 @@ def plot_svg(points: Sequence[PlotPoint]) -> str:
     figures = [each.failure_probability or 0.0 for each in shown]
     axis = _Axis(min(figures), max(figures))
     _axes(root, first, xs, axis)
+    radius = "4" if len(xs) <= _FEW else "2"
     lines: dict[str, list[PlotPoint]] = {}
     for each in shown:
         label = ", ".join(f"{name} {each.values[name]}" for name in others)
@@ -136,7 +139,7 @@ def plot_svg(points: Sequence[PlotPoint]) -> str:
             SubElement(
                 root,
                 "circle",
-                {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "4", "fill": fill, "stroke": colour},
+                {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": radius, "fill": fill, "stroke": colour},
             )
         if label:
             _text(root, _LEFT + 8, _TOP + 14 * (number + 1), label, "start", colour)

@@ -13,19 +13,30 @@ from tracerisk.report.html.tables import Cell, Column, Row, Table
 from tracerisk.report.series.history import HistoryRow, history_svg
 from tracerisk.trace import UNKNOWN_VERDICT
 
+MOST_SHOWN = 20
+"""How many commits are in sight; those before them are folded."""
+_ALL = "Commits that changed the risk, the oldest first"
+_LATEST = "The latest commits that changed the risk, the oldest first"
+_EARLIER = "Earlier commits that changed the risk, the oldest first"
+
 
 def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
     """Return the section of a history, the oldest commit first in chart and table."""
+    told = _rows(rows)
+    earlier = told[:-MOST_SHOWN] if len(told) > MOST_SHOWN + 1 else []
     html = rendered(
         "history.html.j2",
         name=name,
         chart=Markup(history_svg({name: rows})),
-        table=_table(rows) if rows else None,
+        table=_table("history", _LATEST if earlier else _ALL, told[len(earlier) :])
+        if rows
+        else None,
+        earlier=_table("history-earlier", _EARLIER, earlier) if earlier else None,
     )
     return Section("history", "History", html)
 
 
-def _table(rows: Sequence[HistoryRow]) -> Table:
+def _rows(rows: Sequence[HistoryRow]) -> list[Row]:
     told = []
     last: float | None = None
     for row in rows:
@@ -44,6 +55,10 @@ def _table(rows: Sequence[HistoryRow]) -> Table:
             )
         )
         last = risk if risk is not None else last
+    return told
+
+
+def _table(name: str, caption: str, rows: Sequence[Row]) -> Table:
     columns = (
         Column("commit"),
         Column("mission failure", is_number=True),
@@ -51,4 +66,4 @@ def _table(rows: Sequence[HistoryRow]) -> Table:
         Column("verdict"),
         Column("subject", "and what it did to the risk"),
     )
-    return Table("history", "Commits that changed the risk, the oldest first", columns, tuple(told))
+    return Table(name, caption, columns, tuple(rows))
