@@ -12,6 +12,7 @@ import contextlib
 import json
 import os
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -46,10 +47,10 @@ class StillWorld:
 class Reporter:
     """The plugin of pytest that writes a line for each test: its name, outcome and cause."""
 
-    def __init__(self, stream: TextIO, scheduler: Scheduler, only_after: list[str]) -> None:
+    def __init__(self, stream: TextIO, is_over: Callable[[], bool], done: list[str]) -> None:
         self._stream = stream
-        self._scheduler = scheduler
-        self._done = set(only_after)
+        self._is_over = is_over
+        self._done = set(done)
         self._failed: dict[str, str] = {}
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -80,7 +81,7 @@ class Reporter:
             if cause is not None and cause.startswith("skipped: "):
                 outcome = "skipped"
             self._write(name, outcome, cause or "")
-            if self._scheduler.over is not None:
+            if self._is_over():
                 self._stream.flush()
                 os._exit(3)
 
@@ -130,19 +131,39 @@ def stand_for(name: str, real: str) -> ModuleType:
     return module  # type: ignore[no-any-return]
 
 
+def launch_tests(job: dict[str, Any]) -> None:
+    """Run the tests of `launch` on what stands in for it where launch files are read."""
+    from tracerisk.pipeline.launch_files.child import _serve
+
+    _serve({}, [], [])
+    sys.path += job["paths"]
+    with Path(job["report"]).open("a", encoding="utf-8") as stream:
+        reporter = Reporter(stream, lambda: False, job["done"])
+        pytest.main([*options(job), job["file"]], plugins=[reporter])
+
+
+def options(job: dict[str, Any]) -> list[str]:
+    """Return what pytest is told: nothing of what the checkout or this project settles."""
+    return [
+        *("-q", "--tb=short", "--noconftest", "-c", os.devnull, "--rootdir", job["root"]),
+        *("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:randomly"),
+    ]
+
+
 def main() -> None:
     """Do what the argument says."""
     job = json.loads(sys.argv[1])
+    if job["library"] == "launch":
+        launch_tests(job)
+        return
     scheduler = Scheduler(StillWorld(), duration_ns=LONGEST_NS)
     runtime = Runtime(scheduler, Graph(scheduler), argv=("pytest",))
     interfaces = Interfaces2({name: Path(path) for name, path in job["interfaces"].items()})
-    options = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:randomly"]
-    options += ["--rootdir", job["root"], "-c", os.devnull, "--tb=short"]
 
     def tests() -> None:
         serve_build_products(job["aliases"], job["modules"])
-        reporter = Reporter(stream, scheduler, job["done"])
-        pytest.main([*options, *job["options"], job["file"]], plugins=[reporter])
+        reporter = Reporter(stream, lambda: scheduler.over is not None, job["done"])
+        pytest.main([*options(job), job["file"]], plugins=[reporter])
 
     with (
         Path(job["report"]).open("a", encoding="utf-8") as stream,

@@ -1,7 +1,7 @@
 """The tests of ROS 2's own Python libraries, run on the stand-ins.
 
     python benchmarks/upstream_tests.py [--rclpy DIR] [--geometry2 DIR] [--message-filters DIR]
-        [--test-msgs DIR ...] [--only TEXT] [--jobs N] [--json FILE] [--markdown]
+        [--launch DIR] [--test-msgs DIR ...] [--only TEXT] [--jobs N] [--json FILE] [--markdown]
 
 Each DIR is a checkout of the repository of that name; `--test-msgs` are those of
 `ros2/rcl_interfaces` and `ros2/test_interface_files`, from whose texts the messages of the tests
@@ -37,15 +37,17 @@ MOST_PROCESSES = 40
 """After how many ends of a file's processes its remaining tests count as failed."""
 
 SUITES = {
-    "rclpy": ("rclpy", "rclpy/test/test_*.py"),
-    "tf2_py": ("geometry2", "tf2_py/test/test_*.py"),
-    "tf2_ros_py": ("geometry2", "tf2_ros_py/test/test_*.py"),
-    "tf2_geometry_msgs": ("geometry2", "tf2_geometry_msgs/test/test_*.py"),
-    "tf2_sensor_msgs": ("geometry2", "tf2_sensor_msgs/test/test_*.py"),
-    "test_tf2": ("geometry2", "test_tf2/test/test_*.py"),
-    "message_filters": ("message_filters", "test/*.py"),
+    "rclpy": ("rclpy", "rclpy/test", "test_*.py"),
+    "tf2_py": ("geometry2", "tf2_py/test", "test_*.py"),
+    "tf2_ros_py": ("geometry2", "tf2_ros_py/test", "test_*.py"),
+    "tf2_geometry_msgs": ("geometry2", "tf2_geometry_msgs/test", "test_*.py"),
+    "tf2_sensor_msgs": ("geometry2", "tf2_sensor_msgs/test", "test_*.py"),
+    "test_tf2": ("geometry2", "test_tf2/test", "test_*.py"),
+    "message_filters": ("message_filters", "test", "*.py"),
+    "launch": ("launch", "launch/test/launch", "**/test_*.py"),
 }
-"""Of each suite the repository that holds it, and its files there."""
+"""Of each suite the repository that holds it, its folder there, and its files."""
+REPOSITORIES = sorted({repository for repository, _, _ in SUITES.values()})
 ALIASES = {"test_rclpy": "", "test_tf2_py": "", "test_tf2_py._tf2_py": "tf2_py"}
 
 
@@ -59,6 +61,23 @@ class Rule:
     """`out` of scope, or `fails`."""
     reason: str
     """Why, in words."""
+
+
+@dataclass(frozen=True)
+class TestFile:
+    """A file of tests."""
+
+    suite: str
+    """Whose tests they are."""
+    root: Path
+    """The folder of the suite."""
+    path: Path
+    """The file."""
+
+    @property
+    def name(self) -> str:
+        """The suite, and where the file is in its folder."""
+        return f"{self.suite}/{self.path.relative_to(self.root).as_posix()}"
 
 
 @dataclass(frozen=True)
@@ -91,20 +110,21 @@ def rule_of(test: str, known: Sequence[Rule]) -> Rule | None:
     return next((rule for rule in known if fnmatchcase(test, rule.test)), None)
 
 
-def files(checkouts: dict[str, Path]) -> Iterator[tuple[str, Path]]:
-    """Yield the files of tests in the checkouts, each with its suite."""
-    for suite, (repository, pattern) in SUITES.items():
+def files(checkouts: Mapping[str, Path]) -> Iterator[TestFile]:
+    """Yield the files of tests in the checkouts."""
+    for suite, (repository, folder, pattern) in SUITES.items():
         if repository in checkouts:
-            for path in sorted(checkouts[repository].glob(pattern)):
+            root = checkouts[repository] / folder
+            for path in sorted(root.glob(pattern)):
                 if path.name != "__init__.py" and not path.name.endswith(".launch.py"):
-                    yield suite, path
+                    yield TestFile(suite, root, path)
 
 
 def ran(
-    suite: str, path: Path, messages: Path, fixtures: Path | None, known: Sequence[Rule]
+    each: TestFile, messages: Path, fixtures: Path | None, known: Sequence[Rule]
 ) -> list[Result]:
     """Run a file's tests, in as many processes as it takes, and return what came of each."""
-    file = f"{suite}/{path.name}"
+    file = each.name
     whole = rule_of(file, known)
     if whole is not None and whole.kind == "out":
         return [Result(file, "out", whole.reason, "")]
@@ -113,11 +133,12 @@ def ran(
         report = Path(folder) / "report"
         for _ in range(MOST_PROCESSES):
             job = {
-                "file": str(path),
-                "root": str(path.parent.parent),
+                "file": str(each.path),
+                "root": str(each.root.parent),
                 "report": str(report),
                 "done": sorted(found),
-                "options": [],
+                "library": each.suite,
+                "paths": [str(each.path.parent), str(each.root), str(each.root.parent)],
                 "aliases": ALIASES,
                 "interfaces": {"test_msgs": str(messages)},
                 "modules": {} if fixtures is None else {"test_msgs": str(fixtures)},
@@ -225,7 +246,7 @@ def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
 def main() -> int:
     """Run what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    for repository in sorted({repository for repository, _ in SUITES.values()}):
+    for repository in REPOSITORIES:
         parser.add_argument(f"--{repository.replace('_', '-')}", type=Path, metavar="DIR")
     parser.add_argument("--test-msgs", type=Path, metavar="DIR", nargs="*", default=[])
     parser.add_argument("--only", default="", help="only files whose name holds this text")
@@ -235,22 +256,18 @@ def main() -> int:
     options = parser.parse_args()
     checkouts = {
         repository: getattr(options, repository).resolve()
-        for repository, _ in SUITES.values()
+        for repository in REPOSITORIES
         if getattr(options, repository)
     }
     known = rules()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fixtures = gather_messages([each.resolve() for each in options.test_msgs], folder)
-        wanted = [
-            (suite, path)
-            for suite, path in files(checkouts)
-            if options.only in f"{suite}/{path.name}"
-        ]
+        wanted = [each for each in files(checkouts) if options.only in each.name]
         if not wanted:
             parser.error("no tests in the checkouts that are given: name one with --rclpy DIR, say")
         with ThreadPoolExecutor(options.jobs) as pool:
-            told = pool.map(lambda each: ran(each[0], each[1], folder, fixtures, known), wanted)
+            told = pool.map(lambda each: ran(each, folder, fixtures, known), wanted)
             results = [each for own in told for each in own]
     print("\n".join(table(results, markdown=options.markdown)))
     if options.json is not None:

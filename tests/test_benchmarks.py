@@ -6,6 +6,7 @@ import csv
 import hashlib
 import importlib.metadata
 import importlib.util
+import json
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -111,3 +112,74 @@ def test_each_row_with_a_class_has_a_reason(corpus, tmp_path):
     file.write_text("repo,path,class,reason\nsome/arm,pick.py,a,\n")
     with pytest.raises(ValueError, match=r"some/arm:pick\.py: no class or no reason"):
         corpus.classes(file)
+
+
+TESTS_OF_A_LIBRARY = """\
+import threading
+import rclpy
+import test_rclpy
+from test_msgs.msg import Word
+from test_msgs.fixtures import WORDS
+
+
+def test_passes():
+    assert Word(text=WORDS[0]).text == "go"
+
+
+def test_hangs():
+    threading.Event().wait()
+
+
+def test_fails_behind_one_that_hangs():
+    assert rclpy.ok()
+
+
+def test_take_from_the_layer_below():
+    raise AssertionError
+"""
+
+
+def test_the_tests_of_a_library_are_run_on_the_stand_ins_and_judged(tmp_path, monkeypatch, capsys):
+    upstream = _loaded("upstream_tests", monkeypatch)
+    texts, library = tmp_path / "texts" / "test_msgs", tmp_path / "rclpy" / "rclpy" / "test"
+    for folder in (texts / "msg", texts / "src" / "test_msgs", library):
+        folder.mkdir(parents=True)
+    (texts / "msg" / "Word.msg").write_text("string text\n")
+    (texts / "src" / "test_msgs" / "fixtures.py").write_text('WORDS = ["go"]\n')
+    (library / "test_words.py").write_text(TESTS_OF_A_LIBRARY)
+    scope = tmp_path / "scope.csv"
+    scope.write_text(
+        "test,kind,reason\n"
+        "rclpy/test_words.py::test_take_*,out,needs the layer below\n"
+        "rclpy/test_words.py::test_hangs,fails,waits for ever\n"
+    )
+    monkeypatch.setattr(upstream, "SCOPE", scope)
+    found = tmp_path / "found.json"
+    arguments = ["--rclpy", tmp_path / "rclpy", "--test-msgs", tmp_path / "texts", "--json", found]
+    monkeypatch.setattr(sys, "argv", ["upstream_tests.py", *map(str, arguments)])
+    assert upstream.main() == 1
+    outcomes = {each["test"]: each["outcome"] for each in json.loads(found.read_text())}
+    assert outcomes == {
+        "rclpy/test_words.py::test_passes": "passed",
+        "rclpy/test_words.py::test_hangs": "failed",
+        "rclpy/test_words.py::test_fails_behind_one_that_hangs": "failed",
+        "rclpy/test_words.py::test_take_from_the_layer_below": "out",
+    }
+    said = capsys.readouterr().out
+    assert "1 of 3 in scope pass: 33.3%" in said
+    assert "waits for ever" in said
+    assert "test_fails_behind_one_that_hangs\n    not known to fail: " in said
+
+
+def test_a_command_without_a_checkout_says_what_it_needs(monkeypatch, capsys):
+    upstream = _loaded("upstream_tests", monkeypatch)
+    monkeypatch.setattr(sys, "argv", ["upstream_tests.py"])
+    with pytest.raises(SystemExit):
+        upstream.main()
+    assert "name one with --rclpy DIR" in capsys.readouterr().err
+
+
+def test_every_rule_of_the_scope_has_a_reason_and_a_kind(monkeypatch):
+    rules = _loaded("upstream_tests", monkeypatch).rules()
+    assert {rule.kind for rule in rules} == {"out", "fails"}
+    assert all(rule.reason and rule.test.partition("/")[2] for rule in rules)

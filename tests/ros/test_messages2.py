@@ -62,6 +62,20 @@ def test_defaults_of_the_definition_hold(interfaces):
     assert interfaces.message("control_msgs/MotionPrimitive")().type == -1
 
 
+def test_defaults_of_arrays_are_words_numbers_and_bytes(tmp_path):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Plan.msg").write_text(
+        'bool[2] is_open [true, false]\nbyte[2] bits [1, 255]\nstring[] names ["a b", "true"]\n'
+    )
+    plan = Interfaces2({"arm_msgs": tmp_path}).message("arm_msgs/Plan")()
+    assert plan.is_open == [True, False]
+    assert plan.bits == [b"\x01", b"\xff"]
+    assert plan.names == ["a b", "true"]
+    (tmp_path / "msg" / "Plan.msg").write_text("bool[2] is_open [true, maybe]\n")
+    with pytest.raises(InputError, match="no default that a field can have"):
+        Interfaces2({"arm_msgs": tmp_path}).message("arm_msgs/Plan")
+
+
 def test_a_scalar_of_the_wrong_type_is_refused_in_rosidls_words(interfaces):
     pose = interfaces.message("geometry_msgs/PoseStamped")()
 

@@ -343,7 +343,7 @@ def test_an_argument_without_a_default_is_told(described):
     )
     assert reading.nodes == ()
     problems = "\n".join(reading.problems)
-    assert "argument 'arm' has no default" in problems
+    assert "Required launch argument 'arm' was not provided" in problems
     assert "launch configuration 'arm' does not exist" in problems
     assert "argument 'm' is 'x'; its choices: a, b" in problems
 

@@ -264,7 +264,7 @@ def _setup(
 ) -> LaunchSetup | None:
     """Return what a candidate gives, None where that is nothing but a name."""
     node = best.node
-    parameters = tuple(_resolved(each) for each in best.parameters)
+    parameters = best.parameters
     given = (parameters, node.arguments, node.ros_arguments, node.remaps, node.namespace)
     if not any((*given, node.environment, _left_out(best, asked))):
         return None
@@ -280,7 +280,7 @@ def _setup(
         parameters=parameters,
         remaps=node.remaps,
         environment=tuple(each for each in node.environment if not _is_ours(each[0])),
-        own=tuple(_resolved(each) for each in best.private),
+        own=best.private,
         sources=tuple(sorted(shown([best.file.path, *best.reading.sources], root))),
     )
     return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))
@@ -289,14 +289,6 @@ def _setup(
 def _is_ours(variable: str) -> bool:
     """Return whether a variable of the environment is one on which the run itself stands."""
     return variable.startswith(_NOT_SET)
-
-
-def _resolved(parameter: LaunchParameter) -> LaunchParameter:
-    """Return a parameter whose node, if it may stand in any namespace, is told by its name."""
-    whom = parameter.node
-    if whom is None or whom == EVERY_NODE or not whom.startswith("/**/"):
-        return parameter
-    return replace(parameter, node=whom.rpartition("/")[2])
 
 
 def _notes(

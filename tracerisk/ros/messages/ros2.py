@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -210,9 +210,24 @@ class Interfaces2:
             key = f"{short}_{part}"
             self._parse(package, kind, key, text, path)
             body[part] = self._make(package, kind, key, short)
+        if kind == "srv":
+            body["Event"] = _MadeLater(partial(self._event, package, short, body))
         if kind == "action":
             body["Impl"] = self._wrappers(package, short, body)
         return type(short, (base,), body)
+
+    def _event(self, package: str, short: str, parts: Mapping[str, Any]) -> type[Message2]:
+        """Make what tells of a call of a service: at most one request, at most one response."""
+        info = Field2(
+            "info",
+            "service_msgs/ServiceEventInfo",
+            message=self.message("service_msgs/ServiceEventInfo"),
+        )
+        told = (
+            Field2(name.lower(), f"{package}/{short}_{name}", "sequence", 1, None, parts[name])
+            for name in ("Request", "Response")
+        )
+        return _message_class(package, "srv", f"{short}_Event", short, (info, *told), {})
 
     def _wrappers(self, package: str, short: str, parts: Mapping[str, Any]) -> type:
         """Make what an action sends: its parts with the goal's id, status or time."""
@@ -232,10 +247,12 @@ class Interfaces2:
             return _message_class(package, "action", f"{short}_{suffix}", short, fields, {})
 
         send = {
+            "_ros_type": f"{package}/{short}_SendGoal",
             "Request": made("SendGoal_Request", id_field, nested("goal", "Goal")),
             "Response": made("SendGoal_Response", Field2("accepted", "bool"), stamp),
         }
         get = {
+            "_ros_type": f"{package}/{short}_GetResult",
             "Request": made("GetResult_Request", id_field),
             "Response": made(
                 "GetResult_Response", Field2("status", "int8"), nested("result", "Result")
@@ -367,6 +384,18 @@ def _defaults(text: str, path: Path) -> dict[str, Any]:
     return found
 
 
+class _MadeLater:
+    """A class of a service that is made when it is first asked for: few programs do."""
+
+    def __init__(self, make: Callable[[], type[Message2]]) -> None:
+        self._make = make
+
+    def __get__(self, instance: Any, owner: Any) -> type[Message2]:
+        made = self._make()
+        owner.Event = made
+        return made
+
+
 class _WithBools(ast.NodeTransformer):
     """Turns the words `true` and `false` of a definition into the values of Python."""
 
@@ -381,6 +410,6 @@ def _fitting(field: Field2, value: Any) -> Any:
         return [float(item) for item in value] if isinstance(value, list) else float(value)
     if field.base == "bool":
         return [bool(item) for item in value] if isinstance(value, list) else bool(value)
-    if field.base == "byte" and isinstance(value, int):
-        return bytes([value])
+    if field.base == "byte":
+        return [bytes([item]) for item in value] if isinstance(value, list) else bytes([value])
     return value

@@ -78,11 +78,12 @@ class Message2:
 
 
 class Service2:
-    """A ROS 2 service: the classes of its request and its response."""
+    """A ROS 2 service: the classes of its request, its response, and of what tells of a call."""
 
     _ros_type: ClassVar[str] = ""
     Request: ClassVar[type[Message2]]
     Response: ClassVar[type[Message2]]
+    Event: ClassVar[type[Message2]]
 
     def __init__(self) -> None:
         raise NotImplementedError("Service classes can not be instantiated")

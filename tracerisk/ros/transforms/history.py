@@ -20,9 +20,13 @@ class Placed:
 
 
 class History:
-    """What is known of one frame; of a static one, the last pose."""
+    """What is known of one frame; of a static one, the last pose.
 
-    def __init__(self, cache_ns: int, *, is_static: bool) -> None:
+    `tells_span`: a time that is not known is told with how far it is from what is, as in ROS 1.
+    """
+
+    def __init__(self, cache_ns: int, *, is_static: bool, tells_span: bool = True) -> None:
+        self._tells_span = tells_span
         self.is_static = is_static
         self._cache_ns = cache_ns
         self._stamps: list[int] = []
@@ -76,13 +80,13 @@ class History:
             )
         if time_ns > last:
             return (
-                f"Lookup would require extrapolation {_seconds(time_ns - last)}s into the future.  "
+                f"Lookup would require extrapolation {self._span(time_ns - last)}into the future.  "
                 f"Requested time {_seconds(time_ns)} but the latest data is at time "
                 f"{_seconds(last)}"
             )
         if time_ns < first:
             return (
-                f"Lookup would require extrapolation {_seconds(first - time_ns)}s into the past.  "
+                f"Lookup would require extrapolation {self._span(first - time_ns)}into the past.  "
                 f"Requested time {_seconds(time_ns)} but the earliest data is at time "
                 f"{_seconds(first)}"
             )
@@ -91,6 +95,9 @@ class History:
         if before.stamp_ns == time_ns or before.parent != self._placed[index + 1].parent:
             return before
         return _between(before, self._placed[index + 1], time_ns)
+
+    def _span(self, span_ns: int) -> str:
+        return f"{_seconds(span_ns)}s " if self._tells_span else ""
 
     def clear(self) -> None:
         """Forget what changes; tf2 keeps what is static."""

@@ -34,12 +34,17 @@ class FrameError(Exception):
 class TransformTree:
     """The frames that are known, and where each was.
 
-    `warn` is told of poses that are refused, in tf2's words.
+    `warn` is told of poses that are refused, in tf2's words; `tells_span` is that of `History`.
     """
 
     def __init__(
-        self, cache_ns: int = CACHE_NS, *, warn: Callable[[str], None] = lambda _: None
+        self,
+        cache_ns: int = CACHE_NS,
+        *,
+        warn: Callable[[str], None] = lambda _: None,
+        tells_span: bool = True,
     ) -> None:
+        self._tells_span = tells_span
         self.cache_ns = cache_ns
         self._warn = warn
         self._names: dict[str, None] = {}
@@ -68,7 +73,9 @@ class TransformTree:
             return False
         self._names.setdefault(child)
         if child not in self._histories:
-            self._histories[child] = History(self.cache_ns, is_static=static)
+            self._histories[child] = History(
+                self.cache_ns, is_static=static, tells_span=self._tells_span
+            )
         self._names.setdefault(parent)
         refused = self._histories[child].add(Placed(stamp_ns, parent, pose))
         if refused is not None:

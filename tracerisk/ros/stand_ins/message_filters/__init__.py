@@ -231,7 +231,7 @@ def _stamp(msg: Any, allow_headerless: bool) -> Any:
             return stamp
         from rclpy.time import Time
 
-        return Time.from_msg(stamp)
+        return stamp if isinstance(stamp, Time) else Time.from_msg(stamp)
     if _IS_ROS2:
         return _headerless_ros2(allow_headerless)
     import rospy

@@ -18,6 +18,7 @@ from tracerisk.ros.messages.ros2 import copy_message
 from ._entity import Call, Entity
 from ._run import run
 from .callback_groups import CallbackGroup
+from .constants import S_TO_NS
 from .executors import await_or_execute
 from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from .waitable import NumberOfEntities
@@ -51,6 +52,7 @@ class ServerGoalHandle:
         self._goal = goal
         self._request = request
         self._end: GoalState | None = None
+        self._ended_ns: int | None = None
         self._goal_info = GoalInfo(
             goal_id=UUID(uuid=list(goal.id) if isinstance(goal.id, bytes) else [0] * 16),
             stamp=action_server._node.get_clock().now().to_msg(),
@@ -177,6 +179,7 @@ class ActionServer(Entity):
         super().__init__(node, callback_group or node.default_callback_group)
         self._action_type = action_type
         self._queue: deque[tuple[str, ActionGoal]] = deque()
+        self._result_timeout_ns = result_timeout * S_TO_NS
         self._handles: dict[int, ServerGoalHandle] = {}
         self.register_handle_accepted_callback(handle_accepted_callback)
         self.register_goal_callback(goal_callback)
@@ -229,6 +232,20 @@ class ActionServer(Entity):
         self._end.close()
         self._node.remove_waitable(self)
 
+    @property
+    def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
+        """The goals that the server knows, by their numbers."""
+        self._forget_old()
+        return {bytes(handle.goal_id.uuid): handle for handle in self._handles.values()}
+
+    def _forget_old(self) -> None:
+        """Forget the goals that have been over for `result_timeout`."""
+        now_ns = run().scheduler.now_ns
+        for key, handle in list(self._handles.items()):
+            ended_ns = handle._ended_ns
+            if ended_ns is not None and now_ns - ended_ns >= self._result_timeout_ns:
+                del self._handles[key]
+
     def _is_ready(self) -> bool:
         return bool(self._queue)
 
@@ -246,6 +263,7 @@ class ActionServer(Entity):
     async def _decide_goal(self, goal: ActionGoal) -> None:
         if goal.state is not GoalState.PENDING:
             return
+        self._forget_old()
         request = copy_message(goal.message)
         response = await await_or_execute(self._goal_callback, request)
         if not isinstance(response, GoalResponse):
@@ -299,4 +317,4 @@ class ActionServer(Entity):
         if not isinstance(result, self._action_type.Result):
             raise TypeError(f"Expected {self._action_type.Result}, got {type(result)}")
         handle._send(result)
-        self._handles.pop(id(handle._goal), None)
+        handle._ended_ns = run().scheduler.now_ns

@@ -14,7 +14,7 @@ class Handle:
         self._is_destroyed = False
 
     def destroy_when_not_in_use(self) -> None:
-        """Refuse new users of the handle; those that hold it go on to the end."""
+        """Refuse the thing to everybody from now on; who uses it goes on to the end."""
         self._is_destroyed = True
 
     def __enter__(self) -> Handle:

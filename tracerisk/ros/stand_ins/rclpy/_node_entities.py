@@ -7,6 +7,7 @@ from copy import copy
 from typing import Any
 
 from ._node_names import NodeNames
+from ._run import run
 from .callback_groups import CallbackGroup
 from .client import Client
 from .clock import Clock
@@ -19,6 +20,9 @@ from .service import LibraryService, Service
 from .subscription import Subscription
 from .timer import Rate, Timer
 from .type_support import check_is_valid_msg_type, check_is_valid_srv_type
+
+OF_ACTION = "/_action/"
+"""What the names of an action's services and topics hold."""
 
 
 class NodeEntities(NodeNames):
@@ -141,6 +145,8 @@ class NodeEntities(NodeNames):
             topic,
         )
         self._subscriptions.append(made)
+        if OF_ACTION in name:
+            run().action_services.ask(name, msg_type)
         return made
 
     def _overridden(
@@ -178,6 +184,8 @@ class NodeEntities(NodeNames):
             callback_group or self._default_callback_group,
         )
         self._clients.append(made)
+        if OF_ACTION in made.srv_name:
+            run().action_services.ask(made.srv_name, srv_type)
         return made
 
     def create_service(

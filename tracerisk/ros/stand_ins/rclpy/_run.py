@@ -10,6 +10,7 @@ from tracerisk.ros.graph.runtime import Runtime, current
 from .context import Context
 
 if TYPE_CHECKING:
+    from ._action_services import ActionServices
     from .executors import Executor
     from .node import Node
 
@@ -31,6 +32,16 @@ class Run:
         self.rosout: Any = None
         self.unheard_loggers: set[str] = set()
         self.signal_options = 0
+        self._action_services: ActionServices | None = None
+
+    @property
+    def action_services(self) -> ActionServices:
+        """The services and topics of actions; made when a program first asks for one."""
+        if self._action_services is None:
+            from ._action_services import ActionServices
+
+            self._action_services = ActionServices(self)
+        return self._action_services
 
 
 def run() -> Run:

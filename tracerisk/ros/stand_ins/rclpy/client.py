@@ -17,6 +17,7 @@ from .callback_groups import CallbackGroup
 from .exceptions import InvalidHandle
 from .qos import QoSProfile
 from .service import Service
+from .service_introspection import Introspection
 from .task import Future
 
 
@@ -39,8 +40,10 @@ class Client(Entity):
         self.srv_type = srv_type
         self.srv_name = srv_name
         self.qos_profile = qos_profile
+        self._introspection = Introspection(node, srv_type, srv_name)
+        self._n_calls = 0
         self._pending: list[Future] = []
-        self._responses: deque[tuple[Future, Any]] = deque()
+        self._responses: deque[tuple[Future, Any, int]] = deque()
         run().graph.become_caller(srv_name, srv_type._ros_type)
 
     @property
@@ -79,6 +82,9 @@ class Client(Entity):
         self._pending.append(future)
         future.add_done_callback(self.remove_pending_request)
         sent = copy_message(request)
+        self._n_calls += 1
+        number = self._n_calls
+        self._introspection.tell("REQUEST_SENT", number, request=sent)
         server = self._server()
         if server is None:
             run().scheduler.miss(self._need)
@@ -88,23 +94,25 @@ class Client(Entity):
         if isinstance(service, Service):
             server.is_called = True
             run().scheduler.ask(server.process)
-            service._enqueue(sent, lambda response: self._responses.append((future, response)))
+            service._enqueue(
+                sent, lambda response: self._responses.append((future, response, number)), number
+            )
         else:
             # The twin's: it acts on behalf of the code that calls here.
             run().scheduler.spawn(
-                lambda: self._call_other(server, sent, future),
+                lambda: self._call_other(server, sent, future, number),
                 f"call of {self.srv_name}",
                 is_controllers=False,
             )
         return future
 
-    def _call_other(self, server: ServiceServer, request: Any, future: Future) -> None:
+    def _call_other(self, server: ServiceServer, request: Any, future: Future, number: int) -> None:
         try:
             response = run().graph.call(server, request)
         except ServiceFailedError as error:
             self._node.get_logger().error(f"service {self.srv_name}: {error}")
             return
-        self._responses.append((future, response))
+        self._responses.append((future, response, number))
 
     def get_pending_requests(self) -> list[Future]:
         """Return the futures of the calls that have no response."""
@@ -142,6 +150,12 @@ class Client(Entity):
         super().destroy()
         self._responses.clear()
 
+    def configure_introspection(
+        self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any
+    ) -> None:
+        """Publish the calls on `SERVICE/_service_event`, as much of them as the state says."""
+        self._introspection.configure(service_event_qos_profile, introspection_state)
+
     @property
     def _told(self) -> str:
         return f"the response of service {self.srv_name} ({self.srv_type._ros_type})"
@@ -168,7 +182,8 @@ class Client(Entity):
     def _take(self, executor: Any) -> Call | None:
         if not self._responses:
             return None
-        future, response = self._responses.popleft()
+        future, response, number = self._responses.popleft()
+        self._introspection.tell("RESPONSE_RECEIVED", number, response=response)
 
         async def call() -> None:
             if future in self._pending:

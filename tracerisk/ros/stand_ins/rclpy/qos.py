@@ -276,6 +276,20 @@ def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
     return found
 
 
+_UNDECIDED = frozenset({"SYSTEM_DEFAULT", "UNKNOWN"})
+# What the other side must have for a policy that is left to the system to matter.
+_STRICT: frozenset[tuple[str, Any]] = frozenset(
+    {
+        ("publisher", ReliabilityPolicy.RELIABLE),
+        ("subscription", ReliabilityPolicy.BEST_EFFORT),
+        ("publisher", DurabilityPolicy.TRANSIENT_LOCAL),
+        ("subscription", DurabilityPolicy.VOLATILE),
+        ("publisher", LivelinessPolicy.MANUAL_BY_TOPIC),
+        ("subscription", LivelinessPolicy.AUTOMATIC),
+    }
+)
+
+
 def qos_check_compatible(
     publisher_qos: QoSProfile, subscription_qos: QoSProfile
 ) -> tuple[QoSCompatibility, str]:
@@ -291,7 +305,18 @@ def qos_check_compatible(
         and subscription_qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
     ):
         reasons.append("ERROR: Volatile publisher and transient local subscription;")
-    return (QoSCompatibility.ERROR if reasons else QoSCompatibility.OK), "".join(reasons)
+    if reasons:
+        return QoSCompatibility.ERROR, "".join(reasons)
+    doubts = [
+        f"WARNING: {name} of the {who} is {policy.name}, which may not fit {other.name};"
+        for name in ("reliability", "durability", "liveliness")
+        for who, policy, other in (
+            ("publisher", getattr(publisher_qos, name), getattr(subscription_qos, name)),
+            ("subscription", getattr(subscription_qos, name), getattr(publisher_qos, name)),
+        )
+        if policy.name in _UNDECIDED and (who, other) in _STRICT
+    ]
+    return (QoSCompatibility.WARNING if doubts else QoSCompatibility.OK), "".join(doubts)
 
 
 qos_profile_unknown = QoSProfile(

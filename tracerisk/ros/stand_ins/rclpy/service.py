@@ -13,6 +13,7 @@ from ._entity import Call, Entity
 from ._run import run
 from .callback_groups import CallbackGroup
 from .qos import QoSProfile
+from .service_introspection import Introspection
 
 
 class Service(Entity):
@@ -35,7 +36,8 @@ class Service(Entity):
         self.srv_name = srv_name
         self.callback = callback
         self.qos_profile = qos_profile
-        self._queue: deque[tuple[Any, Callable[[Any], None]]] = deque()
+        self._introspection = Introspection(node, srv_type, srv_name)
+        self._queue: deque[tuple[Any, Callable[[Any], None], int]] = deque()
         self._server = run().graph.serve(
             srv_name,
             srv_type._ros_type,
@@ -64,8 +66,14 @@ class Service(Entity):
         super().destroy()
         self._server.close()
 
-    def _enqueue(self, request: Any, reply: Callable[[Any], None]) -> None:
-        self._queue.append((request, reply))
+    def configure_introspection(
+        self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any
+    ) -> None:
+        """Publish the calls on `SERVICE/_service_event`, as much of them as the state says."""
+        self._introspection.configure(service_event_qos_profile, introspection_state)
+
+    def _enqueue(self, request: Any, reply: Callable[[Any], None], number: int = 0) -> None:
+        self._queue.append((request, reply, number))
 
     def _serve(self, request: Any) -> Any:
         # For a caller that is not a client of rclpy: it waits for the executor of the node.
@@ -84,13 +92,15 @@ class Service(Entity):
     def _take(self, executor: Any) -> Call | None:
         if not self._queue:
             return None
-        request, reply = self._queue.popleft()
+        request, reply, number = self._queue.popleft()
+        self._introspection.tell("REQUEST_RECEIVED", number, request=request)
 
         async def call() -> None:
             response = self.callback(request, self.srv_type.Response())
             if inspect.isawaitable(response):
                 response = await response
             self.send_response(response, reply)
+            self._introspection.tell("RESPONSE_SENT", number, response=response)
 
         return call
 

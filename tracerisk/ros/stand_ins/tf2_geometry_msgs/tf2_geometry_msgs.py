@@ -21,8 +21,11 @@ from geometry_msgs.msg import (
 )
 from tf2_ros import ConvertRegistration, TransformRegistration
 
+from tracerisk.ros.messages.dialect import is_ros2
 from tracerisk.ros.transforms import poses
 from tracerisk.twin.physics import motion
+
+_IS_ROS2 = is_ros2(Pose)
 
 
 def to_msg_msg(msg: Any) -> Any:
@@ -147,8 +150,10 @@ def _fill_pose(result: Any, pose: Any, frame: motion.Pose) -> None:
     )
     moved = poses.compose(frame, given)
     result.position.x, result.position.y, result.position.z = moved.position
+    # The library of ROS 2 goes over matrices, which leaves of the two signs the one with w >= 0.
+    sign = -1.0 if _IS_ROS2 and moved.orientation[3] < 0 else 1.0
     turn = result.orientation
-    turn.x, turn.y, turn.z, turn.w = moved.orientation
+    turn.x, turn.y, turn.z, turn.w = (sign * each for each in moved.orientation)
 
 
 for _kind in (PointStamped, PoseStamped, Vector3Stamped):

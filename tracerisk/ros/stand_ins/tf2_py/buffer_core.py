@@ -12,7 +12,7 @@ from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph.failures import lookup_failed, lookup_succeeded
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.messages.dialect import nanoseconds, set_time
+from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
 from tracerisk.twin.physics.motion import Pose
@@ -42,7 +42,7 @@ class BufferCore:
 
     def __init__(self, cache_time: Any = None) -> None:
         cache_ns = CACHE_NS if cache_time is None else nanoseconds(cache_time)
-        self._tree = TransformTree(cache_ns, warn=_warn)
+        self._tree = TransformTree(cache_ns, warn=_warn, tells_span=not is_ros2(TransformStamped))
 
     def set_transform(self, transform: Any, authority: str) -> None:
         """Note a TransformStamped; one that makes no sense is told on the console and dropped."""

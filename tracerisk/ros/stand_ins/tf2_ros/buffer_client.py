@@ -94,8 +94,6 @@ class _Ros2Client:
             goal.target_time = _message(target)
 
     def _result(self, goal: Any) -> Any:
-        from action_msgs.msg import GoalStatus
-
         came = Event()
         answer: list[Any] = []
 
@@ -114,7 +112,7 @@ class _Ros2Client:
         limit_ns = timeout_ns(goal.timeout) + timeout_ns(self.timeout_padding)
         if not came.wait(limit_ns / 1e9):
             raise tf2.TimeoutException(_LATE)
-        if not answer or answer[0].status != GoalStatus.STATUS_SUCCEEDED:
+        if not answer:
             raise tf2.TimeoutException(_FAILED)
         return answer[0].result
 

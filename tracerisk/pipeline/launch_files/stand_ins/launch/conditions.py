@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 from tracerisk.pipeline.launch_files.stand_ins.launch.condition import Condition
@@ -56,6 +57,12 @@ class LaunchConfigurationEquals(Condition):
     """Holds where a launch configuration has a value, or is not set and None is expected."""
 
     def __init__(self, launch_configuration_name: str, expected_value: Any) -> None:
+        warnings.warn(
+            f"The '{type(self).__name__}' condition is deprecated: use an IfCondition with an "
+            "EqualsSubstitution",
+            UserWarning,
+            stacklevel=2,
+        )
         self.__name = launch_configuration_name
         self.__expected = expected_value
         super().__init__(predicate=self._holds)

@@ -16,11 +16,27 @@ class LaunchDescriptionSource:
     ) -> None:
         self.description = launch_description
         self._location = location
+        self.method = method
 
     @property
     def location(self) -> Any:
         """Where the file is."""
         return self._location
+
+    def get_launch_description(self, context: Any) -> Any:
+        """Return the description that was given, or that of the file.
+
+        Raises:
+            RuntimeError: there is neither.
+        """
+        if self.description is not None:
+            return self.description
+        path = self.path(context)
+        if path is None or not path.is_file():
+            raise RuntimeError(f"no launch description was given, and none is at '{path}'")
+        from tracerisk.pipeline.launch_files.visit import describe
+
+        return describe(path, context)
 
     def path(self, context: Any) -> Path | None:
         """Return the path of the file, None where a description was given."""

@@ -11,9 +11,6 @@ from typing import Any
 from tracerisk.pipeline.launch_files.expressions import evaluate
 from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.robot_sources import RobotSource, source_of_command
-from tracerisk.pipeline.launch_files.stand_ins.launch.conditions import (
-    evaluate_condition_expression,
-)
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
 from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import text_of
 
@@ -143,6 +140,13 @@ class PythonExpression(Substitution):
 
     def __init__(self, expression: Any, python_modules: Any = ("math",)) -> None:
         self.expression = expression
+        self.python_modules = python_modules
+
+    def describe(self) -> str:
+        """Return the expression and the modules that it may use."""
+        modules = self.python_modules
+        told = [modules] if isinstance(modules, str) else [str(each) for each in modules]
+        return f"PythonExpr({str(self.expression)!r}, {told})"
 
     def perform(self, context: Any) -> str:
         """Return the value as text."""
@@ -158,7 +162,7 @@ class ThisLaunchFile(Substitution):
 
     def perform(self, context: Any) -> str:
         """Return the path."""
-        return str(context.get_locals_as_dict()["current_launch_file_path"])
+        return _of_file(context, "current_launch_file_path")
 
 
 class ThisLaunchFileDir(Substitution):
@@ -166,7 +170,14 @@ class ThisLaunchFileDir(Substitution):
 
     def perform(self, context: Any) -> str:
         """Return the folder."""
-        return str(context.get_locals_as_dict()["current_launch_file_directory"])
+        return _of_file(context, "current_launch_file_directory")
+
+
+def _of_file(context: Any, name: str) -> str:
+    values = context.get_locals_as_dict()
+    if name not in values:
+        raise SubstitutionFailure("this is not within a launch file: its path is not known")
+    return str(values[name])
 
 
 class LocalSubstitution(Substitution):
@@ -204,6 +215,8 @@ class FileContent(Substitution):
         """Return the text of the file."""
         path = Path(text_of(context, self.path))
         context.reading.sources.append(path)
+        if not path.is_file():
+            raise SubstitutionFailure(f"File not found: {path}")
         return path.read_text(encoding="utf-8")
 
 
@@ -215,6 +228,28 @@ class LaunchLogDir(Substitution):
         raise AbsentError("the folder of log files is not here")
 
 
+_AS_BOOL = {"true": True, "1": True, "false": False, "0": False}
+_YAML_BOOL = {**_AS_BOOL, "yes": True, "on": True, "no": False, "off": False}
+
+
+def _plain(context: Any, value: Any) -> str:
+    if value is None:
+        return ""
+    return str(value) if isinstance(value, bool | int | float) else text_of(context, value)
+
+
+def _truth(context: Any, value: Any) -> bool:
+    """Return what a text says, in YAML's words.
+
+    Raises:
+        SubstitutionFailure: it says neither true nor false.
+    """
+    text = _plain(context, value).strip().lower()
+    if text not in _YAML_BOOL:
+        raise SubstitutionFailure(f"'{text}' is no truth value; use one of {sorted(_YAML_BOOL)}")
+    return _YAML_BOOL[text]
+
+
 class EqualsSubstitution(Substitution):
     """`true` where two texts are equal, as numbers or truth values too."""
 
@@ -222,16 +257,13 @@ class EqualsSubstitution(Substitution):
         self._sides = (left, right)
 
     def _equal(self, context: Any) -> bool:
-        left, right = (
-            str(side) if isinstance(side, bool | int | float) else text_of(context, side)
-            for side in self._sides
-        )
-        if left == right or left.lower() == right.lower() in ("true", "false"):
-            return True
+        left, right = (_plain(context, side) for side in self._sides)
+        if left.lower() in _AS_BOOL and right.lower() in _AS_BOOL:
+            return _AS_BOOL[left.lower()] == _AS_BOOL[right.lower()]
         try:
             return math.isclose(float(left), float(right))
         except ValueError:
-            return False
+            return left == right
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
@@ -254,7 +286,7 @@ class NotSubstitution(Substitution):
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
-        return str(not evaluate_condition_expression(context, self._value)).lower()
+        return str(not _truth(context, self._value)).lower()
 
 
 class AllSubstitution(Substitution):
@@ -265,7 +297,7 @@ class AllSubstitution(Substitution):
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
-        return str(all(evaluate_condition_expression(context, v) for v in self._values)).lower()
+        return str(all(_truth(context, value) for value in self._values)).lower()
 
 
 class AnySubstitution(AllSubstitution):
@@ -273,7 +305,7 @@ class AnySubstitution(AllSubstitution):
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
-        return str(any(evaluate_condition_expression(context, v) for v in self._values)).lower()
+        return str(any(_truth(context, value) for value in self._values)).lower()
 
 
 class AndSubstitution(AllSubstitution):
@@ -294,11 +326,11 @@ class IfElseSubstitution(Substitution):
     """One of two texts."""
 
     def __init__(self, condition: Any, if_value: Any = "", else_value: Any = "") -> None:
+        if isinstance(if_value, str) and isinstance(else_value, str) and not if_value + else_value:
+            raise RuntimeError("One of if_value and else_value must be specified")
         self._condition = condition
         self._values = (else_value, if_value)
 
     def perform(self, context: Any) -> str:
         """Return the text that the condition chooses."""
-        return text_of(
-            context, self._values[evaluate_condition_expression(context, self._condition)]
-        )
+        return text_of(context, self._values[_truth(context, self._condition)])

@@ -28,7 +28,10 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     if isinstance(subs, os.PathLike):
         return [TextSubstitution(text=os.fspath(subs))]
     if isinstance(subs, Iterable):
-        return [each for part in subs for each in normalize_to_list_of_substitutions(part)]
+        parts = list(subs)
+        if not any(isinstance(part, list | tuple | set | dict) for part in parts):
+            return [each for part in parts for each in normalize_to_list_of_substitutions(part)]
+        subs = next(part for part in parts if isinstance(part, list | tuple | set | dict))
     raise TypeError(
         f"Failed to normalize given item of type '{type(subs)}', when only 'str' or "
         "'launch.Substitution' were expected."

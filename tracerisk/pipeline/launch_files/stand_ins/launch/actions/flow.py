@@ -19,7 +19,10 @@ from tracerisk.pipeline.launch_files.stand_ins.launch.actions.settings import (
 from tracerisk.pipeline.launch_files.stand_ins.launch.launch_description_source import (
     LaunchDescriptionSource,
 )
-from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import text_of
+from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import (
+    normalize_to_list_of_substitutions,
+    text_of,
+)
 
 
 class GroupAction(Action):
@@ -83,12 +86,39 @@ class IncludeLaunchDescription(Action):
         sets = [SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
         path = self.source.path(context)
         if path is None:
+            self._check_arguments(context)
+            if self.source.location:
+                place = text_of(context, self.source.location)
+                context.extend_locals(_places(Path(place), place))
             return [*sets, self.source.description]
         # Values are taken where the file is included, not within it.
         done = [each.visit(context) for each in sets]
         assert not any(done)
         before = context.get_locals_as_dict()
         return [_Enter(path), _Described(describe, path), _Leave(before)]
+
+    def _check_arguments(self, context: Any) -> None:
+        given = [text_of(context, name) for name, _ in self.launch_arguments]
+        for each in self.source.description.get_launch_arguments():
+            is_free = each._conditionally_included or each.default_value is not None
+            if not is_free and each.name not in (*given, *context.launch_configurations):
+                raise RuntimeError(
+                    f"Included launch description missing required argument '{each.name}' "
+                    f"(description: '{each.description}'), given: [{', '.join(given)}]"
+                )
+
+    def describe_sub_entities(self) -> list[Any]:
+        """Return the description that is included, where it is not in a file."""
+        return [] if self.source.description is None else [self.source.description]
+
+
+def _places(path: Path, told: str) -> dict[str, str]:
+    """Return the local values that say where a launch file is; one that is none, as it is told."""
+    is_file = path.is_absolute()
+    return {
+        "current_launch_file_path": str(path) if is_file else told,
+        "current_launch_file_directory": str(path.parent) if is_file else told,
+    }
 
 
 class _Enter(Action):
@@ -238,7 +268,12 @@ class LogInfo(Action):
 
     def __init__(self, *, msg: Any, **rest: Any) -> None:
         super().__init__(**rest)
-        self.msg = msg
+        self._msg = msg
+
+    @property
+    def msg(self) -> Any:
+        """The message as substitutions."""
+        return normalize_to_list_of_substitutions(self._msg)
 
 
 class ShutdownAction(Action):

@@ -6,7 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tracerisk.pipeline.launch_files.stand_ins.launch.action import Action
-from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import text_of
+from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import (
+    normalize_to_list_of_substitutions,
+    text_of,
+)
 
 
 class DeclareLaunchArgument(Action):
@@ -23,9 +26,18 @@ class DeclareLaunchArgument(Action):
     ) -> None:
         super().__init__(**rest)
         self.name = name
-        self.default_value = default_value
-        self.description = description
+        self._default = default_value
         self.choices = None if choices is None else list(choices)
+        told = "no description given" if description is None else description
+        valid = "" if self.choices is None else f" Valid choices are: {self.choices}"
+        self.description = told + valid
+        self._conditionally_included = False
+
+    @property
+    def default_value(self) -> Any:
+        """The default as substitutions; None where there is none."""
+        given = self._default
+        return None if given is None else normalize_to_list_of_substitutions(given)
 
     def execute(self, context: Any) -> Any:
         """Set the default.
@@ -34,9 +46,11 @@ class DeclareLaunchArgument(Action):
             RuntimeError: there is none, or the value is none of the choices.
         """
         if self.name not in context.launch_configurations:
-            if self.default_value is None:
-                raise RuntimeError(f"argument '{self.name}' has no default")
-            text = text_of(context, self.default_value)
+            if self._default is None:
+                raise RuntimeError(
+                    f"Required launch argument '{self.name}' was not provided: it has no default"
+                )
+            text = text_of(context, self._default)
             context.launch_configurations[self.name] = text
         value = context.launch_configurations[self.name]
         if self.choices is not None and value not in self.choices:
@@ -51,11 +65,22 @@ class SetLaunchConfiguration(Action):
 
     def __init__(self, name: Any, value: Any, **rest: Any) -> None:
         super().__init__(**rest)
-        self.name, self.value = name, value
+        self._given = (name, value)
+
+    @property
+    def name(self) -> Any:
+        """The name as substitutions."""
+        return normalize_to_list_of_substitutions(self._given[0])
+
+    @property
+    def value(self) -> Any:
+        """The value as substitutions."""
+        return normalize_to_list_of_substitutions(self._given[1])
 
     def execute(self, context: Any) -> Any:
         """Set it."""
-        context.launch_configurations[text_of(context, self.name)] = text_of(context, self.value)
+        name, value = (text_of(context, each) for each in self._given)
+        context.launch_configurations[name] = value
 
 
 class UnsetLaunchConfiguration(Action):
