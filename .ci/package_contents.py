@@ -16,7 +16,8 @@ from pathlib import Path
 TOP_OF_SDIST = {
     *("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "PKG-INFO", "README.md", "hatch_build.py"),
     *("pyproject.toml", "mkdocs.yml", ".gitignore", ".pre-commit-hooks.yaml", "action.yml"),
-    *("action", "benchmarks", "docs", "editors", "sample_controllers", "tests", "tracerisk"),
+    *("action", "benchmarks", "docs", "editors", "probe", "sample_controllers", "tests"),
+    "tracerisk",
 }
 MUST_BE = (
     "tracerisk/py.typed",
@@ -63,6 +64,7 @@ def main(folder: Path, repository: str) -> None:
     expect(PLACEHOLDER.search(header) is None, "a placeholder in the metadata")
     extras = set(told.get_all("Provides-Extra") or [])
     expect({"sim", "large", "dev", "test", "docs"} <= extras, f"extras: {sorted(extras)}")
+    check_probe(folder)
     print(f"{wheel.name}: {len(names)} files, {wheel.stat().st_size / 1e6:.1f} MB")
     print(f"{sdist.name}: {sdist.stat().st_size / 1e6:.1f} MB")
 
@@ -78,6 +80,21 @@ def expect_library(wheel: Path, names: list[str]) -> None:
             needed = re.findall(rb"GLIBC_2\.(\d+)", packed.read(LIBRARY))
         newest = max(map(int, needed), default=0)
         expect(newest <= 17, f"the compiled loops need glibc 2.{newest}")
+
+
+def check_probe(folder: Path) -> None:
+    """Exit unless the probe is one package for Python 3.8 that depends on nothing."""
+    (wheel,) = folder.glob("tracerisk_probe-*.whl")
+    with zipfile.ZipFile(wheel) as packed:
+        names = packed.namelist()
+        (metadata,) = [name for name in names if name.endswith(".dist-info/METADATA")]
+        told = message_from_string(packed.read(metadata).decode())
+    tops = {name.partition("/")[0] for name in names}
+    expect(tops == {"tracerisk_probe", metadata.partition("/")[0]}, f"in the probe: {sorted(tops)}")
+    expect("tracerisk_probe/py.typed" in names, "the probe is not typed")
+    expect(told["Requires-Python"] == ">=3.8", f"the probe needs {told['Requires-Python']}")
+    expect(not told.get_all("Requires-Dist"), "the probe depends on something")
+    print(f"{wheel.name}: {len(names)} files, {wheel.stat().st_size / 1e3:.0f} kB")
 
 
 def expect(is_so: bool, otherwise: str) -> None:

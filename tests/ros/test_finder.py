@@ -233,3 +233,10 @@ def test_modules_of_a_library_are_there_when_they_are_read(finder):
     import rospy
 
     assert not hasattr(rospy, "node")
+
+
+def test_a_controller_that_starts_the_probe_runs_as_without_it(finder):
+    probe = importlib.import_module("tracerisk_probe")
+    assert "stand_ins" in probe.__file__
+    assert probe.start(out="commands.jsonl", publish=False) is None
+    assert probe.watch(len, "len") is len
