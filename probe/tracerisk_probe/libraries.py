@@ -15,9 +15,16 @@ from tracerisk_probe import stacks
 from tracerisk_probe.recording import Within, command, ended, output
 
 _OWN_TOPICS = frozenset({"/tracerisk/commands", "/rosout", "/parameter_events"})
+# What an action's own topics carry: the goal is recorded when it is sent.
+_OF_ACTIONS = ("actionlib_msgs/", "action_msgs/")
+_ANSWERS = ("ActionResult", "ActionFeedback")
 _ROS1_ENDS = {3: "succeeded", 2: "preempted", 8: "preempted"}
 _ROS2_ENDS = {4: "succeeded", 5: "preempted"}
 _Change = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+def _is_command(name: str, type_: str) -> bool:
+    return not (name in _OWN_TOPICS or type_.startswith(_OF_ACTIONS) or type_.endswith(_ANSWERS))
 
 
 def _change(owner: Any, name: str, change: _Change) -> None:
@@ -72,9 +79,10 @@ def type_name(kind: Any) -> str:
 
 def _rospy_publish(original: Callable[..., Any]) -> Callable[..., Any]:
     def publish(self: Any, *args: Any, **kwargs: Any) -> Any:
-        if self.resolved_name not in _OWN_TOPICS:
+        kind = type_name(self.data_class)
+        if _is_command(self.resolved_name, kind):
             first = args[0] if args else None
-            command("topic", self.resolved_name, type_name(self.data_class), joints_of(first))
+            command("topic", self.resolved_name, kind, joints_of(first))
         return original(self, *args, **kwargs)
 
     return publish
@@ -213,8 +221,9 @@ def _rclpy_publish(original: Callable[..., Any]) -> Callable[..., Any]:
             name = str(self.topic_name)
         except Exception:  # noqa: BLE001 -- it was destroyed, as the call itself will say
             return original(self, msg)
-        if name not in _OWN_TOPICS:
-            command("topic", name, type_name(self.msg_type), joints_of(msg))
+        kind = type_name(self.msg_type)
+        if _is_command(name, kind):
+            command("topic", name, kind, joints_of(msg))
         return original(self, msg)
 
     return publish
@@ -238,6 +247,9 @@ def _rclpy_call(original: Callable[..., Any]) -> Callable[..., Any]:
 def _rclpy_send(original: Callable[..., Any]) -> Callable[..., Any]:
     def send_goal_async(self: Any, goal: Any, *args: Any, **kwargs: Any) -> Any:
         name = str(getattr(self, "_action_name", ""))
+        if not name.startswith("/"):
+            with contextlib.suppress(Exception):
+                name = f"{self._node.get_namespace().rstrip('/')}/{name}"
         number = command("action", name, type_name(self._action_type), joints_of(goal))
         with Within():
             future = original(self, goal, *args, **kwargs)
