@@ -21,6 +21,11 @@ SensorKind = Literal["encoder", "torque", "wrench", "camera"]
 DRAFTED = "drafted:"
 """What the assumption of a run begins with whose scenario tracerisk has drafted."""
 
+MEASURED = "measured:"
+"""What the assumption begins with that a trace is of a real robot."""
+LOST = "lost:"
+"""What an assumption begins with that says what the recording of a robot cannot tell."""
+
 WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
 """The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
@@ -426,6 +431,17 @@ class Trace:
         """In words that a drafted scenario gave it values; empty where none did."""
         told = (each for each in self.assumptions if each.startswith(DRAFTED))
         return next(told, "").removeprefix(DRAFTED).strip()
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether it is of a real robot, and not of a run on the twin."""
+        return any(each.startswith(MEASURED) for each in self.assumptions)
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What the recording of a real robot could not tell, in words."""
+        told = (each for each in self.assumptions if each.startswith(LOST))
+        return tuple(each.removeprefix(LOST).strip() for each in told)
 
     @property
     def is_usable(self) -> bool:

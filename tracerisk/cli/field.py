@@ -16,22 +16,28 @@ from tracerisk.cli.shared.output import (
     use_color,
     write_file,
 )
+from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.results.field_profile import Apart
+    from tracerisk.trace import Trace
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     parser.add_argument(
-        "recordings", metavar="FILE", nargs="+", help="the trace or log of one mission"
+        "recordings",
+        metavar="FILE",
+        nargs="+",
+        help="the trace, log or recording of one mission",
     )
     parser.add_argument(
         "--against",
         metavar="TRACE",
         help="the trace of the twin; exit 1 where its exposures leave the field's intervals",
     )
+    add_reading(parser, with_robot=True)
     parser.add_argument("-o", "--output", metavar="OUT", help="write the field profile as JSON")
     shared.add_json(parser)
 
@@ -39,6 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.field.file import dump_field, field_data
+    from tracerisk.pipeline.recordings.messages import is_recording
     from tracerisk.pipeline.results.field_profile import (
         apart_from_twin,
         gather_field,
@@ -46,12 +53,14 @@ def run(options: argparse.Namespace) -> int:
     )
     from tracerisk.report.series.field import render_field
 
-    found = gather_field(
-        [read_mission(Path(each)) for each in options.recordings], options.recordings
-    )
+    def read(name: str) -> Trace:
+        path = Path(name)
+        return read_recording(path, options) if is_recording(path) else read_mission(path)
+
+    found = gather_field(list(map(read, options.recordings)), options.recordings)
     apart: list[Apart] = []
     if options.against is not None:
-        apart = apart_from_twin(found, read_mission(Path(options.against)))
+        apart = apart_from_twin(found, read(options.against))
     code = ExitCode.WOULD_CHANGE if apart else ExitCode.FINE
     if options.output is not None:
         write_file(options.output, dump_field(found))

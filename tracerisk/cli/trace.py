@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_file,
 )
+from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.cli.shared.run_report import (
     failure_of,
     finding_lines,
@@ -40,9 +41,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--from",
         dest="recording",
-        metavar="REC.mcap",
-        help="read the trace from a recording made by --record; runs nothing",
+        metavar="REC",
+        help="read the trace from a recording: MCAP, bag or db3; runs nothing",
     )
+    add_reading(parser, with_robot=False)
     shared.add_record(parser)
     shared.add_hardware_options(parser)
     parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
@@ -98,14 +100,10 @@ def _run(options: argparse.Namespace) -> Trace:
 
 
 def _read(options: argparse.Namespace) -> Trace:
-    from tracerisk.pipeline.recordings.read import read_trace
-
-    given = {"FILE": options.controller, "--record": options.record, "--log": options.log}
-    given["--keep"] = options.keep
+    given = {"--record": options.record, "--log": options.log, "--keep": options.keep}
     for name, value in given.items():
         if value is not None:
             raise InputError(
-                f"{name} does not go with --from: a recording is read and nothing is run; "
-                "allowed: --output, --json and --quiet"
+                f"{name} does not go with --from: a recording is read and nothing is run"
             )
-    return read_trace(Path(options.recording))
+    return read_recording(Path(options.recording), options, options.controller)

@@ -15,30 +15,32 @@ _MOST_BYTES = 512 * 1024**2
 """How large a record of a file may be that is read into memory [bytes]."""
 
 
-def read_trace(path: Path) -> Trace:
+def read_trace(path: Path) -> Trace | None:
     """Return the trace that a recording of `run --record` or `trace --record` holds.
 
-    Raises LogError for a file that is absent, empty, cut short, no MCAP file, or not written by
-    tracerisk.
+    `None` for a recording of another tool, which `measured_trace` reads.
+    Raises LogError for an MCAP file that is damaged or cut short.
     """
     place = Location(str(path))
+    if not path.is_file():
+        return None
     try:
         with path.open("rb") as stream:
             begin = stream.read(len(_MAGIC))
     except OSError as error:
         raise LogError(f"cannot be read: {error.strerror}", place) from error
-    if not begin:
-        raise LogError("is empty; give a recording made by `tracerisk run --record`", place)
     if begin != _MAGIC:
-        raise LogError("is no MCAP file; give a recording made by `tracerisk run --record`", place)
+        return None
     text = _attached(path, place)
+    if text is None:
+        return None
     try:
         return trace_json.loads(text.decode("utf-8"), str(path))
     except UnicodeDecodeError as error:
         raise LogError(f"its trace is damaged: {error}; record the run again", place) from error
 
 
-def _attached(path: Path, place: Location) -> bytes:
+def _attached(path: Path, place: Location) -> bytes | None:
     from mcap.exceptions import McapError
     from mcap.reader import SeekingReader
 
@@ -48,16 +50,10 @@ def _attached(path: Path, place: Location) -> bytes:
             for each in reader.iter_attachments():
                 if each.name == TRACE:
                     return bytes(each.data)
-            summary = reader.get_summary()
+            reader.get_summary()
+            return None
     except (McapError, OSError, ValueError, struct.error, StopIteration, KeyError) as error:
         raise LogError(
             f"is damaged or was cut short ({type(error).__name__}: {error}); record the run again",
             place,
         ) from error
-    topics = sorted({each.topic for each in summary.channels.values()}) if summary else []
-    listed = f"; its topics are {', '.join(topics[:8])}" if topics else ""
-    raise LogError(
-        f"holds no trace{listed}; only recordings made by `tracerisk run --record` or "
-        "`tracerisk trace --record` can be read",
-        place,
-    )

@@ -79,7 +79,7 @@ def make_trace(
         activity = element_activity(samples, robot)
         measured = activity if with_exposures else {}
         active = _exposures(measured, samples)
-        visits = _visits(attribution, measured, samples)
+        visits = visits_of(attribution, measured, samples)
         if with_exposures:
             active, visits = with_sensors(
                 elements, recording, attribution, activity, samples, active, visits
@@ -148,9 +148,10 @@ def _exposures(activity: Mapping[str, ElementActivity], samples: Samples) -> dic
     return {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
 
 
-def _visits(
+def visits_of(
     attribution: Attribution, activity: Mapping[str, ElementActivity], samples: Samples
 ) -> tuple[Visit, ...]:
+    """Return the visits with the exposure of each element in them."""
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     current = attribution.current(n_steps, step_ns)
     owners = {name: attribution.assign(name, n_steps, step_ns) for name in activity}

@@ -89,7 +89,7 @@ def element_activity(
             f"'{robot.name}'; read them with the robot that was simulated"
         )
     found = {
-        joint.name: _joint_activity(samples, joint, index[joint.name], limits)
+        joint.name: joint_activity(samples, joint, index[joint.name], limits)
         for joint in robot.arm_joints
     }
     for gripper in robot.grippers:
@@ -128,9 +128,10 @@ def _latch(signs: NDArray[np.int8]) -> Flags:
     return (last >= 0) & (signs[last] > 0)
 
 
-def _joint_activity(
+def joint_activity(
     samples: Samples, joint: Joint, column: int, limits: Thresholds
 ) -> ElementActivity:
+    """Return the activity of a joint, whose samples are in a column."""
     stiffness = joint.servo.stiffness
     set_point = _set_point(
         samples,

@@ -44,7 +44,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         {
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
-            "default_scaling", "default_scene", "payload", "sensors",
+            "default_scaling", "default_scene", "effort_unit", "payload", "sensors",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -101,6 +101,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         payload=_positive(top, "payload") if "payload" in top else None,
         own_sensors=sensors,
         without_encoder=without_encoder,
+        effort_unit=top.optional_string("effort_unit") or "",
     )
 
 

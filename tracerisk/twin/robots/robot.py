@@ -174,6 +174,8 @@ class Robot:
     `payload` is rated, in [kg], `None` where it is not known.
     `own_sensors` are those beside the encoders, `without_encoder` the arm joints that have none.
     `actuators` maps those that the model names to the joints that each moves.
+    `effort_unit` is what its driver gives as the effort of a joint, as `--effort-unit` takes it;
+    empty where it is not known.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Robot:
     own_sensors: tuple[Sensor, ...] = ()
     without_encoder: tuple[str, ...] = ()
     actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    effort_unit: str = ""
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:

@@ -1,0 +1,427 @@
+"""Which function of the controller was at work when: from what a recording, or a file, tells.
+
+In this order: a file that is named, the probe's topic, a topic of function names that is named,
+goals of actions and set-points. The last know no function, and each is called by its action.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast, get_args
+
+from tracerisk.errors import Location, LogError
+from tracerisk.instrument.recording import Command
+from tracerisk.instrument.tracer import Frame, RootKind
+from tracerisk.pipeline.recordings.messages import RecordingFile
+from tracerisk.pipeline.recordings.names import COMMANDS
+from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.twin.robots.robot import Robot
+
+TEXT = "std_msgs/msg/String"
+_TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+_GOAL = "control_msgs/msg/FollowJointTrajectoryActionGoal"
+_RESULT = "control_msgs/msg/FollowJointTrajectoryActionResult"
+_STATUS2 = "action_msgs/msg/GoalStatusArray"
+_ENDS1 = {3: "succeeded", 2: "preempted", 8: "preempted"}
+_ENDS2 = {4: "succeeded", 5: "preempted", 6: "aborted"}
+_EXECUTING2 = 2
+_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
+_SECOND_NS = 1_000_000_000
+_MOST_LINES = 1_000_000
+_MOST_TEXT = 512 * 1024**2
+_LATE_NS = 10 * _SECOND_NS  # what waited for a subscriber came later than it was recorded
+_NAME = re.compile(r"(?:Function:\s*)?([\w.<>]+)(?:\(\))?\s*$")
+
+# Services and topics of these packages move no robot.
+_NO_MOTION = frozenset(
+    {"composition_interfaces", "controller_manager_msgs", "diagnostic_msgs", "dynamic_reconfigure"}
+    | {"gazebo_msgs", "geometry_msgs", "lifecycle_msgs", "moveit_msgs", "nav_msgs"}
+    | {"rcl_interfaces", "rosapi", "roscpp", "rosgraph_msgs", "sensor_msgs", "shape_msgs"}
+    | {"std_srvs", "tf2_msgs", "topic_tools", "visualization_msgs"}
+)
+_POINTS = frozenset(
+    {"trajectory_msgs/JointTrajectory", "control_msgs/JointJog", "control_msgs/GripperCommand"}
+    | {"std_msgs/Float64", "std_msgs/Float64MultiArray", "std_msgs/Float32MultiArray"}
+    | {"sensor_msgs/JointState", "geometry_msgs/Twist", "geometry_msgs/TwistStamped"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Boundaries:
+    """The commands of a mission, by the clock of the recorder [ns], and what told them."""
+
+    commands: tuple[Command, ...]
+    told_by: str
+    controller: str = ""
+    """The file of the controller; empty where nothing tells."""
+    lost: tuple[str, ...] = ()
+
+
+def boundaries(
+    file: RecordingFile,
+    robot: Robot,
+    span_ns: tuple[int, int],
+    *,
+    commands: Path | None = None,
+    functions: Path | None = None,
+    names: str | None = None,
+    controller: str = "",
+) -> Boundaries:
+    """Return the commands of a recording whose joint states cover `span_ns`.
+
+    `commands` is a file of the probe, `functions` a CSV file of times, `names` a topic of function
+    names; `controller` is the file that the functions of the last two are of.
+    Raises LogError where they are malformed, or nothing tells a function.
+    """
+    if commands is not None:
+        texts = enumerate(_lines(commands), 1)
+        found = _probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
+        return replace(found, told_by=f"the probe's file {commands.name}")
+    if functions is not None:
+        return _timed(functions, span_ns, controller)
+    if names is not None:
+        return _named(file, names, controller)
+    if COMMANDS in file.of_type(TEXT):
+        messages = file.messages([COMMANDS])
+        found = _probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)
+        return replace(found, told_by=f"the probe's topic {COMMANDS}")
+    found = _goals(file, robot, controller)
+    if not found.commands:
+        raise LogError(
+            f"tells no function of a controller: it has no topic {COMMANDS} of the probe, and no "
+            "goal of FollowJointTrajectory or JointTrajectory. Give --commands FILE of the probe, "
+            "--functions FILE.csv with times, or --names TOPIC of function names; its topics of "
+            f"text are {', '.join(file.of_type(TEXT)) or 'none'}",
+            file.place,
+        )
+    return found
+
+
+# --- the probe
+
+
+def _lines(path: Path) -> Iterator[str]:
+    place = Location(str(path))
+    try:
+        if path.stat().st_size > _MOST_TEXT:
+            raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
+        with path.open(encoding="utf-8") as stream:
+            yield from stream
+    except OSError as error:
+        raise LogError(f"cannot be read: {error.strerror}", place) from error
+    except UnicodeDecodeError as error:
+        raise LogError("is not UTF-8 text; give a file of the probe", place) from error
+
+
+def _probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Boundaries:
+    """Read the probe's objects, with the time at which each was received [ns], if it is known."""
+    commands: dict[tuple[int, int], Command] = {}
+    offsets: list[int] = []
+    controller, passed_over = "", 0
+    last: Location | None = None
+    for place, received, text in rows:
+        last = place
+        if not text.strip():
+            continue
+        try:
+            data = json.loads(text)
+            kind = data["kind"]
+            if kind == "begin":
+                controller = controller or str(data["controller"])
+                continue
+            t_ns = round(float(data["t"]) * _SECOND_NS)
+            key = (int(data.get("pid", 0)), int(data["id"]))
+            if received is not None:
+                offsets.append(received - t_ns)
+            if kind == "end":
+                if key in commands:
+                    outcome = data["outcome"] if data["outcome"] in _OUTCOMES else "aborted"
+                    commands[key] = replace(commands[key], end_ns=t_ns, outcome=outcome)
+            elif not is_motion(kind, str(data["type"])):
+                passed_over += 1
+            else:
+                commands[key] = _probe_command(data, key, t_ns, robot)
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+            raise LogError(
+                f"is not an object of the probe ({type(error).__name__}: {error}); "
+                "docs/probe.md has the format",
+                place,
+            ) from error
+    if not commands:
+        raise LogError(
+            f"the probe recorded no command that moves a robot ({passed_over} others)", last
+        )
+    shift = _shift(offsets)
+    moved = [
+        replace(
+            each,
+            issue_ns=each.issue_ns + shift,
+            end_ns=None if each.end_ns is None else each.end_ns + shift,
+        )
+        for each in commands.values()
+    ]
+    lost = (f"{passed_over} messages and calls that move no robot were left out",)
+    return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
+
+
+def _shift(offsets: Sequence[int]) -> int:
+    """Return by how much the recorder's clock is ahead of the controller's [ns].
+
+    What was published late because nobody listened yet is no measure of it.
+    """
+    if not offsets:
+        return 0
+    ordered = sorted(offsets)
+    middle = ordered[len(ordered) // 2]
+    # Delays of transport are below a second: both are of one clock.
+    return 0 if abs(ordered[0]) < _SECOND_NS and middle < _LATE_NS else middle
+
+
+def is_motion(kind: str, type_: str) -> bool:
+    """Return whether a command of the probe may move a robot, by its kind and type."""
+    parts = type_.split("/")
+    if kind in ("action", "method"):
+        return True
+    if kind == "topic":
+        return f"{parts[0]}/{parts[-1]}" in _POINTS or parts[0] not in _NO_MOTION | {"std_msgs"}
+    return kind == "service" and parts[0] not in _NO_MOTION
+
+
+def _probe_command(
+    data: Mapping[str, Any], key: tuple[int, int], t_ns: int, robot: Robot
+) -> Command:
+    places = data["at"]
+    names = data["stack"]
+    if not names or len(places) != len(names):
+        raise ValueError("its stack is empty, or does not go with its places")
+    root = data.get("root")
+    frames = []
+    for index, (name, place) in enumerate(zip(names, places, strict=True)):
+        file, colon, function = str(name).partition(":")
+        activation, line, at_line, at_column = (int(each) for each in place)
+        if not colon or not function or min(line, at_line, at_column) < 0:
+            raise ValueError(f"{name!r} is not FILE:FUNCTION with its lines")
+        kind = cast(RootKind, root if root in get_args(RootKind) else "main")
+        frames.append(
+            Frame(
+                FunctionRef(file, QualifiedName(function)),
+                line,
+                # Numbers of calls are unique to a process.
+                key[0] * 10**9 + activation,
+                (at_line, at_column),
+                kind if index == 0 else None,
+            )
+        )
+    ends_now = data["kind"] == "topic"  # a message has no end: it leads until the next command
+    return Command(
+        0,
+        str(data["kind"]),
+        _elements([str(each) for each in data.get("joints", ())], robot),
+        tuple(frames),
+        t_ns,
+        t_ns if ends_now else None,
+        "succeeded" if ends_now else None,
+    )
+
+
+def _elements(joints: Sequence[str], robot: Robot) -> tuple[str, ...]:
+    """Return the elements that a command addresses, by the joints that it names."""
+    found = [each.name for each in robot.arm_joints if each.name in joints]
+    found += [each.name for each in robot.grippers if set(each.joints) & set(joints)]
+    return tuple(found)
+
+
+def _numbered(commands: Iterable[Command]) -> tuple[Command, ...]:
+    ordered = sorted(commands, key=lambda each: each.issue_ns)
+    return tuple(replace(each, id=number) for number, each in enumerate(ordered, 1))
+
+
+# --- names and times of functions
+
+
+def _visit(number: int, name: str, controller: str, begin_ns: int, end_ns: int | None) -> Command:
+    """Return the one command that stands for a visit of a function."""
+    ref = FunctionRef(controller, QualifiedName(name))
+    frame = Frame(ref, 0, number, (0, 0), "main")
+    return Command(number, "visit", (), (frame,), begin_ns, end_ns, "succeeded")
+
+
+def _visits(begins: Sequence[tuple[int, int | None, str]], controller: str) -> tuple[Command, ...]:
+    """Return a command for each (begin, end or until the next, name) [ns]."""
+    found = []
+    for number, (begin_ns, end_ns, name) in enumerate(begins, 1):
+        next_ns = begins[number][0] if number < len(begins) else None
+        found.append(_visit(number, name, controller, begin_ns, end_ns or next_ns or begin_ns))
+    return tuple(found)
+
+
+def _named(file: RecordingFile, topic: str, controller: str) -> Boundaries:
+    if topic not in file.of_type(TEXT):
+        raise LogError(
+            f"has no text on {topic}; it has on {', '.join(file.of_type(TEXT)) or 'no topic'}",
+            file.place,
+        )
+    begins: list[tuple[int, int | None, str]] = []
+    for each in file.messages([topic]):
+        found = _NAME.match(str(each.value.data).strip())
+        if found is None:
+            raise LogError(
+                f"{topic} has {each.value.data[:40]!r}, which is no name of a function", file.place
+            )
+        # A logger that repeats a name while its function runs tells of one visit.
+        if not begins or begins[-1][2] != found[1]:
+            begins.append((each.time_ns, None, found[1]))
+    if not begins:
+        raise LogError(f"has no message on {topic}", file.place)
+    return Boundaries(_visits(begins, controller), f"the names on {topic}", controller)
+
+
+def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
+    rows = list(_rows(path))
+    if not rows:
+        raise LogError("has no row; expected time_s,function[,event]", Location(str(path)))
+    first_s, last_s = (each / _SECOND_NS for each in span_ns)
+    # Times of a clock lie in the recording; others count from its begin.
+    is_clock = first_s - 1.0 <= rows[0][1] <= last_s + 1.0 and rows[0][1] > 1e6
+    shift_ns = 0 if is_clock else span_ns[0]
+    begins: list[tuple[int, int | None, str]] = []
+    for place, time_s, name, event in rows:
+        at_ns = shift_ns + round(time_s * _SECOND_NS)
+        if begins and at_ns < begins[-1][0]:
+            raise LogError(f"{time_s:g} s is before the row above it; sort the rows", place)
+        if event == "begin":
+            begins.append((at_ns, None, name))
+            continue
+        opened = [k for k, each in enumerate(begins) if each[2] == name and each[1] is None]
+        if not opened:
+            raise LogError(f"{name} ends and never began", place)
+        begins[opened[-1]] = (begins[opened[-1]][0], at_ns, name)
+    return Boundaries(_visits(begins, controller), f"the times in {path.name}", controller)
+
+
+def _rows(path: Path) -> Iterator[tuple[Location, float, str, str]]:
+    reader = csv.reader(_lines(path))
+    try:
+        for cells in reader:
+            place = Location(str(path), reader.line_num)
+            cells = [each.strip() for each in cells]
+            if not any(cells) or cells[0].startswith("#"):
+                continue
+            if reader.line_num == 1 and cells[0] == "time_s":
+                continue
+            if reader.line_num > _MOST_LINES:
+                raise LogError(f"has more than {_MOST_LINES} rows", place)
+            time_s = _number(cells[0])
+            event = cells[2] if len(cells) == 3 and cells[2] else "begin"
+            if (
+                len(cells) not in (2, 3)
+                or not math.isfinite(time_s)
+                or _NAME.fullmatch(cells[1]) is None
+                or event not in ("begin", "end")
+            ):
+                raise LogError(
+                    f"{','.join(cells)[:60]!r} is not time_s,function[,event], where event is "
+                    "begin (the default) or end",
+                    place,
+                )
+            yield place, time_s, cells[1].removesuffix("()"), event
+    except csv.Error as error:
+        raise LogError(f"is no CSV: {error}", Location(str(path), reader.line_num)) from error
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+# --- goals
+
+
+@dataclass(slots=True)
+class _Goal:
+    """A goal, or a set-point of many: when it began and ended [ns], `None` where it did not."""
+
+    begin_ns: int
+    end_ns: int | None
+    outcome: str
+    name: str
+    elements: tuple[str, ...] = ()
+
+
+def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:
+    """Return a visit for each goal and set-point, named after its action or topic."""
+    topics = file.of_type(_GOAL, _RESULT, _TRAJECTORY, _STATUS2)
+    by_id: dict[str, _Goal] = {}
+    found: list[_Goal] = []
+    told_by: dict[str, None] = {}
+    for each in file.messages(topics):
+        kind, value = file.topics[each.topic].type, each.value
+        if kind == _STATUS2:
+            goals = _followed(each.topic, each.time_ns, value, by_id)
+        elif kind == _RESULT:
+            known = by_id.get(value.status.goal_id.id)
+            if known is not None:
+                known.end_ns = each.time_ns
+                known.outcome = _ENDS1.get(value.status.status, "aborted")
+            continue
+        else:
+            goals = _sent(
+                each.topic, each.time_ns, value.goal.trajectory if kind == _GOAL else value, robot
+            )
+            if kind == _GOAL and goals:
+                by_id[value.goal_id.id] = goals[0]
+        found += goals
+        told_by.update(dict.fromkeys([each.topic] if goals else []))
+    found.sort(key=lambda goal: goal.begin_ns)
+    commands = tuple(
+        replace(
+            _visit(number, goal.name, controller, goal.begin_ns, goal.end_ns),
+            elements=goal.elements,
+            outcome=None if goal.end_ns is None else goal.outcome,
+        )
+        for number, goal in enumerate(found, 1)
+    )
+    lost = ("the functions of the controller: a goal tells its action alone",)
+    return Boundaries(commands, f"the goals on {', '.join(told_by)}", controller, lost)
+
+
+def _sent(topic: str, time_ns: int, trajectory: Any, robot: Robot) -> list[_Goal]:
+    """Return the goal that a trajectory is: it lasts as planned, if no result says otherwise."""
+    if not len(trajectory.points):
+        return []  # an empty one stops the arm
+    last = trajectory.points[-1].time_from_start
+    end_ns = time_ns + last.sec * _SECOND_NS + last.nanosec
+    elements = _elements(list(trajectory.joint_names), robot)
+    return [_Goal(time_ns, end_ns, "succeeded", _called(topic), elements)]
+
+
+def _followed(topic: str, time_ns: int, value: Any, by_id: dict[str, _Goal]) -> list[_Goal]:
+    """Return the goals of ROS 2 that a list of states shows for the first time."""
+    if not topic.endswith("/follow_joint_trajectory/_action/status"):
+        return []
+    begun = []
+    for status in value.status_list:
+        key = bytes(status.goal_info.goal_id.uuid).hex()
+        known = by_id.get(key)
+        if status.status == _EXECUTING2 and known is None:
+            by_id[key] = _Goal(time_ns, None, "", _called(topic))
+            begun.append(by_id[key])
+        elif known is not None and known.end_ns is None and status.status in _ENDS2:
+            known.end_ns, known.outcome = time_ns, _ENDS2[status.status]
+    return begun
+
+
+def _called(topic: str) -> str:
+    """Return what a goal's topic is called: `arm_controller.follow_joint_trajectory`."""
+    parts = [re.sub(r"\W", "_", each) for each in topic.split("/") if each]
+    while len(parts) > 1 and parts[-1] in ("goal", "status", "_action", "command"):
+        parts.pop()
+    return ".".join(parts[-2:])

@@ -1,0 +1,72 @@
+"""What the effort of a joint state means: the unit that is declared for a robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from tracerisk.errors import SettingsError, one_of
+from tracerisk.twin.robots.robot import Joint
+
+_ALLOWED = ("Nm", "%", "mA:K", "A:K")
+
+
+@dataclass(frozen=True, slots=True)
+class EffortUnit:
+    """The unit of effort, for all joints or for some by name.
+
+    Each is a factor to N m (N for a sliding joint), or `None` for per cent of the torque limit.
+    """
+
+    of_all: float | None = 1.0
+    by_joint: Mapping[str, float | None] = field(default_factory=dict)
+    text: str = "Nm"
+
+    def factor(self, joint: Joint) -> float:
+        """Return what one unit is of a joint [N m or N]."""
+        found = self.by_joint.get(joint.name, self.of_all)
+        return joint.torque_limit / 100.0 if found is None else found
+
+
+def parse_effort_unit(text: str) -> EffortUnit:
+    """Read `Nm`, `%`, `mA:K` or `A:K` with the torque constant K in N m per A at the joint.
+
+    Units of single joints follow behind commas: `mA:1.2,joint_1=mA:3.1`.
+    Raises SettingsError for anything else.
+    """
+    of_all: float | None = 1.0
+    by_joint: dict[str, float | None] = {}
+    has_all = False
+    for part in text.split(","):
+        joint, equals, unit = part.strip().rpartition("=")
+        factor = _factor(unit, text)
+        if equals:
+            by_joint[joint.strip()] = factor
+        else:
+            if has_all:
+                raise SettingsError(
+                    f"--effort-unit: {text!r} has two units for all joints; write JOINT=UNIT"
+                )
+            of_all, has_all = factor, True
+    return EffortUnit(of_all, by_joint, text)
+
+
+def _factor(unit: str, text: str) -> float | None:
+    name, colon, constant = unit.partition(":")
+    if name in ("Nm", "N") and not colon:
+        return 1.0
+    if name == "%" and not colon:
+        return None
+    if name in ("mA", "A"):
+        try:
+            value = float(constant)
+        except ValueError:
+            value = math.nan
+        if not colon or not math.isfinite(value) or value <= 0.0:
+            raise SettingsError(
+                f"--effort-unit: {text!r} lacks the torque constant; write {name}:K with K in N m "
+                f"per A at the joint, the gear included: {name}:0.8"
+            )
+        return value / 1000.0 if name == "mA" else value
+    raise SettingsError(f"--effort-unit: {text!r} is not a unit; {one_of(_ALLOWED, name)}")

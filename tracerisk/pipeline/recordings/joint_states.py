@@ -1,0 +1,327 @@
+"""The joint states of a recording as samples: one joint a column, one step a row.
+
+Messages come at any rate and in any order of joints; they are interpolated to steps of equal
+length. Velocities are the messages' own. Where they have none, positions are differentiated only
+if the encoder's step is declared: a quantized position at rest jumps, and a jump is no motion.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import LogError
+from tracerisk.pipeline.recordings.effort import EffortUnit
+from tracerisk.pipeline.recordings.messages import RecordingFile
+from tracerisk.twin.recording.samples import SampleHeader, Samples
+from tracerisk.twin.robots.robot import Robot
+
+Array = NDArray[np.float64]
+Times = NDArray[np.int64]
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+STEP_NS = 5_000_000
+"""The step to which joint states are interpolated [ns]."""
+MOST_S = 4 * 3600.0
+"""How long a recording may be [s]."""
+_JUMP_NS = 100_000_000  # stamps that go back by more are of two clocks, or two runs
+_GAP_S = 0.25
+_GAP_PERIODS = 5.0  # a longer silence than so many periods, and `_GAP_S`, is a gap
+_WINDOW_S = 0.1  # over which positions are differentiated
+_STILL = 1e-3  # all velocities are 0 while a position goes further: they are not measured
+_TOO_MUCH = 3.0  # an effort above so many torque limits has another unit
+_SECOND_NS = 1_000_000_000
+
+
+@dataclass(slots=True)
+class _Joint:
+    stamps: array[int] = field(default_factory=lambda: array("q"))
+    received: array[int] = field(default_factory=lambda: array("q"))
+    position: array[float] = field(default_factory=lambda: array("d"))
+    velocity: array[float] = field(default_factory=lambda: array("d"))
+    effort: array[float] = field(default_factory=lambda: array("d"))
+
+
+@dataclass(frozen=True, slots=True)
+class JointStates:
+    """The samples of a recording, and what they lack.
+
+    `begin_ns` is the time of the first step, by the clock of the recorder. `has_effort` are the
+    joints whose torque is known. `lost` are lines that say what is not.
+    """
+
+    samples: Samples
+    begin_ns: int
+    has_effort: frozenset[str]
+    assumptions: tuple[str, ...]
+    lost: tuple[str, ...]
+
+
+def read_joint_states(
+    file: RecordingFile,
+    robot: Robot,
+    *,
+    topic: str | None = None,
+    unit: EffortUnit | None = None,
+    encoder_step: float | None = None,
+) -> JointStates:
+    """Return the joint states of a robot.
+
+    `topic` is theirs (default: the one with most of the robot's joints); `unit` that of effort,
+    `None` where it is not known; `encoder_step` the least difference of two positions [rad or m].
+    Raises LogError where the recording has none of this robot, its clock jumps back, or it tells
+    no velocity.
+    """
+    tables = _read(file, topic)
+    main, names = _own_topic(file, robot, tables)
+    joints: dict[str, _Joint] = {}
+    for joint in robot.joints:
+        found = tables[main].get(names.get(joint.name, joint.name))
+        others = (each[joint.name] for each in tables.values() if joint.name in each)
+        found = found or next(others, None)
+        if found is not None:
+            joints[joint.name] = found
+    lost, assumptions = [], []
+    renamed = {ours: theirs for ours, theirs in names.items() if ours != theirs}
+    if renamed:
+        ours, theirs = next(iter(renamed.items()))
+        assumptions.append(f"joints: '{theirs}' is {ours} of {robot.name}, the others likewise")
+    extra = sorted(set(tables[main]) - set(names.values()) - set(joints))
+    if extra:
+        lost.append(f"joints that {robot.name} has not are passed over: {', '.join(extra[:8])}")
+    missing = [each.name for each in robot.joints if each.name not in joints]
+    if missing:
+        lost.append(f"joints without a recorded state: {', '.join(missing)}")
+    times = {name: _times(file, main, each) for name, each in joints.items()}
+    arm = [each.name for each in robot.arm_joints]
+    begin = max(int(times[name][1][0]) for name in arm)
+    end = min(int(times[name][1][-1]) for name in arm)
+    if end - begin < 2 * STEP_NS:
+        raise LogError(
+            f"has less than two joint states of {robot.name} on {main}: nothing moved in it",
+            file.place,
+        )
+    if (end - begin) / _SECOND_NS > MOST_S:
+        raise LogError(
+            f"is {(end - begin) / 3.6e12:.1f} h long; at most {MOST_S / 3600:g} h are read: cut "
+            "it into missions",
+            file.place,
+        )
+    grid = np.arange(begin, end + 1, STEP_NS, dtype=np.int64)
+    shape = (len(grid), len(joints))
+    position, velocity, torque = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    has_effort: set[str] = set()
+    derived: list[str] = []
+    gaps = 0
+    for column, (name, each) in enumerate(joints.items()):
+        order, when = times[name]
+        joint = robot.joint(name)
+        at = (grid - begin) / _SECOND_NS
+        known_at = (when - begin) / _SECOND_NS
+        places = np.frombuffer(each.position, dtype=np.float64)[order]
+        position[:, column] = np.interp(at, known_at, places)
+        speeds = np.frombuffer(each.velocity, dtype=np.float64)[order]
+        silent = _gaps(known_at, at)
+        if _is_measured(speeds, places):
+            velocity[:, column] = np.interp(at, known_at, speeds)
+        elif encoder_step is not None:
+            velocity[:, column] = _differentiated(position[:, column], encoder_step)
+            derived.append(name)
+        elif name in arm:
+            raise LogError(_no_velocity(name, speeds), file.place)
+        else:
+            lost.append(f"motion of {name}: its velocity is not recorded")
+        velocity[silent, column] = 0.0
+        gaps = max(gaps, int(np.count_nonzero(silent)))
+        efforts = np.frombuffer(each.effort, dtype=np.float64)[order]
+        if unit is not None and np.isfinite(efforts).all() and efforts.any():
+            factor = unit.factor(joint)
+            most = float(np.abs(efforts).max()) * factor
+            if most > _TOO_MUCH * joint.torque_limit:
+                raise LogError(
+                    f"the effort of {name} reaches {most:.4g} in N m (N), "
+                    f"{most / joint.torque_limit:.3g} times its limit of {joint.torque_limit:g}: "
+                    f"--effort-unit {unit.text} is not its unit",
+                    file.place,
+                )
+            torque[:, column] = np.interp(at, known_at, efforts) * factor
+            has_effort.add(name)
+    if gaps:
+        seconds = gaps * STEP_NS / _SECOND_NS
+        lost.append(f"{seconds:.3g} s without joint states: no motion is counted in them")
+    if derived and encoder_step is not None:
+        assumptions.append(
+            f"velocity: derived from positions with an encoder step of {encoder_step:g} of "
+            f"{', '.join(derived)}; slower than {encoder_step / _WINDOW_S:.3g}/s is not seen"
+        )
+    zeros = np.zeros((len(grid), 0))
+    header = SampleHeader(robot.name, "", STEP_NS, (), tuple(joints), (), 0)
+    samples = Samples(header, zeros, position, velocity, torque, zeros, np.zeros((0, 0)))
+    return JointStates(samples, begin, frozenset(has_effort), tuple(assumptions), tuple(lost))
+
+
+def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]]:
+    """Return the joints of each topic of joint states, by name."""
+    wanted = file.of_type(JOINT_STATE)
+    if topic is not None:
+        if topic not in wanted:
+            raise LogError(
+                f"has no joint states on {topic}; it has them on {', '.join(wanted) or 'no topic'}",
+                file.place,
+            )
+        wanted = (topic,)
+    if not wanted:
+        raise LogError(
+            f"has no topic of joint states ({JOINT_STATE}); its topics are "
+            f"{', '.join(list(file.topics)[:12]) or 'none'}",
+            file.place,
+        )
+    tables: dict[str, dict[str, _Joint]] = {each: {} for each in wanted}
+    for message in file.messages(wanted):
+        state, table = message.value, tables[message.topic]
+        stamp = state.header.stamp
+        stamp_ns = stamp.sec * _SECOND_NS + stamp.nanosec
+        count = len(state.name)
+        if len(state.position) != count:
+            continue
+        speeds = state.velocity if len(state.velocity) == count else [np.nan] * count
+        efforts = state.effort if len(state.effort) == count else [np.nan] * count
+        rows = zip(state.name, state.position, speeds, efforts, strict=True)
+        for name, place, speed, effort in rows:
+            if not math.isfinite(place):
+                continue
+            joint = table.get(name)
+            if joint is None:
+                joint = table[name] = _Joint()
+            joint.stamps.append(stamp_ns)
+            joint.received.append(message.time_ns)
+            joint.position.append(place)
+            joint.velocity.append(speed)
+            joint.effort.append(effort)
+    return tables
+
+
+def _own_topic(
+    file: RecordingFile, robot: Robot, tables: Mapping[str, Mapping[str, _Joint]]
+) -> tuple[str, dict[str, str]]:
+    """Return the topic of a robot's arm, and what it calls each joint."""
+    arm = [each.name for each in robot.arm_joints]
+    best: tuple[tuple[bool, bool, int], str, dict[str, str]] | None = None
+    for topic, table in tables.items():
+        names = _matched(arm, list(table))
+        if names is None:
+            continue
+        count = len(table[names[arm[0]]].position)
+        key = (
+            all(ours == theirs for ours, theirs in names.items()),
+            topic == "/joint_states",
+            count,
+        )
+        if best is None or key > best[0]:
+            best = key, topic, names
+    if best is not None:
+        return best[1], best[2]
+    heard = [f"{topic}: {', '.join(list(table)[:12])}" for topic, table in tables.items() if table]
+    if not heard:
+        raise LogError("its topics of joint states have no message", file.place)
+    raise LogError(
+        f"is of another robot than {robot.name}, whose joints are {', '.join(arm)}; recorded are "
+        f"{'; '.join(heard)}. Name the robot with --robot",
+        file.place,
+    )
+
+
+def _matched(arm: Sequence[str], recorded: Sequence[str]) -> dict[str, str] | None:
+    """Return what a recording calls each joint: the same, or all with one prefix."""
+    if set(arm) <= set(recorded):
+        return {each: each for each in arm}
+    prefixes = [each[: -len(arm[0])] for each in recorded if each.endswith(arm[0])]
+    fitting = [each for each in prefixes if all(each + name in recorded for name in arm)]
+    return {name: fitting[0] + name for name in arm} if len(fitting) == 1 else None
+
+
+def _times(file: RecordingFile, topic: str, joint: _Joint) -> tuple[Times, Times]:
+    """Return the order of a joint's states, and the time of each by the recorder's clock [ns].
+
+    Stamps are the exacter ones, but of another clock: their median offset is taken off. Where
+    they are all alike, the time of receipt counts.
+    """
+    stamps = np.frombuffer(joint.stamps, dtype=np.int64)
+    received = np.frombuffer(joint.received, dtype=np.int64)
+    times = received
+    if (stamps > 0).all() and stamps.max() > stamps.min():
+        back = np.diff(stamps)
+        if len(back) and back.min() < -_JUMP_NS:
+            at = int(np.argmin(back))
+            raise LogError(
+                f"the clock of {topic} jumps back by {-int(back[at]) / _SECOND_NS:.3g} s at "
+                f"{(int(received[at]) - int(received[0])) / _SECOND_NS:.3f} s: it was set, or two "
+                "programs publish there, or it holds two runs; cut it there",
+                file.place,
+            )
+        times = stamps + int(np.median(received - stamps))
+    back = np.diff(times)
+    if len(back) and back.min() < -_JUMP_NS:
+        at = int(np.argmin(back))
+        raise LogError(
+            f"the recorder's clock jumps back by {-int(back[at]) / _SECOND_NS:.3g} s; cut the "
+            "recording there",
+            file.place,
+        )
+    unique, order = np.unique(times, return_index=True)
+    return order, unique
+
+
+def _is_measured(speeds: Array, places: Array) -> bool:
+    if not len(speeds) or not np.isfinite(speeds).all():
+        return False
+    return bool(speeds.any()) or float(places.max() - places.min()) <= _STILL
+
+
+def _no_velocity(name: str, speeds: Array) -> str:
+    what = (
+        f"has no velocity of {name}"
+        if not np.isfinite(speeds).all()
+        else f"has only zeros as the velocity of {name}, although its position changes"
+    )
+    return (
+        f"{what}; positions are differentiated only if the step of the encoder is known: give "
+        "--encoder-step, in rad (m)"
+    )
+
+
+def _gaps(known_at: Array, at: Array) -> NDArray[np.bool_]:
+    """Return the steps within a silence of the joint, or outside of all its states."""
+    periods = np.diff(known_at)
+    outside = (at < known_at[0]) | (at > known_at[-1])
+    if not len(periods):
+        return np.ones(len(at), dtype=np.bool_)
+    long = max(_GAP_S, _GAP_PERIODS * float(np.median(periods)))
+    after = np.clip(np.searchsorted(known_at, at, side="right"), 1, len(known_at) - 1)
+    found: NDArray[np.bool_] = (periods[after - 1] > long) | outside
+    return found
+
+
+def _differentiated(position: Array, step: float) -> Array:
+    """Return the velocity of a quantized position: (n_steps,), per second.
+
+    A position follows its reading only once that is more than a step away, so that a reading
+    which flickers between two values stands; then the difference over `_WINDOW_S`.
+    """
+    steady = np.empty_like(position)
+    held = float(position[0])
+    for index, value in enumerate(position.tolist()):
+        if value > held + step:
+            held = value - step
+        elif value < held - step:
+            held = value + step
+        steady[index] = held
+    reach = max(1, round(_WINDOW_S * _SECOND_NS / STEP_NS / 2))
+    padded = np.concatenate((np.repeat(steady[:1], reach), steady, np.repeat(steady[-1:], reach)))
+    found: Array = (padded[2 * reach :] - padded[: -2 * reach]) / (2 * reach * STEP_NS / _SECOND_NS)
+    return found

@@ -1,0 +1,244 @@
+"""The trace of a real robot from a recording: what its joints did, function by function.
+
+What a recording cannot tell is listed in the trace, and counted nowhere. The trace has no verdict:
+nobody knows what the controller would have done else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from tracerisk.errors import LogError
+from tracerisk.instrument.ownership import attribute
+from tracerisk.instrument.recording import Command, Recording
+from tracerisk.pipeline.recordings.boundaries import Boundaries, boundaries
+from tracerisk.pipeline.recordings.effort import EffortUnit
+from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_states
+from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
+from tracerisk.pipeline.trace.run_trace import visits_of
+from tracerisk.pipeline.trace.sensors import with_sensors
+from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds, joint_activity
+from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
+from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.robots.robot import Gripper, Robot
+
+_ALWAYS_LOST = (
+    "contacts, and what the gripper holds: grasping is not counted",
+    "which sensors the controller reads",
+    "functions that did not run: the recording has no verdict",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """What is declared of a recording."""
+
+    effort_unit: EffortUnit | None = None
+    """The unit of effort; `None` where it is not known."""
+    encoder_step: float | None = None
+    """The least difference of two positions [rad or m]; `None` where it is not known."""
+    joint_states: str | None = None
+    """The topic of joint states; `None` for the one that fits the robot."""
+    commands: Path | None = None
+    """A file of the probe."""
+    functions: Path | None = None
+    """A CSV file with the times of functions."""
+    names: str | None = None
+    """A topic with the names of functions."""
+    controller: str = ""
+    """The file of the controller; empty for what the probe says."""
+    states: Collection[str] = ()
+    """Qualified names of functions that are steps of the task."""
+    helpers: Collection[str] = ()
+    """Qualified names of functions that are none."""
+
+
+def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
+    """Return the trace of a robot that a recording of any tool tells.
+
+    Its clock starts with the first command, and stops with the last motion or command.
+    Raises LogError where the recording is damaged, of another robot, or tells no function.
+    """
+    with open_recording(path) as file:
+        states = read_joint_states(
+            file,
+            robot,
+            topic=declared.joint_states,
+            unit=declared.effort_unit,
+            encoder_step=declared.encoder_step,
+        )
+        step_ns = states.samples.header.step_ns
+        span_ns = (states.begin_ns, states.begin_ns + states.samples.n_steps * step_ns)
+        told = boundaries(
+            file,
+            robot,
+            span_ns,
+            commands=declared.commands,
+            functions=declared.functions,
+            names=declared.names,
+            controller=declared.controller,
+        )
+        return _trace(file, robot, declared, states, told)
+
+
+def _trace(
+    file: RecordingFile, robot: Robot, declared: Declared, states: JointStates, told: Boundaries
+) -> Trace:
+    samples, commands = _on_one_clock(file, states, told)
+    activity = _activity(samples, robot)
+    samples, activity, end_ns = _until_the_end(samples, activity, commands)
+    attribution = attribute(
+        Recording(commands), states=declared.states, helpers=declared.helpers, end_ns=end_ns
+    )
+    known = {name: each.element for name, each in activity.items()}
+    elements = tuple(
+        each for each in robot.elements if each.name in known or _is_encoder(each, known)
+    )
+    everywhere = np.ones(samples.n_steps, dtype=np.bool_)
+    active = {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
+    visits = visits_of(attribution, activity, samples)
+    active, visits = with_sensors(
+        elements, Recording(commands), attribution, activity, samples, active, visits
+    )
+    without = frozenset(each.name for each in robot.arm_joints) - states.has_effort
+    unknown = without | {each.name for each in robot.grippers}
+    controller = declared.controller or told.controller
+    return Trace(
+        controller=controller,
+        robot=robot.name,
+        scene="",
+        end=RunEnd("ended", f"read from the recording {file.path.name}", end_ns / 1e9),
+        elements=elements,
+        functions=attribution.functions,
+        visits=tuple(
+            replace(each, exposures=_without_wear(each.exposures, unknown)) for each in visits
+        ),
+        active={
+            name: each for name, each in _without_wear(active, unknown).items() if each is not None
+        },
+        findings=attribution.findings,
+        assumptions=(
+            f"{MEASURED} by {file.path.name}; functions by {told.told_by}",
+            *states.assumptions,
+            *(f"{LOST} {each}" for each in _lost(declared, states, told, without)),
+        ),
+    )
+
+
+def _lost(
+    declared: Declared, states: JointStates, told: Boundaries, without: frozenset[str]
+) -> list[str]:
+    lines = [*_ALWAYS_LOST, *states.lost, *told.lost]
+    if declared.effort_unit is None:
+        lines.append("torque and holding: the unit of effort is not declared (--effort-unit)")
+    elif without:
+        lines.append(f"torque and holding of {', '.join(sorted(without))}: no effort is recorded")
+    return lines
+
+
+def _on_one_clock(
+    file: RecordingFile, states: JointStates, told: Boundaries
+) -> tuple[Samples, tuple[Command, ...]]:
+    """Return samples and commands with times from the first command [ns]."""
+    samples, step_ns = states.samples, states.samples.header.step_ns
+    last_ns = states.begin_ns + samples.n_steps * step_ns
+    first_ns = told.commands[0].issue_ns
+    within = [c for c in told.commands if states.begin_ns - step_ns <= c.issue_ns < last_ns]
+    if not within:
+        apart = (first_ns - states.begin_ns) / 1e9
+        raise LogError(
+            f"has its joint states at other times than the commands, which begin {apart:+.1f} s "
+            "from their begin: do both belong to one mission, and one clock?",
+            file.place,
+        )
+    begin_ns = max(within[0].issue_ns, states.begin_ns)
+    skipped = (begin_ns - states.begin_ns) // step_ns
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    cut = replace(samples, **{name: getattr(samples, name)[skipped:] for name in fields})
+    moved = tuple(
+        replace(
+            each,
+            issue_ns=max(each.issue_ns - begin_ns, 0),
+            end_ns=None if each.end_ns is None else max(each.end_ns - begin_ns, 0),
+        )
+        for each in within
+    )
+    return cut, moved
+
+
+def _activity(samples: Samples, robot: Robot) -> dict[str, ElementActivity]:
+    """Return what each recorded element does; of a gripper only whether it moves."""
+    limits = Thresholds()
+    columns = {name: column for column, name in enumerate(samples.header.joints)}
+    found = {
+        joint.name: joint_activity(samples, joint, columns[joint.name], limits)
+        for joint in robot.arm_joints
+    }
+    for gripper in robot.grippers:
+        if set(gripper.joints) & columns.keys():
+            found[gripper.name] = _fingers(samples, robot, gripper, columns, limits)
+    return found
+
+
+def _fingers(
+    samples: Samples,
+    robot: Robot,
+    gripper: Gripper,
+    columns: Mapping[str, int],
+    limits: Thresholds,
+) -> ElementActivity:
+    rest = np.zeros(samples.n_steps, dtype=np.bool_)
+    zeros = np.zeros(samples.n_steps)
+    moving, travel, speed = rest, zeros, zeros
+    for name in gripper.joints:
+        if name not in columns:
+            continue
+        finger, velocity = robot.joint(name), samples.velocity[:, columns[name]]
+        unit = LEVER_M if finger.type == "prismatic" else 1.0
+        steps, far = motion_steps(velocity, None, unit, samples.step_s, limits.motion)
+        moving, travel = moving | steps, np.maximum(travel, far)
+        speed = np.maximum(speed, np.abs(velocity) / finger.velocity_limit)
+    element = Element(gripper.name, "gripper")
+    return ElementActivity(element, moving, rest, rest, speed, zeros, zeros, travel, limits)
+
+
+def _until_the_end(
+    samples: Samples, activity: dict[str, ElementActivity], commands: tuple[Command, ...]
+) -> tuple[Samples, dict[str, ElementActivity], int]:
+    """Return both without what follows the last motion and command, and when that was [ns]."""
+    step_ns = samples.header.step_ns
+    moving = np.zeros(samples.n_steps, dtype=np.bool_)
+    for each in activity.values():
+        moving |= each.moving
+    at = np.flatnonzero(moving)
+    last_step = int(at[-1]) + 1 if len(at) else 0
+    last_ns = max(each.end_ns or each.issue_ns for each in commands)
+    steps = min(max(last_step, -(-last_ns // step_ns), 1), samples.n_steps)
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    cut = replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
+    arrays = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
+    short = {
+        name: replace(each, **{field: getattr(each, field)[:steps] for field in arrays})
+        for name, each in activity.items()
+    }
+    return cut, short, steps * step_ns
+
+
+def _is_encoder(element: Element, known: Mapping[str, Element]) -> bool:
+    return element.sensor == "encoder" and element.part in known
+
+
+def _without_wear(
+    exposures: Mapping[str, Exposure | None], without: frozenset[str]
+) -> dict[str, Exposure | None]:
+    """Return exposures that tell no wear where no torque is known: it is not that of no load."""
+    return {
+        name: replace(each, wear=()) if each is not None and name in without else each
+        for name, each in exposures.items()
+    }

@@ -1,0 +1,258 @@
+"""The messages of a recording of any tool: MCAP, ROS 1 bags, and db3 of ROS 2.
+
+Only the topics that are asked for are read, one message after another. Types come from the
+definitions that the file holds; a db3 without them is read by those of ROS 2 itself.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from sqlite3 import DatabaseError
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
+
+from tracerisk.dependencies import is_installed, missing_extra
+from tracerisk.errors import Location, LogError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+SUFFIXES = (".mcap", ".bag", ".db3")
+"""How the names of recordings end."""
+MOST_MESSAGES = 20_000_000
+"""How many messages are read of a recording at most."""
+_MOST_BYTES = 512 * 1024**2  # of one record of an MCAP file
+_MCAP, _BAG, _DB3 = b"\x89MCAP0\r\n", b"#ROSBAG V", b"SQLite format 3\x00"
+_ENCODINGS = {"cdr", "ros1"}
+
+
+class Message(NamedTuple):
+    """A message: where and when it was received [ns], and its value."""
+
+    topic: str
+    time_ns: int
+    value: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic of a recording."""
+
+    type: str
+    """As ROS 2 names it: `sensor_msgs/msg/JointState`, for ROS 1 too."""
+    definition: str
+    """The text that defines the type; empty where the file has none."""
+    format: str
+    """Of the definition: `msg` or `idl`."""
+    encoding: str
+    """Of the messages: `cdr` or `ros1`; what else there is cannot be read."""
+
+
+@dataclass(slots=True)
+class RecordingFile:
+    """An open recording."""
+
+    path: Path
+    topics: Mapping[str, Topic]
+    raw: Any
+    """Called with topics; yields topic, time [ns] and bytes of each message, in time."""
+    _stores: dict[str, Typestore] = field(default_factory=dict)
+
+    @property
+    def place(self) -> Location:
+        """The file, for messages."""
+        return Location(str(self.path))
+
+    def of_type(self, *types: str) -> tuple[str, ...]:
+        """Return the topics of some types that can be read, in order."""
+        return tuple(
+            name
+            for name, each in self.topics.items()
+            if each.type in types and each.encoding in _ENCODINGS
+        )
+
+    def messages(self, topics: Collection[str]) -> Iterator[Message]:
+        """Yield the messages of some topics, in time.
+
+        Raises LogError where the file is damaged, or has more than can be read.
+        """
+        if not topics:
+            return
+        stores = {name: self._store(name) for name in topics}
+        with _damage(self.path):
+            for count, (topic, time_ns, data) in enumerate(self.raw(topics)):
+                if count >= MOST_MESSAGES:
+                    raise LogError(
+                        f"has more than {MOST_MESSAGES} messages to be read; cut it into missions",
+                        self.place,
+                    )
+                known, store = self.topics[topic], stores[topic]
+                read = store.deserialize_cdr if known.encoding == "cdr" else store.deserialize_ros1
+                yield Message(topic, time_ns, read(data, known.type))
+
+    def _store(self, topic: str) -> Typestore:
+        known = self.topics[topic]
+        key = known.definition or known.encoding
+        if key not in self._stores:
+            with _damage(self.path):
+                self._stores[key] = _typestore(known)
+        return self._stores[key]
+
+
+def is_recording(path: Path) -> bool:
+    """Return whether a path is that of a recording: by its name, or a folder of ROS 2's."""
+    return path.suffix in SUFFIXES or (path / "metadata.yaml").is_file()
+
+
+@contextmanager
+def open_recording(path: Path) -> Iterator[RecordingFile]:
+    """Open a recording.
+
+    Raises LogError for a file that is absent, empty, damaged or none; DependencyError where the
+    extra `sim` is not installed.
+    """
+    place = Location(str(path))
+    if not is_installed("mcap"):
+        raise missing_extra("sim", "reading a recording")
+    with ExitStack() as stack:
+        if path.is_dir():
+            if not (path / "metadata.yaml").is_file():
+                raise LogError("is a folder without metadata.yaml; name a recording", place)
+            yield _open_rosbags(path, stack)
+            return
+        try:
+            with path.open("rb") as stream:
+                begin = stream.read(16)
+        except OSError as error:
+            raise LogError(f"cannot be read: {error.strerror}", place) from error
+        if not begin:
+            raise LogError("is empty; was the recording ended?", place)
+        if begin.startswith(_MCAP):
+            yield _open_mcap(path, stack)
+        elif begin.startswith((_BAG, _DB3)):
+            yield _open_rosbags(path, stack)
+        else:
+            raise LogError(
+                "is not a recording; give an MCAP file, a bag of ROS 1 or a db3 of ROS 2", place
+            )
+
+
+def _open_mcap(path: Path, stack: ExitStack) -> RecordingFile:
+    from mcap.reader import NonSeekingReader, SeekingReader
+
+    with _damage(path):
+        stream: IO[bytes] = stack.enter_context(path.open("rb"))
+        reader = SeekingReader(stream, record_size_limit=_MOST_BYTES)
+        summary = reader.get_summary()
+        if summary is None:
+            raise LogError(
+                "has no summary, and was cut short; run `mcap recover` on it", Location(str(path))
+            )
+        topics: dict[str, Topic] = {}
+        for channel in summary.channels.values():
+            schema = summary.schemas.get(channel.schema_id)
+            if schema is None:
+                topics[channel.topic] = Topic("", "", "", "")
+                continue
+            topics[channel.topic] = Topic(
+                _ros2_name(schema.name),
+                schema.data.decode("utf-8", "replace"),
+                "idl" if schema.encoding == "ros2idl" else "msg",
+                channel.message_encoding if schema.encoding.startswith("ros") else "",
+            )
+
+    def raw(wanted: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
+        # A file without indexes is read from its begin to its end.
+        indexed = bool(summary.chunk_indexes) or not summary.statistics
+        kind = SeekingReader if indexed else NonSeekingReader
+        stream.seek(0)
+        for _, channel, message in kind(stream, record_size_limit=_MOST_BYTES).iter_messages(
+            topics=list(wanted)
+        ):
+            yield channel.topic, message.log_time, message.data
+
+    return RecordingFile(path, dict(sorted(topics.items())), raw)
+
+
+def _open_rosbags(path: Path, stack: ExitStack) -> RecordingFile:
+    from rosbags.interfaces import MessageDefinitionFormat
+    from rosbags.rosbag1 import Reader as Reader1
+    from rosbags.rosbag2 import Reader as Reader2
+
+    is_bag = path.is_file() and path.suffix != ".db3"
+    with _damage(path):
+        reader: Any = stack.enter_context(Reader1(path) if is_bag else Reader2(path))
+    topics: dict[str, Topic] = {}
+    for each in reader.connections:
+        form = each.msgdef.format
+        topics[each.topic] = Topic(
+            _ros2_name(each.msgtype),
+            "" if form == MessageDefinitionFormat.NONE else each.msgdef.data,
+            "idl" if form == MessageDefinitionFormat.IDL else "msg",
+            "ros1" if is_bag else "cdr",
+        )
+
+    def raw(wanted: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
+        connections = [each for each in reader.connections if each.topic in wanted]
+        for connection, time_ns, data in reader.messages(connections):
+            yield connection.topic, time_ns, data
+
+    return RecordingFile(path, dict(sorted(topics.items())), raw)
+
+
+def _typestore(topic: Topic) -> Typestore:
+    from rosbags.typesys import (
+        Stores,
+        get_types_from_idl,
+        get_types_from_msg,
+        get_typestore,
+    )
+
+    if not topic.definition:
+        return get_typestore(Stores.ROS2_JAZZY)
+    store = get_typestore(Stores.EMPTY)
+    if topic.format == "msg":
+        store.register(get_types_from_msg(topic.definition, topic.type))
+        return store
+    line = "=" * 80 + "\n"
+    for part in topic.definition.split(line):
+        text = part.partition("\n")[2] if part.startswith("IDL: ") else part
+        if text.strip():
+            store.register(get_types_from_idl(text))
+    return store
+
+
+def _ros2_name(name: str) -> str:
+    package, _, rest = name.partition("/")
+    return name if "/" in rest or not rest else f"{package}/msg/{rest}"
+
+
+@contextmanager
+def _damage(path: Path) -> Iterator[None]:
+    """Turn what readers raise at damaged files into LogError."""
+    from mcap.exceptions import McapError
+    from rosbags.highlevel import AnyReaderError
+    from rosbags.rosbag1 import ReaderError as Error1
+    from rosbags.rosbag2 import ReaderError as Error2
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import TypesysError
+
+    try:
+        yield
+    except LogError:
+        raise
+    except (
+        *(McapError, AnyReaderError, Error1, Error2, SerdeError, TypesysError, DatabaseError),
+        *(struct.error, ArithmeticError, AssertionError, EOFError, LookupError, OSError),
+        *(RecursionError, RuntimeError, StopIteration, TypeError, ValueError, AttributeError),
+        MemoryError,
+    ) as error:
+        told = f"{type(error).__name__}: {str(error)[:200]}".rstrip(": ")
+        raise LogError(
+            f"is damaged or was cut short ({told}); `rosbag reindex`, `ros2 bag reindex` or "
+            "`mcap recover` may save what it holds",
+            Location(str(path)),
+        ) from error
