@@ -90,7 +90,7 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(recorded):
     ("kept", "told"),
     [
         (b"", "is empty"),
-        (b"#ROSBAG V2.0\n", "is no MCAP file"),
+        (b"#ROSBAG V2.0\n", "is damaged or was cut short"),
         (None, "is damaged or was cut short"),
     ],
 )
@@ -113,7 +113,7 @@ def test_every_cut_of_a_recording_is_refused(recorded):
             read_trace(path)
 
 
-def test_a_recording_of_another_tool_is_refused_with_its_topics(recorded):
+def test_a_recording_without_joint_states_is_refused_with_its_topics(recorded):
     from mcap.writer import Writer
 
     with (recorded.folder / "other.mcap").open("wb") as stream:
@@ -121,16 +121,20 @@ def test_a_recording_of_another_tool_is_refused_with_its_topics(recorded):
         writer.start()
         writer.register_channel("/scan", "json", 0)
         writer.finish()
-    done = recorded.run("trace", "--from", "other.mcap")
+    done = recorded.run("trace", "--from", "other.mcap", "--robot", "panda")
     assert done.code == 2
-    assert "other.mcap: holds no trace; its topics are /scan; only recordings made by" in done.err
+    assert "other.mcap: has no topic of joint states (sensor_msgs/msg/JointState)" in done.err
+    assert "its topics are /scan" in done.err
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("trace", "--from", "none.mcap"), "none.mcap: cannot be read: No such file"),
-        (("trace", "quick.py", "--from", "quick.mcap"), "FILE does not go with --from"),
+        (
+            ("trace", "quick.py", "--from", "quick.mcap"),
+            "FILE does not go with the recording of a run",
+        ),
         (("trace",), "FILE is missing"),
         (("run", "quick.py", "--record", "x.mcap", "--record-rate", "5"), "give 50 to 500 Hz"),
         (("run", "quick.py", "--record", "x.mcap", "--record-rate", "nan"), "give 50 to 500 Hz"),
@@ -154,3 +158,43 @@ def test_every_sample_is_read_back_to_the_byte(tmp_path, example_in, path):
     assert done.code in (0, 1), done.err
     assert example.run("trace", "--from", "o.mcap", "-o", "back.json").code == done.code
     assert example.read("back.json") == example.read("o.json")
+
+
+def test_a_run_read_as_if_it_were_of_a_robot_gives_its_exposures(recorded):
+    """What is measured of joint states alone is what the twin knows of them."""
+    from mcap.reader import make_reader
+    from mcap.writer import Writer
+
+    from tracerisk import trace_json
+    from tracerisk.pipeline.recordings.effort import parse_effort_unit
+    from tracerisk.pipeline.recordings.measured import Declared, measured_trace
+    from tracerisk.twin.robots.robot import load_robot
+
+    bare = recorded.folder / "bare.mcap"
+    with (recorded.folder / "quick.mcap").open("rb") as stream, bare.open("wb") as out:
+        writer = Writer(out)
+        writer.start(profile="ros2")
+        states = make_reader(stream).iter_messages(topics=["/joint_states"])
+        known = None
+        for schema, _, message in states:
+            if known is None:
+                written = writer.register_schema(schema.name, schema.encoding, schema.data)
+                known = writer.register_channel("/joint_states", "cdr", written)
+            writer.add_message(known, message.log_time, message.data, message.log_time)
+        writer.finish()
+    twin = trace_json.loads(recorded.read("quick.json").decode(), "quick.json")
+    (visit,) = twin.visits
+    times = f"{visit.start_s},{visit.function.name}\n"
+    recorded.write("times.csv", times)
+    declared = Declared(parse_effort_unit("Nm"), functions=recorded.folder / "times.csv")
+    found = measured_trace(bare, load_robot(twin.robot), declared)
+    (measured,) = found.visits
+    joints = [each.name for each in twin.elements if each.kind in ("joint", "gripper")]
+    moved = [each for each in joints if each in visit.exposures]
+    assert moved
+    for name in moved:
+        own, theirs = visit.exposures[name], measured.exposures[name]
+        # Without its set-point a motion ends where it is slow beside its greatest speed.
+        assert theirs.moving_s == pytest.approx(own.moving_s, rel=0.15, abs=0.1)
+        assert theirs.travel_s == pytest.approx(own.travel_s, rel=0.02, abs=0.01)
+        assert theirs.starts == own.starts

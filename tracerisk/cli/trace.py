@@ -30,6 +30,7 @@ from tracerisk.cli.shared.run_report import (
 )
 from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.errors import InputError
+from tracerisk.trace import LOST, MEASURED
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
@@ -78,7 +79,8 @@ def run(options: argparse.Namespace) -> int:
         if trace.end.scenario:
             note(scenario_advice(trace.end.scenario), quiet=options.quiet)
         for line in trace.assumptions:
-            note(f"assumed: {line}", quiet=options.quiet)
+            told = line.startswith((MEASURED, LOST))
+            note(line if told else f"assumed: {line}", quiet=options.quiet)
     return code
 
 

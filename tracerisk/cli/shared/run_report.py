@@ -30,10 +30,12 @@ def note_draft(trace: Trace, *, quiet: bool) -> None:
 
 def headline(trace: Trace) -> str:
     """Return one line: which controller, on what, how long, and how the run ended."""
-    seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s simulated"
+    how = "measured" if trace.is_measured else "simulated"
+    seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s {how}"
     where = f" ({trace.end.location})" if trace.end.location is not None else ""
-    on = f" on {trace.robot} in {trace.scene}" if trace.robot else ""
-    return f"{trace.controller}{on}{seconds}: {trace.end.message}{where}"
+    on = f" on {trace.robot}" if trace.robot else ""
+    on += f" in {trace.scene}" if trace.scene else ""
+    return f"{trace.controller or 'a robot'}{on}{seconds}: {trace.end.message}{where}"
 
 
 def object_lines(trace: Trace) -> list[str]:
@@ -115,10 +117,12 @@ def trace_lines(trace: Trace) -> list[str]:
             )
         )
         is_script = function.ref.file == trace.controller
-        where = f"{'' if is_script else f'{function.ref.file}, '}line {function.line}"
+        # Function names of another source than a run's have no line.
+        line = f"line {function.line}, " if function.line else ""
+        where = f"{'' if is_script else f'{function.ref.file}, '}{line}"
         count = f"{len(visits)} visit{'s' if len(visits) != 1 else ''}"
         lines.append(
-            f"  {function.call_sequence} {names[function.ref]} ({where}, {count}): "
+            f"  {function.call_sequence} {names[function.ref]} ({where}{count}): "
             f"{active or 'nothing active'}"
         )
     return lines or ["  no function commanded hardware"]

@@ -118,6 +118,8 @@ def read_joint_states(
     has_effort: set[str] = set()
     derived: list[str] = []
     gaps = 0
+    # A driver that measures none fills in zeros.
+    is_given = any(np.frombuffer(each.effort, dtype=np.float64).any() for each in joints.values())
     for column, (name, each) in enumerate(joints.items()):
         order, when = times[name]
         joint = robot.joint(name)
@@ -139,7 +141,7 @@ def read_joint_states(
         velocity[silent, column] = 0.0
         gaps = max(gaps, int(np.count_nonzero(silent)))
         efforts = np.frombuffer(each.effort, dtype=np.float64)[order]
-        if unit is not None and np.isfinite(efforts).all() and efforts.any():
+        if unit is not None and is_given and np.isfinite(efforts).all():
             factor = unit.factor(joint)
             most = float(np.abs(efforts).max()) * factor
             if most > _TOO_MUCH * joint.torque_limit:

@@ -184,6 +184,8 @@ def _open_rosbags(path: Path, stack: ExitStack) -> RecordingFile:
 
     is_bag = path.is_file() and path.suffix != ".db3"
     with _damage(path):
+        for each in [path] if path.is_file() else sorted(path.glob("*.db3")):
+            _check_pages(each)
         reader: Any = stack.enter_context(Reader1(path) if is_bag else Reader2(path))
     topics: dict[str, Topic] = {}
     for each in reader.connections:
@@ -201,6 +203,19 @@ def _open_rosbags(path: Path, stack: ExitStack) -> RecordingFile:
             yield connection.topic, time_ns, data
 
     return RecordingFile(path, dict(sorted(topics.items())), raw)
+
+
+def _check_pages(path: Path) -> None:
+    """Raise EOFError for a database that lacks pages, which SQLite tells only where it reads them.
+
+    Source: https://sqlite.org/fileformat.html, offsets 16 and 28.
+    """
+    with path.open("rb") as stream:
+        head = stream.read(32)
+    if head.startswith(_DB3):
+        size, pages = int.from_bytes(head[16:18], "big"), int.from_bytes(head[28:32], "big")
+        if path.stat().st_size < (65536 if size == 1 else size) * pages:
+            raise EOFError("pages are missing")
 
 
 def _typestore(topic: Topic) -> Typestore:
@@ -239,6 +254,7 @@ def _damage(path: Path) -> Iterator[None]:
     from rosbags.rosbag2 import ReaderError as Error2
     from rosbags.serde import SerdeError
     from rosbags.typesys import TypesysError
+    from zstandard import ZstdError
 
     try:
         yield
@@ -248,7 +264,7 @@ def _damage(path: Path) -> Iterator[None]:
         *(McapError, AnyReaderError, Error1, Error2, SerdeError, TypesysError, DatabaseError),
         *(struct.error, ArithmeticError, AssertionError, EOFError, LookupError, OSError),
         *(RecursionError, RuntimeError, StopIteration, TypeError, ValueError, AttributeError),
-        MemoryError,
+        *(MemoryError, ZstdError),
     ) as error:
         told = f"{type(error).__name__}: {str(error)[:200]}".rstrip(": ")
         raise LogError(
