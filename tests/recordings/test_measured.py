@@ -206,6 +206,27 @@ def test_a_topic_of_joint_states_can_be_named(recorder, panda):
         measured_trace(path, panda, Declared(joint_states="/x"))
 
 
+def test_of_two_topics_with_the_joints_one_must_be_named(recorder, panda):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    other = Mission(topic="/arm/set_points").states(store, store.types)
+    path = recorder.write(Mission(topic="/arm/state"), more=[*commanded(), *other])
+    with pytest.raises(LogError, match=r"joints of panda on /arm/set_points, /arm/state; name"):
+        measured_trace(path, panda, NM)
+    assert measured_trace(path, panda, Declared(joint_states="/arm/state")).visits
+    path = recorder.write(Mission(), more=[*commanded(), *other])
+    assert measured_trace(path, panda, NM).visits
+
+
+def test_joint_states_without_names_are_refused(recorder, panda):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    unnamed = Mission(seconds=1.0).states(store, store.types)
+    for each in unnamed:
+        each[3].name = []
+    path = recorder.write(Mission(seconds=0.0), more=[*commanded(), *unnamed])
+    with pytest.raises(LogError, match="names no joint on /joint_states"):
+        measured_trace(path, panda, NM)
+
+
 # --- what tells the functions
 
 

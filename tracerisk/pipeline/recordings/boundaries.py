@@ -86,7 +86,7 @@ def boundaries(
     if functions is not None:
         return _timed(functions, span_ns, controller)
     if names is not None:
-        return _named(file, names, controller)
+        return _named(file, names, controller, span_ns[1])
     if COMMANDS in file.of_type(TEXT):
         messages = file.messages([COMMANDS])
         found = _probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)
@@ -252,16 +252,18 @@ def _visit(number: int, name: str, controller: str, begin_ns: int, end_ns: int |
     return Command(number, "visit", (), (frame,), begin_ns, end_ns, "succeeded")
 
 
-def _visits(begins: Sequence[tuple[int, int | None, str]], controller: str) -> tuple[Command, ...]:
-    """Return a command for each (begin, end or until the next, name) [ns]."""
+def _visits(
+    begins: Sequence[tuple[int, int | None, str]], controller: str, last_ns: int
+) -> tuple[Command, ...]:
+    """Return a command for each (begin, end or until the next, name); the last ends with all."""
     found = []
     for number, (begin_ns, end_ns, name) in enumerate(begins, 1):
-        next_ns = begins[number][0] if number < len(begins) else None
-        found.append(_visit(number, name, controller, begin_ns, end_ns or next_ns or begin_ns))
+        next_ns = begins[number][0] if number < len(begins) else max(last_ns, begin_ns)
+        found.append(_visit(number, name, controller, begin_ns, end_ns or next_ns))
     return tuple(found)
 
 
-def _named(file: RecordingFile, topic: str, controller: str) -> Boundaries:
+def _named(file: RecordingFile, topic: str, controller: str, last_ns: int) -> Boundaries:
     if topic not in file.of_type(TEXT):
         raise LogError(
             f"has no text on {topic}; it has on {', '.join(file.of_type(TEXT)) or 'no topic'}",
@@ -279,7 +281,7 @@ def _named(file: RecordingFile, topic: str, controller: str) -> Boundaries:
             begins.append((each.time_ns, None, found[1]))
     if not begins:
         raise LogError(f"has no message on {topic}", file.place)
-    return Boundaries(_visits(begins, controller), f"the names on {topic}", controller)
+    return Boundaries(_visits(begins, controller, last_ns), f"the names on {topic}", controller)
 
 
 def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
@@ -302,7 +304,9 @@ def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
         if not opened:
             raise LogError(f"{name} ends and never began", place)
         begins[opened[-1]] = (begins[opened[-1]][0], at_ns, name)
-    return Boundaries(_visits(begins, controller), f"the times in {path.name}", controller)
+    return Boundaries(
+        _visits(begins, controller, span_ns[1]), f"the times in {path.name}", controller
+    )
 
 
 def _rows(path: Path) -> Iterator[tuple[Location, float, str, str]]:

@@ -72,8 +72,9 @@ def read_joint_states(
 ) -> JointStates:
     """Return the joint states of a robot.
 
-    `topic` is theirs (default: the one with most of the robot's joints); `unit` that of effort,
-    `None` where it is not known; `encoder_step` the least difference of two positions [rad or m].
+    `topic` is theirs (default: `/joint_states`, or the only one with its joints); `unit` that of
+    effort, `None` where it is not known; `encoder_step` the least difference of two positions
+    [rad or m].
     Raises LogError where the recording has none of this robot, its clock jumps back, or it tells
     no velocity.
     """
@@ -103,7 +104,7 @@ def read_joint_states(
     end = min(int(times[name][1][-1]) for name in arm)
     if end - begin < 2 * STEP_NS:
         raise LogError(
-            f"has less than two joint states of {robot.name} on {main}: nothing moved in it",
+            f"has joint states of {robot.name} on {main} of one moment only: nothing moves in them",
             file.place,
         )
     if (end - begin) / _SECOND_NS > MOST_S:
@@ -213,24 +214,29 @@ def _own_topic(
 ) -> tuple[str, dict[str, str]]:
     """Return the topic of a robot's arm, and what it calls each joint."""
     arm = [each.name for each in robot.arm_joints]
-    best: tuple[tuple[bool, bool, int], str, dict[str, str]] | None = None
-    for topic, table in tables.items():
-        names = _matched(arm, list(table))
-        if names is None:
-            continue
-        count = len(table[names[arm[0]]].position)
-        key = (
-            all(ours == theirs for ours, theirs in names.items()),
-            topic == "/joint_states",
-            count,
+    fitting = {topic: _matched(arm, list(table)) for topic, table in tables.items()}
+    found = {topic: names for topic, names in fitting.items() if names is not None}
+    plain = [t for t, names in found.items() if all(a == b for a, b in names.items())]
+    # Set-points are joint states too: only the name of the topic says which is measured.
+    usual = [t for t in plain or found if t.rpartition("/")[2] == "joint_states"]
+    chosen = [t for t in usual if t == "/joint_states"] or usual or plain or list(found)
+    if len(chosen) > 1:
+        raise LogError(
+            f"has the joints of {robot.name} on {', '.join(chosen)}; name the topic of those that "
+            "were measured with --joint-states",
+            file.place,
         )
-        if best is None or key > best[0]:
-            best = key, topic, names
-    if best is not None:
-        return best[1], best[2]
+    if chosen:
+        return chosen[0], found[chosen[0]]
     heard = [f"{topic}: {', '.join(list(table)[:12])}" for topic, table in tables.items() if table]
     if not heard:
-        raise LogError("its topics of joint states have no message", file.place)
+        raise LogError(
+            f"names no joint on {', '.join(tables)}: there are no messages, or only such without "
+            "names, and nobody can say which joint is which",
+            file.place,
+        )
+    unnamed = [topic for topic, table in tables.items() if not table]
+    heard += [f"{topic}: no names" for topic in unnamed]
     raise LogError(
         f"is of another robot than {robot.name}, whose joints are {', '.join(arm)}; recorded are "
         f"{'; '.join(heard)}. Name the robot with --robot",
