@@ -7,19 +7,19 @@ goals of actions and set-points. The last know no function, and each is called b
 from __future__ import annotations
 
 import csv
-import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any
 
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.recording import Command
-from tracerisk.instrument.tracer import Frame, RootKind
+from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.pipeline.recordings.names import COMMANDS
+from tracerisk.pipeline.recordings.probed import Boundaries, elements_of, lines_of, probed
 from tracerisk.trace import FunctionRef, QualifiedName
 from tracerisk.twin.robots.robot import Robot
 
@@ -31,36 +31,9 @@ _STATUS2 = "action_msgs/msg/GoalStatusArray"
 _ENDS1 = {3: "succeeded", 2: "preempted", 8: "preempted"}
 _ENDS2 = {4: "succeeded", 5: "preempted", 6: "aborted"}
 _EXECUTING2 = 2
-_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
 _SECOND_NS = 1_000_000_000
 _MOST_LINES = 1_000_000
-_MOST_TEXT = 512 * 1024**2
-_LATE_NS = 10 * _SECOND_NS  # what waited for a subscriber came later than it was recorded
 _NAME = re.compile(r"(?:Function:\s*)?([\w.<>]+)(?:\(\))?\s*$")
-
-# Services and topics of these packages move no robot.
-_NO_MOTION = frozenset(
-    {"composition_interfaces", "controller_manager_msgs", "diagnostic_msgs", "dynamic_reconfigure"}
-    | {"gazebo_msgs", "geometry_msgs", "lifecycle_msgs", "moveit_msgs", "nav_msgs"}
-    | {"rcl_interfaces", "rosapi", "roscpp", "rosgraph_msgs", "sensor_msgs", "shape_msgs"}
-    | {"std_srvs", "tf2_msgs", "topic_tools", "visualization_msgs"}
-)
-_POINTS = frozenset(
-    {"trajectory_msgs/JointTrajectory", "control_msgs/JointJog", "control_msgs/GripperCommand"}
-    | {"std_msgs/Float64", "std_msgs/Float64MultiArray", "std_msgs/Float32MultiArray"}
-    | {"sensor_msgs/JointState", "geometry_msgs/Twist", "geometry_msgs/TwistStamped"}
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Boundaries:
-    """The commands of a mission, by the clock of the recorder [ns], and what told them."""
-
-    commands: tuple[Command, ...]
-    told_by: str
-    controller: str = ""
-    """The file of the controller; empty where nothing tells."""
-    lost: tuple[str, ...] = ()
 
 
 def boundaries(
@@ -80,8 +53,8 @@ def boundaries(
     Raises LogError where they are malformed, or nothing tells a function.
     """
     if commands is not None:
-        texts = enumerate(_lines(commands), 1)
-        found = _probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
+        texts = enumerate(lines_of(commands), 1)
+        found = probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
         return replace(found, told_by=f"the probe's file {commands.name}")
     if functions is not None:
         return _timed(functions, span_ns, controller)
@@ -89,7 +62,7 @@ def boundaries(
         return _named(file, names, controller, span_ns[1])
     if COMMANDS in file.of_type(TEXT):
         messages = file.messages([COMMANDS])
-        found = _probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)
+        found = probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)
         return replace(found, told_by=f"the probe's topic {COMMANDS}")
     found = _goals(file, robot, controller)
     if not found.commands:
@@ -101,145 +74,6 @@ def boundaries(
             file.place,
         )
     return found
-
-
-# --- the probe
-
-
-def _lines(path: Path) -> Iterator[str]:
-    place = Location(str(path))
-    try:
-        if path.stat().st_size > _MOST_TEXT:
-            raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
-        with path.open(encoding="utf-8") as stream:
-            yield from stream
-    except OSError as error:
-        raise LogError(f"cannot be read: {error.strerror}", place) from error
-    except UnicodeDecodeError as error:
-        raise LogError("is not UTF-8 text; give a file of the probe", place) from error
-
-
-def _probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Boundaries:
-    """Read the probe's objects, with the time at which each was received [ns], if it is known."""
-    commands: dict[tuple[int, int], Command] = {}
-    offsets: list[int] = []
-    controller, passed_over = "", 0
-    last: Location | None = None
-    for place, received, text in rows:
-        last = place
-        if not text.strip():
-            continue
-        try:
-            data = json.loads(text)
-            kind = data["kind"]
-            if kind == "begin":
-                controller = controller or str(data["controller"])
-                continue
-            t_ns = round(float(data["t"]) * _SECOND_NS)
-            key = (int(data.get("pid", 0)), int(data["id"]))
-            if received is not None:
-                offsets.append(received - t_ns)
-            if kind == "end":
-                if key in commands:
-                    outcome = data["outcome"] if data["outcome"] in _OUTCOMES else "aborted"
-                    commands[key] = replace(commands[key], end_ns=t_ns, outcome=outcome)
-            elif not is_motion(kind, str(data["type"])):
-                passed_over += 1
-            else:
-                commands[key] = _probe_command(data, key, t_ns, robot)
-        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
-            raise LogError(
-                f"is not an object of the probe ({type(error).__name__}: {error}); "
-                "docs/probe.md has the format",
-                place,
-            ) from error
-    if not commands:
-        raise LogError(
-            f"the probe recorded no command that moves a robot ({passed_over} others)", last
-        )
-    shift = _shift(offsets)
-    moved = [
-        replace(
-            each,
-            issue_ns=each.issue_ns + shift,
-            end_ns=None if each.end_ns is None else each.end_ns + shift,
-        )
-        for each in commands.values()
-    ]
-    lost = (f"{passed_over} messages and calls that move no robot were left out",)
-    return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
-
-
-def _shift(offsets: Sequence[int]) -> int:
-    """Return by how much the recorder's clock is ahead of the controller's [ns].
-
-    What was published late because nobody listened yet is no measure of it.
-    """
-    if not offsets:
-        return 0
-    ordered = sorted(offsets)
-    middle = ordered[len(ordered) // 2]
-    # Delays of transport are below a second: both are of one clock.
-    return 0 if abs(ordered[0]) < _SECOND_NS and middle < _LATE_NS else middle
-
-
-def is_motion(kind: str, type_: str) -> bool:
-    """Return whether a command of the probe may move a robot, by its kind and type."""
-    parts = type_.split("/")
-    if kind in ("action", "method"):
-        return True
-    if kind == "topic":
-        return f"{parts[0]}/{parts[-1]}" in _POINTS or parts[0] not in _NO_MOTION | {"std_msgs"}
-    return kind == "service" and parts[0] not in _NO_MOTION
-
-
-def _probe_command(
-    data: Mapping[str, Any], key: tuple[int, int], t_ns: int, robot: Robot
-) -> Command:
-    places = data["at"]
-    names = data["stack"]
-    if not names or len(places) != len(names):
-        raise ValueError("its stack is empty, or does not go with its places")
-    root = data.get("root")
-    frames = []
-    for index, (name, place) in enumerate(zip(names, places, strict=True)):
-        file, colon, function = str(name).partition(":")
-        activation, line, at_line, at_column = (int(each) for each in place)
-        if not colon or not function or min(line, at_line, at_column) < 0:
-            raise ValueError(f"{name!r} is not FILE:FUNCTION with its lines")
-        kind = cast(RootKind, root if root in get_args(RootKind) else "main")
-        frames.append(
-            Frame(
-                FunctionRef(file, QualifiedName(function)),
-                line,
-                # Numbers of calls are unique to a process.
-                key[0] * 10**9 + activation,
-                (at_line, at_column),
-                kind if index == 0 else None,
-            )
-        )
-    ends_now = data["kind"] == "topic"  # a message has no end: it leads until the next command
-    return Command(
-        0,
-        str(data["kind"]),
-        _elements([str(each) for each in data.get("joints", ())], robot),
-        tuple(frames),
-        t_ns,
-        t_ns if ends_now else None,
-        "succeeded" if ends_now else None,
-    )
-
-
-def _elements(joints: Sequence[str], robot: Robot) -> tuple[str, ...]:
-    """Return the elements that a command addresses, by the joints that it names."""
-    found = [each.name for each in robot.arm_joints if each.name in joints]
-    found += [each.name for each in robot.grippers if set(each.joints) & set(joints)]
-    return tuple(found)
-
-
-def _numbered(commands: Iterable[Command]) -> tuple[Command, ...]:
-    ordered = sorted(commands, key=lambda each: each.issue_ns)
-    return tuple(replace(each, id=number) for number, each in enumerate(ordered, 1))
 
 
 # --- names and times of functions
@@ -310,7 +144,7 @@ def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
 
 
 def _rows(path: Path) -> Iterator[tuple[Location, float, str, str]]:
-    reader = csv.reader(_lines(path))
+    reader = csv.reader(lines_of(path))
     try:
         for cells in reader:
             place = Location(str(path), reader.line_num)
@@ -403,7 +237,7 @@ def _sent(topic: str, time_ns: int, trajectory: Any, robot: Robot) -> list[_Goal
         return []  # an empty one stops the arm
     last = trajectory.points[-1].time_from_start
     end_ns = time_ns + last.sec * _SECOND_NS + last.nanosec
-    elements = _elements(list(trajectory.joint_names), robot)
+    elements = elements_of(list(trajectory.joint_names), robot)
     return [_Goal(time_ns, end_ns, "succeeded", _called(topic), elements)]
 
 

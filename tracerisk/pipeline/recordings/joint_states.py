@@ -27,7 +27,7 @@ Times = NDArray[np.int64]
 JOINT_STATE = "sensor_msgs/msg/JointState"
 STEP_NS = 5_000_000
 """The step to which joint states are interpolated [ns]."""
-MOST_S = 4 * 3600.0
+MOST_S = 2 * 3600.0
 """How long a recording may be [s]."""
 _JUMP_NS = 100_000_000  # stamps that go back by more are of two clocks, or two runs
 _GAP_S = 0.25

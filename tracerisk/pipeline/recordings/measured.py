@@ -15,10 +15,11 @@ import numpy as np
 from tracerisk.errors import LogError
 from tracerisk.instrument.ownership import attribute
 from tracerisk.instrument.recording import Command, Recording
-from tracerisk.pipeline.recordings.boundaries import Boundaries, boundaries
+from tracerisk.pipeline.recordings.boundaries import boundaries
 from tracerisk.pipeline.recordings.effort import EffortUnit
 from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_states
 from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
+from tracerisk.pipeline.recordings.probed import Boundaries
 from tracerisk.pipeline.trace.run_trace import visits_of
 from tracerisk.pipeline.trace.sensors import with_sensors
 from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace

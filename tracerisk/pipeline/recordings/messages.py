@@ -11,7 +11,6 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from sqlite3 import DatabaseError
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.dependencies import is_installed, missing_extra
@@ -248,6 +247,8 @@ def _ros2_name(name: str) -> str:
 @contextmanager
 def _damage(path: Path) -> Iterator[None]:
     """Turn what readers raise at damaged files into LogError."""
+    # What rosbags and mcap read SQLite and compressed chunks with.
+    from apsw import Error as SqliteError
     from mcap.exceptions import McapError
     from rosbags.highlevel import AnyReaderError
     from rosbags.rosbag1 import ReaderError as Error1
@@ -261,10 +262,10 @@ def _damage(path: Path) -> Iterator[None]:
     except LogError:
         raise
     except (
-        *(McapError, AnyReaderError, Error1, Error2, SerdeError, TypesysError, DatabaseError),
+        *(McapError, AnyReaderError, Error1, Error2, SerdeError, TypesysError),
         *(struct.error, ArithmeticError, AssertionError, EOFError, LookupError, OSError),
         *(RecursionError, RuntimeError, StopIteration, TypeError, ValueError, AttributeError),
-        *(MemoryError, ZstdError),
+        *(MemoryError, SqliteError, ZstdError),
     ) as error:
         told = f"{type(error).__name__}: {str(error)[:200]}".rstrip(": ")
         raise LogError(

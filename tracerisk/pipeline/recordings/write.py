@@ -14,9 +14,10 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from heapq import merge
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from tracerisk import trace_json
 from tracerisk.dependencies import is_installed, missing_extra
@@ -31,10 +32,12 @@ from tracerisk.pipeline.recordings.names import (
     TRACE,
     VISITS,
 )
+from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Series
 from tracerisk.pipeline.trace.run_files import EVENTS
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
     from rosbags.typesys.store import Typestore
 
     from tracerisk.trace import Trace
@@ -44,6 +47,17 @@ _WARNING = 30  # the level of rcl_interfaces/msg/Log
 _STATE = "sensor_msgs/msg/JointState"
 _TEXT = "std_msgs/msg/String"
 _LOG = "rcl_interfaces/msg/Log"
+DEFINITIONS = {
+    "builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec",
+    "std_msgs/msg/Header": "builtin_interfaces/Time stamp\nstring frame_id",
+    _STATE: "std_msgs/Header header\nstring[] name\n"
+    "float64[] position\nfloat64[] velocity\nfloat64[] effort",
+    _TEXT: "string data",
+    _LOG: "uint8 DEBUG=10\nuint8 INFO=20\nuint8 WARN=30\nuint8 ERROR=40\nuint8 FATAL=50\n"
+    "builtin_interfaces/Time stamp\nuint8 level\n"
+    "string name\nstring msg\nstring file\nstring function\nuint32 line",
+}
+"""The messages that are written, as ROS 2 defines them."""
 _TYPES = {JOINT_STATES: _STATE, COMMANDS: _TEXT, VISITS: _TEXT, CONTACTS: _TEXT, FINDINGS: _LOG}
 
 
@@ -68,12 +82,11 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
     events = folder / EVENTS
     commands = read_recording(events).commands if events.is_file() else ()
     beside = sorted([*_commands(store, commands), *_visits(store, trace), *_findings(store, trace)])
-    states = iter(()) if samples is None else _joint_states(store, samples, rate_hz)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         try:
             with part.open("xb") as stream:
-                _write(stream, store, merge(states, beside, key=lambda each: each.time_ns), trace)
+                _write(stream, store, samples, rate_hz, beside, trace)
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
@@ -91,7 +104,7 @@ def load_writer() -> None:
 
     def load() -> None:
         with suppress(ImportError):  # told where it is used
-            import mcap.writer  # noqa: F401
+            import mcap.records  # noqa: F401
 
             _store()
 
@@ -100,9 +113,13 @@ def load_writer() -> None:
 
 @lru_cache(maxsize=1)
 def _store() -> Typestore:
-    from rosbags.typesys import Stores, get_typestore
+    # Those of a whole distribution take longer to load than all states to be packed.
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    return get_typestore(Stores.ROS2_JAZZY)
+    store = get_typestore(Stores.EMPTY)
+    for name, text in DEFINITIONS.items():
+        store.register(get_types_from_msg(text, name))
+    return store
 
 
 def check_rate(rate_hz: float) -> None:
@@ -113,31 +130,36 @@ def check_rate(rate_hz: float) -> None:
         raise SettingsError(told)
 
 
-def _write(stream: IO[bytes], store: Typestore, messages: Iterator[_Message], trace: Trace) -> None:
-    from mcap.writer import Writer
-
+def _write(
+    stream: IO[bytes],
+    store: Typestore,
+    samples: Samples | None,
+    rate_hz: float,
+    beside: Sequence[_Message],
+    trace: Trace,
+) -> None:
     from tracerisk import __version__
 
-    writer = Writer(stream)
-    writer.start(profile="ros2", library=f"tracerisk {__version__}")
-    schemas, channels = {}, {}
+    writer = PackedWriter(stream, profile="ros2", library=f"tracerisk {__version__}")
+    schemas = {}
     for name in sorted(set(_TYPES.values())):
         text, _ = store.generate_msgdef(name, ros_version=2)
-        schemas[name] = writer.register_schema(name, "ros2msg", text.encode())
-    for topic, name in _TYPES.items():
-        channels[topic] = writer.register_channel(topic, "cdr", schemas[name])
-    for time_ns, topic, data in messages:
-        writer.add_message(channels[topic], time_ns, data, time_ns)
+        schemas[name] = writer.schema(name, "ros2msg", text.encode())
+    channels = {
+        topic: writer.channel(topic, "cdr", schemas[name]) for topic, name in _TYPES.items()
+    }
+    series = None
+    if samples is not None:
+        series = _joint_states(store, samples, rate_hz, channels[JOINT_STATES])
+    others = [Message(time_ns, channels[topic], data) for time_ns, topic, data in beside]
+    writer.messages(series, others)
     end_ns = round((trace.end.simulated_s or 0.0) * _SECOND_NS)
-    whole = trace_json.dumps(trace).encode()
-    writer.add_attachment(end_ns, end_ns, TRACE, "application/json", whole)
+    writer.attachment(end_ns, TRACE, "application/json", trace_json.dumps(trace).encode())
     writer.finish()
 
 
-def _joint_states(store: Typestore, samples: Samples, rate_hz: float) -> Iterator[_Message]:
-    """Give the joint states: one message is serialised, and the numbers of all put into copies."""
-    import numpy as np
-
+def _joint_states(store: Typestore, samples: Samples, rate_hz: float, channel: int) -> Series:
+    """Return the joint states: one is serialised, and the numbers of all are put into copies."""
     types = store.types
     header = samples.header
     every = max(1, round(_SECOND_NS / (rate_hz * header.step_ns)))
@@ -147,18 +169,22 @@ def _joint_states(store: Typestore, samples: Samples, rate_hz: float) -> Iterato
     head = types["std_msgs/msg/Header"](stamp=_stamp(store, 0), frame_id="")
     message = types[_STATE](head, list(header.joints), *marks)
     one = bytes(store.serialize_cdr(message, _STATE))
-    rows = np.tile(np.frombuffer(one, np.uint8), (len(at), 1))
     times = at * header.step_ns
-    stamps = np.stack((times // _SECOND_NS, times % _SECOND_NS), axis=1).astype("<u4")
-    rows[:, 4:12] = stamps.view(np.uint8)  # behind the encapsulation's four bytes
-    for mark, values in zip(
-        marks, (samples.position, samples.velocity, samples.torque), strict=True
-    ):
-        begin = one.index(mark.astype("<f8").tobytes()) if width else 0
-        taken = np.ascontiguousarray(values[at], dtype="<f8")
-        rows[:, begin : begin + 8 * width] = taken.view(np.uint8).reshape(len(at), 8 * width)
-    for time_ns, row in zip(times.tolist(), rows, strict=True):
-        yield _Message(time_ns, JOINT_STATES, row.tobytes())
+    begins = [one.index(mark.astype("<f8").tobytes()) if width else 0 for mark in marks]
+
+    def rows(begin: int, end: int) -> NDArray[np.uint8]:
+        when = times[begin:end]
+        found = np.tile(np.frombuffer(one, np.uint8), (len(when), 1))
+        stamps = np.stack((when // _SECOND_NS, when % _SECOND_NS), axis=1).astype("<u4")
+        found[:, 4:12] = stamps.view(np.uint8)  # behind the encapsulation's four bytes
+        for start, values in zip(
+            begins, (samples.position, samples.velocity, samples.torque), strict=True
+        ):
+            taken = np.ascontiguousarray(values[at[begin:end]], dtype="<f8")
+            found[:, start : start + 8 * width] = taken.view(np.uint8).reshape(len(when), -1)
+        return found
+
+    return Series(channel, times, len(one), rows)
 
 
 def _commands(store: Typestore, commands: Sequence[Command]) -> Iterator[_Message]:

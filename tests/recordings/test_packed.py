@@ -1,0 +1,80 @@
+"""Packed MCAP files are those of the public writer, whatever the messages."""
+
+from __future__ import annotations
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from rosbags.typesys import Stores, get_typestore
+
+from tracerisk.pipeline.recordings import packed
+from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Series
+from tracerisk.pipeline.recordings.write import DEFINITIONS, _store
+
+
+def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> bytes:
+    stream = BytesIO()
+    writer = PackedWriter(stream, profile="ros2", library="test")
+    schema = writer.schema("std_msgs/msg/String", "ros2msg", b"string data")
+    states, texts = (writer.channel(name, "cdr", schema) for name in ("/states", "/texts"))
+
+    def rows(begin: int, end: int):
+        numbers = np.arange(begin, end, dtype=np.int64)[:, None]
+        return ((numbers + np.arange(width)) % 251).astype(np.uint8)
+
+    series = Series(states, np.array(times, np.int64), width, rows) if times else None
+    writer.messages(series, [Message(time, texts, data) for time, data in others])
+    writer.attachment(7, "it.json", "application/json", b"{}")
+    writer.finish()
+    return stream.getvalue()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    times=st.lists(st.integers(0, 50), max_size=40).map(sorted),
+    width=st.integers(1, 40),
+    others=st.lists(st.tuples(st.integers(0, 60), st.binary(max_size=30)), max_size=20).map(
+        lambda found: sorted(found, key=lambda each: each[0])
+    ),
+    chunk=st.sampled_from([1, 100, 400, 10**6]),
+)
+def test_the_public_reader_gives_back_every_message_in_time(times, width, others, chunk):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(packed, "CHUNK_BYTES", chunk)
+        data = written(times, width, others)
+    reader = make_reader(BytesIO(data), validate_crcs=True)
+    expected = sorted(
+        [
+            *(
+                (time, 0, "/states", bytes((k + j) % 251 for j in range(width)))
+                for k, time in enumerate(times)
+            ),
+            *((time, 1, "/texts", text) for time, text in others),
+        ],
+        key=lambda each: each[:2],
+    )
+    found = [
+        (message.log_time, channel.topic, message.data)
+        for _, channel, message in reader.iter_messages(log_time_order=False)
+    ]
+    assert found == [(time, topic, text) for time, _, topic, text in expected]
+    (only,) = reader.iter_attachments()
+    assert (only.name, only.data) == ("it.json", b"{}")
+    summary = reader.get_summary()
+    assert summary.statistics.message_count == len(expected)
+    by_topic = [
+        (message.log_time, message.data)
+        for _, _, message in reader.iter_messages(topics=["/texts"], starting_at=10)
+    ]
+    assert by_topic == [(time, text) for time, text in others if time >= 10]
+
+
+@pytest.mark.parametrize("name", DEFINITIONS)
+def test_the_messages_that_are_written_are_those_of_ros_2(name):
+    ours, theirs = _store(), get_typestore(Stores.ROS2_JAZZY)
+    assert ours.hash_rihs01(name) == theirs.hash_rihs01(name)
+    assert ours.generate_msgdef(name, ros_version=2) == theirs.generate_msgdef(name, ros_version=2)

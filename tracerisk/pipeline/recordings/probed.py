@@ -1,0 +1,181 @@
+"""The commands of the probe: each with the functions that issued it, as docs/probe.md has them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast, get_args
+
+from tracerisk.errors import Location, LogError
+from tracerisk.instrument.recording import Command
+from tracerisk.instrument.tracer import Frame, RootKind
+from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.twin.robots.robot import Robot
+
+_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
+_SECOND_NS = 1_000_000_000
+_MOST_TEXT = 512 * 1024**2
+_LATE_NS = 10 * _SECOND_NS  # what waited for a subscriber came later than it was recorded
+
+# Services and topics of these packages move no robot.
+_NO_MOTION = frozenset(
+    {"composition_interfaces", "controller_manager_msgs", "diagnostic_msgs", "dynamic_reconfigure"}
+    | {"gazebo_msgs", "geometry_msgs", "lifecycle_msgs", "moveit_msgs", "nav_msgs"}
+    | {"rcl_interfaces", "rosapi", "roscpp", "rosgraph_msgs", "sensor_msgs", "shape_msgs"}
+    | {"std_srvs", "tf2_msgs", "topic_tools", "visualization_msgs"}
+)
+_POINTS = frozenset(
+    {"trajectory_msgs/JointTrajectory", "control_msgs/JointJog", "control_msgs/GripperCommand"}
+    | {"std_msgs/Float64", "std_msgs/Float64MultiArray", "std_msgs/Float32MultiArray"}
+    | {"sensor_msgs/JointState", "geometry_msgs/Twist", "geometry_msgs/TwistStamped"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Boundaries:
+    """The commands of a mission, by the clock of the recorder [ns], and what told them."""
+
+    commands: tuple[Command, ...]
+    told_by: str
+    controller: str = ""
+    """The file of the controller; empty where nothing tells."""
+    lost: tuple[str, ...] = ()
+
+
+def lines_of(path: Path) -> Iterator[str]:
+    """Yield the lines of a file; raise LogError where it cannot be read."""
+    place = Location(str(path))
+    try:
+        if path.stat().st_size > _MOST_TEXT:
+            raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
+        with path.open(encoding="utf-8") as stream:
+            yield from stream
+    except OSError as error:
+        raise LogError(f"cannot be read: {error.strerror}", place) from error
+    except UnicodeDecodeError as error:
+        raise LogError("is not UTF-8 text; give a file of the probe", place) from error
+
+
+def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Boundaries:
+    """Read the probe's objects, with the time at which each was received [ns], if it is known."""
+    commands: dict[tuple[int, int], Command] = {}
+    offsets: list[int] = []
+    controller, passed_over = "", 0
+    last: Location | None = None
+    for place, received, text in rows:
+        last = place
+        if not text.strip():
+            continue
+        try:
+            data = json.loads(text)
+            kind = data["kind"]
+            if kind == "begin":
+                controller = controller or str(data["controller"])
+                continue
+            t_ns = round(float(data["t"]) * _SECOND_NS)
+            key = (int(data.get("pid", 0)), int(data["id"]))
+            if received is not None:
+                offsets.append(received - t_ns)
+            if kind == "end":
+                if key in commands:
+                    outcome = data["outcome"] if data["outcome"] in _OUTCOMES else "aborted"
+                    commands[key] = replace(commands[key], end_ns=t_ns, outcome=outcome)
+            elif not is_motion(kind, str(data["type"])):
+                passed_over += 1
+            else:
+                commands[key] = _probe_command(data, key, t_ns, robot)
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+            raise LogError(
+                f"is not an object of the probe ({type(error).__name__}: {error}); "
+                "docs/probe.md has the format",
+                place,
+            ) from error
+    if not commands:
+        raise LogError(
+            f"the probe recorded no command that moves a robot ({passed_over} others)", last
+        )
+    shift = _shift(offsets)
+    moved = [
+        replace(
+            each,
+            issue_ns=each.issue_ns + shift,
+            end_ns=None if each.end_ns is None else each.end_ns + shift,
+        )
+        for each in commands.values()
+    ]
+    lost = (f"{passed_over} messages and calls that move no robot were left out",)
+    return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
+
+
+def _shift(offsets: Sequence[int]) -> int:
+    """Return by how much the recorder's clock is ahead of the controller's [ns].
+
+    What was published late because nobody listened yet is no measure of it.
+    """
+    if not offsets:
+        return 0
+    ordered = sorted(offsets)
+    middle = ordered[len(ordered) // 2]
+    # Delays of transport are below a second: both are of one clock.
+    return 0 if abs(ordered[0]) < _SECOND_NS and middle < _LATE_NS else middle
+
+
+def is_motion(kind: str, type_: str) -> bool:
+    """Return whether a command of the probe may move a robot, by its kind and type."""
+    parts = type_.split("/")
+    if kind in ("action", "method"):
+        return True
+    if kind == "topic":
+        return f"{parts[0]}/{parts[-1]}" in _POINTS or parts[0] not in _NO_MOTION | {"std_msgs"}
+    return kind == "service" and parts[0] not in _NO_MOTION
+
+
+def _probe_command(
+    data: Mapping[str, Any], key: tuple[int, int], t_ns: int, robot: Robot
+) -> Command:
+    places = data["at"]
+    names = data["stack"]
+    if not names or len(places) != len(names):
+        raise ValueError("its stack is empty, or does not go with its places")
+    root = data.get("root")
+    frames = []
+    for index, (name, place) in enumerate(zip(names, places, strict=True)):
+        file, colon, function = str(name).partition(":")
+        activation, line, at_line, at_column = (int(each) for each in place)
+        if not colon or not function or min(line, at_line, at_column) < 0:
+            raise ValueError(f"{name!r} is not FILE:FUNCTION with its lines")
+        kind = cast(RootKind, root if root in get_args(RootKind) else "main")
+        frames.append(
+            Frame(
+                FunctionRef(file, QualifiedName(function)),
+                line,
+                # Numbers of calls are unique to a process.
+                key[0] * 10**9 + activation,
+                (at_line, at_column),
+                kind if index == 0 else None,
+            )
+        )
+    ends_now = data["kind"] == "topic"  # a message has no end: it leads until the next command
+    return Command(
+        0,
+        str(data["kind"]),
+        elements_of([str(each) for each in data.get("joints", ())], robot),
+        tuple(frames),
+        t_ns,
+        t_ns if ends_now else None,
+        "succeeded" if ends_now else None,
+    )
+
+
+def elements_of(joints: Sequence[str], robot: Robot) -> tuple[str, ...]:
+    """Return the elements that a command addresses, by the joints that it names."""
+    found = [each.name for each in robot.arm_joints if each.name in joints]
+    found += [each.name for each in robot.grippers if set(each.joints) & set(joints)]
+    return tuple(found)
+
+
+def _numbered(commands: Iterable[Command]) -> tuple[Command, ...]:
+    ordered = sorted(commands, key=lambda each: each.issue_ns)
+    return tuple(replace(each, id=number) for number, each in enumerate(ordered, 1))
