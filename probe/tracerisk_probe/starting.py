@@ -77,6 +77,8 @@ def record(own: Own, controller: str, out: str | None, *, publish: bool) -> None
     found = Output(out, topic)
     if topic is not None:
         found.before_sending = nodes.Finding(topic)
+    # Each traced call takes two frames where the controller's alone would take one.
+    sys.setrecursionlimit(2 * sys.getrecursionlimit())
     record_to(found, controller)
     trace_imports(own)
     _flush_at_the_end(found)

@@ -155,6 +155,13 @@ def test_threads_futures_and_tasks_inherit_the_stack(probed):
     assert len({each["at"][2][0] for each in probed.commands[:8]}) == 8
 
 
+def test_a_deep_recursion_has_room(probed):
+    deep = "def down(n):\n    return n and down(n - 1)\nprint(down(900))\n"
+    probed.write("pick.py", deep)
+    done = probed.run("pick.py")
+    assert (done.returncode, done.stdout) == (0, "0\n")
+
+
 ENDS = {
     "raise ValueError('no')": (1, "ValueError: no"),
     "os._exit(5)": (5, ""),

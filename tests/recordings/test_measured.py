@@ -174,6 +174,17 @@ def test_the_probes_clock_is_brought_to_that_of_the_recorder(recorder, panda):
     )
 
 
+@pytest.mark.parametrize("late", [(7.0,) * 4, (7.0, 7.0, 7.0, 8.0)])
+def test_commands_that_were_published_late_keep_their_times(recorder, panda, late):
+    more = [
+        text(time_s, "/tracerisk/commands", json.dumps(each))
+        for time_s, each in zip(late, COMMANDS[1:], strict=True)
+    ]
+    path = recorder.write(Mission(), more=[*commanded(COMMANDS[0]), *more])
+    trace = measured_trace(path, panda, NM)
+    assert [each.start_s for each in trace.visits] == pytest.approx([0.0, 4.0], abs=0.006)
+
+
 def test_a_silence_of_the_joint_states_is_no_motion(recorder, panda):
     path = recorder.write(Mission(silent=(2.5, 3.5)), more=commanded())
     trace = measured_trace(path, panda, NM)

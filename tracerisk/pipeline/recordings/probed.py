@@ -17,7 +17,7 @@ from tracerisk.twin.robots.robot import Robot
 _OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
 _SECOND_NS = 1_000_000_000
 _MOST_TEXT = 512 * 1024**2
-_LATE_NS = 10 * _SECOND_NS  # what waited for a subscriber came later than it was recorded
+_TRANSPORT_NS = 20_000_000  # a difference of clocks below this is that of transport
 
 # Services and topics of these packages move no robot.
 _NO_MOTION = frozenset(
@@ -61,7 +61,7 @@ def lines_of(path: Path) -> Iterator[str]:
 def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Boundaries:
     """Read the probe's objects, with the time at which each was received [ns], if it is known."""
     commands: dict[tuple[int, int], Command] = {}
-    offsets: list[int] = []
+    pairs: list[tuple[int, int]] = []
     controller, passed_over = "", 0
     last: Location | None = None
     for place, received, text in rows:
@@ -77,7 +77,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
             t_ns = round(float(data["t"]) * _SECOND_NS)
             key = (int(data.get("pid", 0)), int(data["id"]))
             if received is not None:
-                offsets.append(received - t_ns)
+                pairs.append((received, t_ns))
             if kind == "end":
                 if key in commands:
                     outcome = data["outcome"] if data["outcome"] in _OUTCOMES else "aborted"
@@ -96,7 +96,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
         raise LogError(
             f"the probe recorded no command that moves a robot ({passed_over} others)", last
         )
-    shift = _shift(offsets)
+    shift = _shift(pairs)
     moved = [
         replace(
             each,
@@ -109,17 +109,19 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
     return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
 
 
-def _shift(offsets: Sequence[int]) -> int:
+def _shift(pairs: Sequence[tuple[int, int]]) -> int:
     """Return by how much the recorder's clock is ahead of the controller's [ns].
 
-    What was published late because nobody listened yet is no measure of it.
+    `pairs` are when objects were received, and when they were recorded. The least difference
+    counts: what waited for a subscriber came late. Where all waited nothing tells the clocks.
     """
-    if not offsets:
+    if not pairs:
         return 0
-    ordered = sorted(offsets)
-    middle = ordered[len(ordered) // 2]
-    # Delays of transport are below a second: both are of one clock.
-    return 0 if abs(ordered[0]) < _SECOND_NS and middle < _LATE_NS else middle
+    received, recorded = zip(*pairs, strict=True)
+    if max(received) - min(received) < (max(recorded) - min(recorded)) / 2:
+        return 0
+    least = min(one - other for one, other in pairs)
+    return least if abs(least) > _TRANSPORT_NS else 0
 
 
 def is_motion(kind: str, type_: str) -> bool:
