@@ -102,6 +102,19 @@ def test_values_are_made_shown_and_compared(of, library):
         assert of.Kept("a") < 1
 
 
+def test_a_class_of_many_values_makes_the_last_as_the_first():
+    for number in range(250):
+        kept = OURS.Kept("a", place=OURS.Point(number))
+        assert (kept.name, kept.values, kept.place) == ("a", {}, OURS.Point(number, 0.5))
+        assert OURS.Kept("a", {"b": number}).values == {"b": number}
+        assert OURS.Open(number=number, name="a") == OURS.Open("a", number)
+        with pytest.raises(TypeError):
+            OURS.Point()
+        with pytest.raises(ValueError, match="a bad name"):
+            OURS.Checked("bad")
+    assert str(inspect.signature(OURS.Kept)) == str(inspect.signature(LIBRARYS.Kept))
+
+
 @BOTH
 @pytest.mark.parametrize(
     ("values", "named"), [((), {}), ((1, 2, 3), {}), ((1,), {"x": 1}), ((1,), {"z": 1})]

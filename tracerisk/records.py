@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 _FIELDS, _OPTIONS = "__tracerisk_fields__", "__tracerisk_options__"
 _ORDERS = (lt, le, gt, ge)
+_OFTEN = 100
 
 
 class _Missing:
@@ -184,7 +185,10 @@ def _methods_of_frozen(names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _init_of(kind: type) -> Callable[..., None]:
-    """Return the `__init__` of a class; it is not compiled, which takes longer than a few calls."""
+    """Return the `__init__` of a class, which is compiled once it has been called often.
+
+    To compile it takes as long as it saves in a hundred calls.
+    """
     fields: Mapping[str, _Field] = getattr(kind, _FIELDS)
     puts = [vars(kind)[name].__set__ for name in fields]
     defaults = tuple(each.default for each in fields.values())
@@ -192,8 +196,13 @@ def _init_of(kind: type) -> Callable[..., None]:
     has_factories = any(each.default_factory is not _MISSING for each in fields.values())
     has_more = hasattr(kind, "__post_init__")
     count = len(puts)
+    calls = 0
 
     def init(self: Any, /, *values: Any, **named: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == _OFTEN:
+            setattr(kind, "__init__", _compiled_init(kind))  # noqa: B010 - of any class
         if named or has_factories or len(values) > count:
             values = _arguments(self, fields, values, named)
         elif len(values) < count:
@@ -206,6 +215,32 @@ def _init_of(kind: type) -> Callable[..., None]:
             self.__post_init__()
 
     return init
+
+
+def _compiled_init(kind: type) -> Callable[..., None]:
+    """Return the `__init__` of a class as a function with the parameters that its fields are."""
+    known: dict[str, Any] = {"_missing": _MISSING}
+    parameters, lines = ["self"], []
+    fields: Mapping[str, _Field] = getattr(kind, _FIELDS)
+    for name, each in fields.items():
+        parameter, value = name, name
+        known[f"_put_{name}"] = vars(kind)[name].__set__
+        if each.default is not _MISSING:
+            known[f"_default_{name}"] = each.default
+            parameter = f"{name}=_default_{name}"
+        elif each.default_factory is not _MISSING:
+            known[f"_make_{name}"] = each.default_factory
+            parameter = f"{name}=_missing"
+            value = f"_make_{name}() if {name} is _missing else {name}"
+        parameters.append(parameter)
+        lines.append(f"_put_{name}(self, {value})")
+    if hasattr(kind, "__post_init__"):
+        lines.append("self.__post_init__()")
+    body = "\n ".join(lines or ["pass"])
+    exec(f"def __init__({', '.join(parameters)}):\n {body}", known)
+    made: Callable[..., None] = known["__init__"]
+    made.__qualname__ = f"{kind.__qualname__}.__init__"
+    return made
 
 
 def _arguments(
