@@ -205,30 +205,24 @@ def gather_messages(checkouts: Sequence[Path], folder: Path) -> Path | None:
 
 
 def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
-    """Yield the lines of the table, of the failures and of what is out of scope."""
-    names = sorted({each.file for each in results})
+    """Yield the lines of the table, of the failures and of what is out of scope, by reasons."""
     heads = ("file", "in scope", "passed", "failed", "skipped", "out of scope")
     if markdown:
         yield f"| {' | '.join(heads)} |"
         yield f"|---{'|---:' * (len(heads) - 1)}|"
     else:
-        yield f"{heads[0]:<48}" + "".join(f"{head:>14}" for head in heads[1:])
-    rows = [(name, [each for each in results if each.file == name]) for name in names]
-    for name, own in [*rows, ("all", list(results))]:
+        yield _row(heads)
+    for name, own in _rows(results):
         count = {
             kind: sum(1 for each in own if each.outcome == kind)
             for kind in ("passed", "failed", "skipped", "out")
         }
-        cells = (count["passed"] + count["failed"], *count.values())
-        if markdown:
-            yield f"| {'all' if name == 'all' else f'`{name}`'} | {' | '.join(map(str, cells))} |"
-        else:
-            yield f"{name:<48}" + "".join(f"{cell:>14}" for cell in cells)
+        cells = (name, count["passed"] + count["failed"], *count.values())
+        yield f"| {' | '.join(map(str, cells))} |" if markdown else _row(cells)
     passed = sum(1 for each in results if each.outcome == "passed")
-    failed = [each for each in results if each.outcome == "failed"]
-    if passed or failed:
+    of = passed + sum(1 for each in results if each.outcome == "failed")
+    if of:
         yield ""
-        of = passed + len(failed)
         yield f"{passed} of {of} in scope pass: {passed / of:.1%}"
     for kind, head in (
         ("failed", "Failures"),
@@ -238,9 +232,36 @@ def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
         told = [each for each in results if each.outcome == kind]
         if told:
             yield f"\n{head}:\n"
-        for each in told:
-            reason = each.reason or f"not known to fail: {each.cause}"
-            yield f"- `{each.test}`: {reason}" if markdown else f"{each.test}\n    {reason}"
+            yield from _by_reasons(told, markdown=markdown)
+
+
+def _row(cells: Sequence[object]) -> str:
+    first, *others = cells
+    return f"{first:<64}" + "".join(f"{cell:>14}" for cell in others)
+
+
+def _rows(results: Sequence[Result]) -> Iterator[tuple[str, list[Result]]]:
+    """Yield each file, each suite of several files, and all together, with its results."""
+    for suite in SUITES:
+        of_suite = [each for each in results if each.test.startswith(f"{suite}/")]
+        names = sorted({each.file for each in of_suite})
+        for name in names:
+            yield name, [each for each in of_suite if each.file == name]
+        if len(names) > 1:
+            yield f"all of {suite}", of_suite
+    yield "all", list(results)
+
+
+def _by_reasons(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
+    found: dict[str, list[str]] = {}
+    for each in results:
+        reason = each.reason or f"not known to fail: {each.cause}"
+        found.setdefault(reason, []).append(each.test)
+    for reason, tests in found.items():
+        if markdown:
+            yield f"- {reason[:1].upper()}{reason[1:]}: {', '.join(f'`{each}`' for each in tests)}."
+        else:
+            yield "\n".join((*tests, f"    {reason}"))
 
 
 def main() -> int:

@@ -7,6 +7,7 @@ import hashlib
 import importlib.metadata
 import importlib.util
 import json
+import re
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -183,3 +184,17 @@ def test_every_rule_of_the_scope_has_a_reason_and_a_kind(monkeypatch):
     rules = _loaded("upstream_tests", monkeypatch).rules()
     assert {rule.kind for rule in rules} == {"out", "fails"}
     assert all(rule.reason and rule.test.partition("/")[2] for rule in rules)
+
+
+def test_the_page_tells_every_reason_and_the_command_as_it_is(monkeypatch, capsys):
+    upstream = _loaded("upstream_tests", monkeypatch)
+    page = (ROOT / "docs" / "upstream.md").read_text(encoding="utf-8")
+    told = {line.partition(": `")[0].lower() for line in page.splitlines() if ": `" in line}
+    assert {f"- {rule.reason}".lower() for rule in upstream.rules()} <= told
+    monkeypatch.setattr(sys, "argv", ["upstream_tests.py", "--help"])
+    with pytest.raises(SystemExit):
+        upstream.main()
+    options = capsys.readouterr().out
+    shown = set(re.findall(r"(?<![-|])--[a-z][\w-]*", page))
+    assert shown
+    assert [each for each in sorted(shown) if each not in options] == []

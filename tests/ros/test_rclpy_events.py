@@ -35,7 +35,8 @@ def test_both_sides_hear_who_comes_and_goes(run_ros2):
         for _ in range(2):
             rclpy.spin_once(node, timeout_sec=0.1)
         node.destroy_subscription(subscription)
-        rclpy.spin_once(node, timeout_sec=0.1)
+        for _ in range(2):
+            rclpy.spin_once(node, timeout_sec=0.1)
         return sorted(heard[:2]), heard[2:], publisher.get_subscription_count()
 
     assert run_ros2(main) == (

@@ -35,6 +35,13 @@ class EndpointEvents:
         self._matched: set[int] = set()
         self._total = 0
 
+    def close(self) -> None:
+        """Drop the handlers, for the endpoint is destroyed."""
+        for handler in self._handlers:
+            handler.destroy()
+            self._node.remove_waitable(handler)
+        self._handlers = []
+
     def note_misfit(self, policy: QoSPolicyKind) -> None:
         """Note that somebody of the topic has a profile that does not fit in a policy."""
         self._misfits += 1

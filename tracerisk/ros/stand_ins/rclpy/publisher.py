@@ -99,6 +99,7 @@ class Publisher:
 
     def destroy(self) -> None:
         """Leave the topic."""
+        self._events.close()
         self._publication.close()
         self.handle.destroy_when_not_in_use()
 

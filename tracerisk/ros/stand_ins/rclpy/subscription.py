@@ -108,6 +108,7 @@ class Subscription(Entity):
 
     def destroy(self) -> None:
         """Leave the topic, and drop what waits."""
+        self._events.close()
         super().destroy()
         self._subscription.close()
         self._queue.clear()

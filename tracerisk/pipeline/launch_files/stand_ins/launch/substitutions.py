@@ -146,7 +146,9 @@ class PythonExpression(Substitution):
         """Return the expression and the modules that it may use."""
         modules = self.python_modules
         told = [modules] if isinstance(modules, str) else [str(each) for each in modules]
-        return f"PythonExpr({str(self.expression)!r}, {told})"
+        parts = [self.expression] if isinstance(self.expression, str) else self.expression
+        text = "".join(each if isinstance(each, str) else each.describe() for each in parts)
+        return f"PythonExpr('{text}', {told})"
 
     def perform(self, context: Any) -> str:
         """Return the value as text."""
@@ -297,7 +299,8 @@ class AllSubstitution(Substitution):
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
-        return str(all(_truth(context, value) for value in self._values)).lower()
+        said = [_truth(context, value) for value in self._values]
+        return str(all(said)).lower()
 
 
 class AnySubstitution(AllSubstitution):
@@ -305,7 +308,8 @@ class AnySubstitution(AllSubstitution):
 
     def perform(self, context: Any) -> str:
         """Return `true` or `false`."""
-        return str(any(_truth(context, value) for value in self._values)).lower()
+        said = [_truth(context, value) for value in self._values]
+        return str(any(said)).lower()
 
 
 class AndSubstitution(AllSubstitution):

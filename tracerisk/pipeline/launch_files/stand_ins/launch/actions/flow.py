@@ -8,6 +8,7 @@ from typing import Any
 
 from tracerisk.pipeline.launch_files.stand_ins.launch.action import Action
 from tracerisk.pipeline.launch_files.stand_ins.launch.actions.settings import (
+    DeclareLaunchArgument,
     PopEnvironment,
     PopLaunchConfigurations,
     PushEnvironment,
@@ -99,9 +100,10 @@ class IncludeLaunchDescription(Action):
 
     def _check_arguments(self, context: Any) -> None:
         given = [text_of(context, name) for name, _ in self.launch_arguments]
-        for each in self.source.description.get_launch_arguments():
-            is_free = each._conditionally_included or each.default_value is not None
-            if not is_free and each.name not in (*given, *context.launch_configurations):
+        for each in self.source.description.entities:
+            if not isinstance(each, DeclareLaunchArgument) or each.is_optional:
+                continue
+            if each.name not in (*given, *context.launch_configurations):
                 raise RuntimeError(
                     f"Included launch description missing required argument '{each.name}' "
                     f"(description: '{each.description}'), given: [{', '.join(given)}]"

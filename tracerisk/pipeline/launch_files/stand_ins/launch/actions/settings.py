@@ -34,6 +34,11 @@ class DeclareLaunchArgument(Action):
         self._conditionally_included = False
 
     @property
+    def is_optional(self) -> bool:
+        """Whether nobody has to give a value: there is a default, or a condition."""
+        return self._default is not None or self.condition is not None
+
+    @property
     def default_value(self) -> Any:
         """The default as substitutions; None where there is none."""
         given = self._default
