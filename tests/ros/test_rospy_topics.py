@@ -62,6 +62,7 @@ def test_publishing_before_init_node_or_after_unregister_raises(run_node):
             publisher.publish("x")
         rospy.init_node("arm")
         publisher.unregister()
+        assert (publisher.type, publisher.resolved_name, publisher.name) == (None, None, "/t")
         with pytest.raises(rospy.ROSException, match="unregistered"):
             publisher.publish("x")
 

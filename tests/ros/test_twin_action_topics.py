@@ -9,10 +9,15 @@ from control_msgs.msg import FollowJointTrajectoryActionGoal, FollowJointTraject
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 rospy.init_node("raw")
-results, states = [], []
+results, states, arrays = [], [], []
 rospy.Subscriber("/arm/result", FollowJointTrajectoryActionResult, results.append)
-rospy.Subscriber("/arm/status", GoalStatusArray,
-                 lambda array: states.extend(each.status for each in array.status_list))
+def told_status(array):
+    told = [(each.goal_id.id, each.status) for each in array.status_list]
+    arrays.append(told)
+    if not states or states[-1] != told:
+        states.append(told)
+
+rospy.Subscriber("/arm/status", GoalStatusArray, told_status)
 goals = rospy.Publisher("/arm/goal", FollowJointTrajectoryActionGoal, queue_size=1)
 cancels = rospy.Publisher("/arm/cancel", GoalID, queue_size=1)
 
@@ -38,6 +43,15 @@ told = [(each.status.goal_id.id, each.status.status) for each in results]
 def test_a_goal_that_is_published_is_pursued_and_can_be_cancelled(run_on_twin):
     ran = run_on_twin(PROGRAM)
     assert ran["told"] == [("there", 3), ("back", 2)]
-    assert ran["states"] == [1, 3, 1, 6, 2]
+    assert ran["states"] == [
+        [],
+        [("there", 1)],
+        [("there", 3)],
+        [("there", 3), ("back", 1)],
+        [("there", 3), ("back", 6)],
+        [("there", 3), ("back", 2)],
+    ]
+    # Five times a second, and at each change.
+    assert 20 <= len(ran["arrays"]) <= 24
     assert ran.owners == ["send", "send"]
     assert [each.outcome for each in ran.recording.commands] == ["succeeded", "preempted"]

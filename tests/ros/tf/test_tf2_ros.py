@@ -50,6 +50,8 @@ assert abs(abs(r.x*q.x + r.y*q.y + r.z*q.z + r.w*q.w) - 1) < 1e-9
 assert found.header.frame_id == "panda_link0" and found.child_frame_id == "panda_hand_tcp"
 for link in moveit_commander.RobotCommander().get_link_names():
     assert buffer.can_transform("world", link, latest), link
+assert repr(buffer.can_transform("world", "panda_hand_tcp", latest)) == "1"
+assert repr(buffer.can_transform("world", "nowhere", latest)) == "0"
 there = buffer.transform(arm.get_current_pose("panda_hand_tcp"), "panda_hand_tcp", rospy.Duration(1))
 assert abs(there.pose.position.x) < 1e-3 and abs(there.pose.orientation.w) > 0.999
 """)

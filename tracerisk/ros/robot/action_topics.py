@@ -15,7 +15,13 @@ from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.time.clock import EPOCH_NS
 
+STATUS_HZ = 5.0
+"""How often a server tells the status of its goals besides at each change, as actionlib's do."""
+KEPT_S = 5.0
+"""How long the status of a goal is told after its end, as by actionlib's servers [s]."""
+
 _NODE = "/robot_driver"
+_STATUS = "actionlib_msgs/GoalStatusArray"
 _GOAL_ID = "actionlib_msgs/GoalID"
 
 
@@ -29,15 +35,21 @@ class ActionTopics:
         self._messages = messages
         self._clients: dict[str, ActionClientEnd] = {}
         self._publications: dict[str, Publication] = {}
+        self._sent_by_topic: set[str] = set()
+        self._goals: dict[str, dict[ActionGoal, int | None]] = {}
+        self._ticking: set[str] = set()
         self._graph.watch(self._on_topic)
         self._actions.watch(self._on_action)
 
     def _on_topic(self, change: Change, name: str, type_name: str) -> None:
         action, _, leaf = name.rpartition("/")
+        if change == "subscribed" and leaf == "status" and type_name == _STATUS:
+            self._tell_status(action)
         if change != "advertised" or action in self._clients:
             return
         if leaf == "goal" and type_name.endswith("ActionGoal"):
             kind = type_name.removesuffix("ActionGoal")
+            self._sent_by_topic.add(action)
             self._clients[action] = self._actions.client(action, kind, node=_NODE)
             self._graph.subscribe(
                 name,
@@ -71,6 +83,12 @@ class ActionTopics:
         server = self._actions.server(name, type_name)
         if change == "served" and server is not None:
             server.on_told = self._told
+            self._goals.setdefault(name, {})
+            if name in self._sent_by_topic:
+                # Who sends by topic looks for their publishers before it sends.
+                self._publication(f"{name}/feedback", f"{type_name}ActionFeedback")
+                self._publication(f"{name}/result", f"{type_name}ActionResult")
+            self._tell_status(name)
 
     def _told(self, goal: ActionGoal, what: str, message: Any) -> None:
         name, kind = goal.client.name, goal.client.type_name
@@ -80,12 +98,40 @@ class ActionTopics:
         if goal.state.is_terminal:
             result = goal.result if goal.result is not None else self._messages.part(kind, "Result")
             self._publish(f"{name}/result", f"{kind}ActionResult", goal, "result", result)
-        topic = f"{name}/status"
-        if self._graph.subscriptions(topic):
-            array = self._messages.new("actionlib_msgs/GoalStatusArray")
-            self._messages.stamp(array.header, self._runtime.scheduler.now_ns)
-            array.status_list = [self._status(goal)]
-            self._publication(topic, "actionlib_msgs/GoalStatusArray").publish(array)
+        ended_ns = self._runtime.scheduler.now_ns if goal.state.is_terminal else None
+        self._goals.setdefault(name, {})[goal] = ended_ns
+        if self._graph.subscriptions(f"{name}/status"):
+            self._publish_status(name)
+
+    def _tell_status(self, action: str) -> None:
+        """Publish the status of an action's goals, now and again, while somebody subscribes."""
+        if action not in self._goals or action in self._ticking:
+            return
+        if not self._graph.subscriptions(f"{action}/status"):
+            return
+        self._ticking.add(action)
+        self._tick(action)
+
+    def _tick(self, action: str) -> None:
+        if not self._graph.subscriptions(f"{action}/status"):
+            self._ticking.discard(action)
+            return
+        self._publish_status(action)
+        scheduler = self._runtime.scheduler
+        due_ns = scheduler.now_ns + round(1e9 / STATUS_HZ)
+        scheduler.call_at(due_ns, lambda: self._tick(action), background=True)
+
+    def _publish_status(self, action: str) -> None:
+        now_ns = self._runtime.scheduler.now_ns
+        goals = self._goals[action] = {
+            goal: ended_ns
+            for goal, ended_ns in self._goals[action].items()
+            if ended_ns is None or now_ns - ended_ns <= KEPT_S * 1e9
+        }
+        array = self._messages.new(_STATUS)
+        self._messages.stamp(array.header, now_ns)
+        array.status_list = [self._status(goal) for goal in goals]
+        self._publication(f"{action}/status", _STATUS, latch=True).publish(array)
 
     def _publish(self, topic: str, kind: str, goal: ActionGoal, field: str, part: Any) -> None:
         if not self._graph.subscriptions(topic):
@@ -103,7 +149,9 @@ class ActionTopics:
         status.status, status.text = goal.state.ros1_status, goal.text
         return status
 
-    def _publication(self, topic: str, type_name: str) -> Publication:
+    def _publication(self, topic: str, type_name: str, *, latch: bool = False) -> Publication:
         if topic not in self._publications:
-            self._publications[topic] = self._graph.advertise(topic, type_name, node=_NODE)
+            self._publications[topic] = self._graph.advertise(
+                topic, type_name, node=_NODE, latch=latch
+            )
         return self._publications[topic]

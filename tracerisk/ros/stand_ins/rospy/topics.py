@@ -46,7 +46,7 @@ class Topic:
                 stacklevel=3,
             )
         is_ready = node().is_initialized
-        self.resolved_name = (
+        self.resolved_name: Any = (
             resolve_name(name) if is_ready else resolve_name_without_node_name(name)
         )
         self.name = self.resolved_name
@@ -64,7 +64,8 @@ class Topic:
         """Leave the topic; a second call does nothing."""
         if self.impl is not None:
             self.impl.release()
-            self.impl = None
+            # As there: a topic that was left knows nothing of itself any more.
+            self.impl = self.resolved_name = self.type = self.md5sum = self.data_class = None
 
 
 def _check_class(data_class: Any) -> None:

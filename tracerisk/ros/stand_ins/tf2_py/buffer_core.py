@@ -54,10 +54,11 @@ class BufferCore:
 
     def can_transform_core(
         self, target_frame: str, source_frame: str, time: Any
-    ) -> tuple[bool, str]:
-        """Return whether a lookup would be answered, and if not why not."""
+    ) -> tuple[int, str]:
+        """Return whether a lookup would be answered, as 1 or 0, and if not why not."""
         self._look(target_frame, source_frame)
-        return self._tree.can_transform(target_frame, source_frame, nanoseconds(time))
+        can, why = self._tree.can_transform(target_frame, source_frame, nanoseconds(time))
+        return int(can), why
 
     def can_transform_full_core(
         self,
@@ -66,16 +67,17 @@ class BufferCore:
         source_frame: str,
         source_time: Any,
         fixed_frame: str,
-    ) -> tuple[bool, str]:
-        """Return whether a lookup over a fixed frame would be answered, and if not why not."""
+    ) -> tuple[int, str]:
+        """Return whether a lookup over a fixed frame would be answered, as 1 or 0, and why not."""
         self._look(target_frame, source_frame)
-        return self._tree.can_transform_full(
+        can, why = self._tree.can_transform_full(
             target_frame,
             nanoseconds(target_time),
             source_frame,
             nanoseconds(source_time),
             fixed_frame,
         )
+        return int(can), why
 
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
         """Return the transform from source to target at a time, 0 for the latest.
