@@ -53,7 +53,16 @@ SUB_ROOMS = {
         *("history", "robot", "launch", "launch_files", "workspace"),
     ),
     "ros": (
-        *("twin_interfaces", "stand_ins", "scenario", "imports", "gazebo", "moveit", "robot"),
+        *(
+            "twin_interfaces",
+            "live",
+            "stand_ins",
+            "scenario",
+            "imports",
+            "gazebo",
+            "moveit",
+            "robot",
+        ),
         *("drafts", "transforms", "messages", "graph", "time", "controller", "homogeneous"),
     ),
     "twin": (

@@ -68,6 +68,7 @@ def assess(
     keep: Path | None = None,
     progress: Progress | None = None,
     known: Assessed | None = None,
+    live_speed: float | None = None,
 ) -> Assessed:
     """Run a controller on the twin, compute its blocks, build its risk model and solve it.
 
@@ -75,7 +76,8 @@ def assess(
     hand, `profile` how often each function follows another, as text. `keep` is a folder for the
     recording. `progress` is called with each phase and the simulated time [s].
     `known` is what an earlier call gave: where nothing has changed that its run depended on, its
-    trace is taken, and nothing is simulated.
+    trace is taken, and nothing is simulated. With `live_speed` the controller runs on real rospy,
+    at most so many times as fast as the wall clock.
     Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded
     no hardware, and TraceRiskError for input that a stage refuses. Writes nothing but `keep`.
     """
@@ -87,7 +89,9 @@ def assess(
     pipeline.check_blocks(controller)
     trace = None if known is None else _trace_of(known, controller, loaded)
     if trace is None:
-        trace = pipeline.trace_controller(controller, loaded, keep=keep, progress=progress)
+        trace = pipeline.trace_controller(
+            controller, loaded, keep=keep, progress=progress, live_speed=live_speed
+        )
     if not trace.is_usable:
         raise RunFailedError(trace)
     if not trace.functions:

@@ -22,7 +22,7 @@ DRAFTED = "drafted:"
 """What the assumption of a run begins with whose scenario tracerisk has drafted."""
 
 MEASURED = "measured:"
-"""What the assumption begins with that a trace is of a real robot."""
+"""What the assumption begins with that a trace is of a real robot, or of a run on real ROS."""
 LOST = "lost:"
 """What an assumption begins with that says what the recording of a robot cannot tell."""
 
@@ -434,12 +434,12 @@ class Trace:
 
     @property
     def is_measured(self) -> bool:
-        """Whether it is of a real robot, and not of a run on the twin."""
+        """Whether it is of a real robot or of a run on real ROS: no run on stand-ins gives it."""
         return any(each.startswith(MEASURED) for each in self.assumptions)
 
     @property
     def lost(self) -> tuple[str, ...]:
-        """What the recording of a real robot could not tell, in words."""
+        """What could not be told of a real robot, or on real ROS, in words."""
         told = (each for each in self.assumptions if each.startswith(LOST))
         return tuple(each.removeprefix(LOST).strip() for each in told)
 

@@ -67,6 +67,7 @@ RUNNING = ("starting the twin", "simulating")
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
+    shared.add_live(parser)
     shared.add_hardware_options(parser)
     shared.add_write_options(parser)
     parser.add_argument(
@@ -137,6 +138,9 @@ def _check_watch(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together with `--watch`."""
     if options.write and not options.watch:
         raise InputError("--write goes with --watch; a run without it writes sources anyhow")
+    if options.live and (options.watch or options.check or options.faults):
+        name = "--watch" if options.watch else "--check" if options.check else "--fault"
+        raise InputError(f"{name} goes with runs that can be repeated; leave out --live")
     if options.watch and (options.check or options.faults):
         name = "--check" if options.check else "--fault"
         raise InputError(f"{name} goes with a single run; leave out --watch")
@@ -258,6 +262,7 @@ def _done(
                 progress=progress,
                 # A recording is that of a run.
                 known=None if known is None or keep is not None else known.assessed,
+                live_speed=shared.live_speed(options),
             )
         except api.RunFailedError as error:
             write_record(options, keep, error.trace)
@@ -304,7 +309,8 @@ def _is_same(done: Assessed, known: Assessed) -> bool:
 
 def _keeps_files(options: argparse.Namespace) -> bool:
     """Return whether sources and lock are left as they are."""
-    return bool(options.check or options.diff or (options.watch and not options.write))
+    is_only_shown = options.check or options.diff or options.live
+    return bool(is_only_shown or (options.watch and not options.write))
 
 
 def _write_files(options: argparse.Namespace, done: Assessed, recorded: RecordedRun | None) -> None:

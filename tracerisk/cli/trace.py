@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser, needs_file=False)
+    shared.add_live(parser)
     parser.add_argument(
         "--from",
         dest="recording",
@@ -91,7 +92,13 @@ def _run(options: argparse.Namespace) -> Trace:
     with shown as progress, recording_folder(options) as keep:
         controller = pipeline.load_controller(options.controller)
         settings = pipeline.load_settings(controller, shared.run_settings(options))
-        trace = pipeline.trace_controller(controller, settings, keep=keep, progress=progress)
+        trace = pipeline.trace_controller(
+            controller,
+            settings,
+            keep=keep,
+            progress=progress,
+            live_speed=shared.live_speed(options),
+        )
         write_record(options, keep, trace)
     if options.log is not None:
         from tracerisk.adder.figures.computed import compute_blocks
@@ -103,6 +110,7 @@ def _run(options: argparse.Namespace) -> Trace:
 
 def _read(options: argparse.Namespace) -> Trace:
     given = {"--record": options.record, "--log": options.log, "--keep": options.keep}
+    given |= {"--live": options.live or None}
     for name, value in given.items():
         if value is not None:
             raise InputError(

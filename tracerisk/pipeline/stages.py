@@ -183,9 +183,11 @@ def trace_controller(
     *,
     keep: Path | None = None,
     progress: Progress | None = None,
+    live_speed: float | None = None,
 ) -> Trace:
     """Run the controller on the twin and return what the run showed.
 
+    With `live_speed` it runs once on real rospy, at most so many times as fast as the wall clock.
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
     What is assumed of its robot and its launch file is tried again where the run shows that it
@@ -201,6 +203,17 @@ def trace_controller(
             Location(str(controller.path)),
         )
     require_simulator("running a controller")
+    if live_speed is not None:
+        from tracerisk.pipeline.run.live.live_trace import trace_live
+
+        return trace_live(
+            controller,
+            settings,
+            speed=live_speed,
+            hardware_of=load_hardware,
+            keep=keep,
+            progress=progress,
+        )
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
     return trace_with_draft(

@@ -300,6 +300,29 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_live(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a run on real rospy."""
+    group = parser.add_argument_group("real ROS")
+    group.add_argument(
+        "--live",
+        action="store_true",
+        help="run it on the installed rospy, with the twin as a node on loopback; writes no source",
+    )
+    group.add_argument(
+        "--speed",
+        metavar="X",
+        type=positive,
+        help="with --live: at most X times as fast as the wall clock (1)",
+    )
+
+
+def live_speed(options: argparse.Namespace) -> float | None:
+    """Return how fast a run on real rospy may go; `None` for a run on the stand-ins."""
+    if options.speed is not None and not options.live:
+        raise InputError("--speed goes with --live; a run on the stand-ins is as fast as it can be")
+    return (options.speed or 1.0) if options.live else None
+
+
 def run_settings(options: argparse.Namespace) -> dict[str, Any]:
     """Return the options that override settings; those not given are `None`."""
     names = (

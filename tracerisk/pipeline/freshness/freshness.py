@@ -36,6 +36,7 @@ _LIMITS = frozenset(
         *("evidence", "evidence_cells"),
     }
 )
+_MEASURED = "measured"
 _OF_VALUES = frozenset({"hardware", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
@@ -135,6 +136,9 @@ def run_inputs(
         hardware=hardware_digest(settings),
         libraries=_libraries(controller, settings, sources),
     )
+    if trace.is_measured:
+        # No run of the twin gives this trace again: blocks that are made of it are never fresh.
+        inputs = replace(inputs, settings={**inputs.settings, _MEASURED: True})
     used = evidence_digest(controller, settings, inputs.fingerprint)
     return replace(inputs, evidence=used)
 

@@ -17,7 +17,7 @@ from tracerisk import dependencies, errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording, read_recording
-from tracerisk.limits import Limit
+from tracerisk.limits import Limit, Sandbox
 from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run.child_output import PassingOn
 from tracerisk.pipeline.run.run_folders import check_left, run_folders
@@ -67,6 +67,7 @@ Progress = Callable[[str, float], None]
 """Told the phase and the simulated time [s]."""
 
 _STARTING = "starting the twin"
+_LIVE = "tracerisk.pipeline.run.live.child"
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
@@ -117,11 +118,12 @@ def run_controller(
     keep: Path | None = None,
     progress: Progress | None = None,
     drafts: DraftsNoted = "never",
+    live_speed: float | None = None,
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
     `choice` is what a launch file gives it, `companions` are started beside it. `drafts` says
-    when what a scenario could say is noted.
+    when what a scenario could say is noted. With `live_speed` it runs on real rospy.
     Where `progress` is told, what they print goes through `sys.stderr`, of which that may have
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
@@ -154,6 +156,7 @@ def run_controller(
             seed=settings.seed,
             drafts=drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
+            live_speed=live_speed,
         )
         return run_request(controller, robot, settings, request, written, progress)
 
@@ -200,7 +203,7 @@ def run_request(
     from tracerisk.twin.robots.file import dump_robot
 
     folder, asked_for = Path(request.folder), request
-    if is_contained(settings.limits.sandbox):
+    if request.live_speed is None and is_contained(settings.limits.sandbox):
         reads = (*_workspace(request), *settings.readable, *settings.writable)
         branches = () if request.plan is None else request.plan.writable
         writes = (str(folder), str(written), *branches, *settings.writable)
@@ -279,7 +282,9 @@ def _run_child(
 ) -> ProcessEnd:
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
-    sandbox = settings.limits.sandbox
+    is_live = request.live_speed is not None
+    # Its network has loopback alone; processes of a ROS that is installed are not contained.
+    sandbox = Sandbox(mode="off") if is_live else settings.limits.sandbox
     start = StartMark()
     own = start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))
     if request.written is not None:
@@ -287,7 +292,7 @@ def _run_child(
         temporary.mkdir()
         own["TMPDIR"] = str(temporary)
     child = start_process(
-        "tracerisk.pipeline.run.child",
+        _LIVE if is_live else "tracerisk.pipeline.run.child",
         str(request_path),
         sandbox=sandbox,
         reads=map(Path, request.readable),
@@ -297,10 +302,11 @@ def _run_child(
             "MUJOCO_GL": "disable",
             # The host's time zone must not show in what a controller sees.
             "TZ": "UTC",
+            **(own if is_live else {}),
         },
         options=("-u",),
         pass_fds=(start.descriptor,),
-        own=own,
+        own=None if is_live else own,
         **OF_FORKED,
     )
     assert child.stdout is not None

@@ -166,6 +166,8 @@ class RunRequest:
     `faults` are those of the robot's units that begin during the run.
     `greenlets` says that the controller's threads are greenlets, which can be forked; `plan` are
     the branches that the run has then.
+    `live_speed`: the controller runs on real rospy, with a clock that moves at most so many times
+    as fast as the wall's.
     """
 
     controller: str
@@ -193,6 +195,7 @@ class RunRequest:
     faults: tuple[Fault, ...] = ()
     greenlets: bool = False
     plan: BranchPlan | None = None
+    live_speed: float | None = None
 
     def dumps(self) -> str:
         """Return the request as JSON."""

@@ -1,0 +1,87 @@
+"""The same program under real rospy, with a real master, and under the stand-ins."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tracerisk import pipeline
+from tracerisk.trace import Trace
+
+PROGRAMS = Path(__file__).parent / "programs"
+QUICK = frozenset({"follow_goals", "services", "feedback"})
+"""What is run wherever rospy is; all others are marked slow."""
+ON_THE_WALL_CLOCK = frozenset(
+    {"services", "wait_for_message", "shutdown", "preempt", "latched", "listeners"}
+)
+"""In these rospy itself waits on the wall clock, which must be no faster than simulated time."""
+CUT_SHORT = frozenset({"preempt", "replaced_goal"})
+"""In these a motion ends where the message finds it, a step of the clock sooner or later."""
+SPEED = 5.0
+STEP_S = 0.002
+"""Between two samples of the twin [s]."""
+
+
+def _programs() -> list[object]:
+    names = sorted(each.stem for each in PROGRAMS.glob("*.py"))
+    return [
+        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow, id=name)
+        for name in names
+    ]
+
+
+@pytest.mark.parametrize("name", _programs())
+def test_a_program_does_the_same_under_real_rospy(
+    name: str, real_ros: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "pyproject.toml").touch()
+    script = tmp_path / f"{name}.py"
+    script.write_bytes((PROGRAMS / f"{name}.py").read_bytes())
+
+    live, live_log = _traced(script, capfd, live_speed=1.0 if name in ON_THE_WALL_CLOCK else SPEED)
+    twin, twin_log = _traced(script, capfd, live_speed=None)
+
+    assert live.is_measured
+    assert not twin.is_measured
+    assert twin_log, "the program printed nothing to compare"
+    assert live_log == twin_log
+    assert live.end.cause == twin.end.cause, live.end.message
+    assert _steps(live) == _steps(twin)
+    # What is asked for in vain, or raises within rospy, is followed by stand-ins alone.
+    assert {r.code for r in live.verdict.reasons} <= {r.code for r in twin.verdict.reasons}
+    if not twin.functions:
+        return  # the arm holds still, for as long as the program lasts
+    assert _active(live) == _active(twin)
+    for element in _active(twin):
+        ours, theirs = twin.active[element], live.active[element]
+        # What begins or ends between two samples of the twin is a sample longer or shorter.
+        step_s = 2.01 * STEP_S * max(ours.starts, 1)
+        assert theirs.moving_s == pytest.approx(ours.moving_s, rel=1e-3, abs=step_s), element
+        near = 0.01 if name in CUT_SHORT else 1e-3
+        assert theirs.torque_cubic == pytest.approx(ours.torque_cubic, rel=near, abs=1e-4), element
+        if "/" in element or ours.borderline or theirs.borderline:
+            continue  # a sensor; or whether it holds lies within a factor of two of the threshold
+        # To find each other takes nodes of real ROS a while, in which the arm holds still.
+        later_s = max(live.visits[0].start_s - twin.visits[0].start_s, 0.0)
+        most_s = later_s + 0.03 * ours.active_s + 10 * STEP_S
+        assert abs(theirs.active_s - ours.active_s) <= most_s, element
+
+
+def _traced(
+    script: Path, capfd: pytest.CaptureFixture[str], live_speed: float | None
+) -> tuple[Trace, list[str]]:
+    controller = pipeline.load_controller(script)
+    settings = pipeline.load_settings(controller, {"robot": "panda", "draft": False})
+    trace = pipeline.trace_controller(controller, settings, live_speed=live_speed)
+    printed = "".join(capfd.readouterr())
+    return trace, re.findall(r"^> .*$", printed, re.MULTILINE)
+
+
+def _steps(trace: Trace) -> list[tuple[str, str]]:
+    return [(visit.function.name, visit.outcome) for visit in trace.visits]
+
+
+def _active(trace: Trace) -> set[str]:
+    return {name for name, each in trace.active.items() if each.active_s > 0.0}

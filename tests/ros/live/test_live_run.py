@@ -1,0 +1,153 @@
+"""`run --live` and `trace --live`: the published log and block from real rospy, and no way out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """import os
+import socket
+
+import actionlib
+import rospy
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+HOME = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+
+
+def call_out():
+    try:
+        socket.create_connection(("192.0.2.1", 11311), timeout=1.0)
+        print("> reached")
+    except OSError as error:
+        print("> refused", error.errno)
+
+
+def move(client, angle):
+    goal = FollowJointTrajectoryGoal()
+    goal.trajectory.joint_names = JOINTS
+    goal.trajectory.points = [
+        JointTrajectoryPoint(positions=[angle, *HOME[1:]], time_from_start=rospy.Duration(1.0))
+    ]
+    client.send_goal(goal)
+    client.wait_for_result()
+
+
+def init(client):
+    move(client, 0.0)
+    rospy.sleep(0.2)
+
+
+def reach(client):
+    move(client, 0.4)
+    rospy.sleep(0.2)
+
+
+def main():
+    rospy.init_node("steps")
+    call_out()
+    print("> master", os.environ.get("ROS_MASTER_URI", "none"))
+    name = "/arm_controller/follow_joint_trajectory"
+    client = actionlib.SimpleActionClient(name, FollowJointTrajectoryAction)
+    client.wait_for_server()
+    init(client)
+    reach(client)
+
+
+if __name__ == "__main__":
+    main()
+"""
+NETWORK_UNREACHABLE = 101
+
+
+def _has_a_network_of_its_own() -> bool:
+    code = "from tracerisk.ros.live.loopback import leave_network; print(leave_network())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return done.stdout.strip() == "True"
+
+
+@pytest.fixture(scope="module")
+def lived(tmp_path_factory, example_in, real_ros):
+    """A controller traced on real rospy, in an environment that points to a robot."""
+    del real_ros
+    example = example_in(tmp_path_factory.mktemp("lived"))
+    example.write("pyproject.toml", "")
+    example.write("steps.py", PROGRAM)
+    given = {"ROS_MASTER_URI": "http://192.0.2.1:11311", "ROS_IP": "192.0.2.2"}
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in given.items():
+            patch.setenv(name, value)
+        done = example.run(
+            *("trace", "steps.py", "--live", "--speed", "5", "--robot", "panda"),
+            *("-o", "live.json", "--log", "live.log"),
+        )
+    assert done.code == 0, done.err
+    example.write("printed.txt", done.out + done.err)
+    return example
+
+
+def test_the_run_has_its_own_master_and_no_way_out(lived):
+    printed = lived.read("printed.txt").decode()
+    assert "> master http://127.0.0.1:" in printed
+    assert "> reached" not in printed
+    if _has_a_network_of_its_own():
+        assert f"> refused {NETWORK_UNREACHABLE}" in printed
+
+
+def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):
+    trace = json.loads(lived.read("live.json").decode())
+    told = trace["assumptions"]
+    assert told[0] == "measured: live, on real rospy with the twin as a node"
+    assert any(each.startswith("lost: repeatability") for each in told)
+    assert trace["end"]["cause"] == "ended"
+
+
+def test_the_published_log_is_that_of_the_stand_ins(lived):
+    done = lived.run("trace", "steps.py", "--robot", "panda", "--log", "twin.log")
+    assert done.code == 0, done.err
+    assert lived.read("live.log").decode() == lived.read("twin.log").decode()
+    assert "CallSequence:init(),reach()" in lived.read("live.log").decode()
+
+
+def test_the_published_block_is_written_and_never_fresh(lived):
+    done = lived.run("annotate", "steps.py", "--trace", "live.json")
+    assert done.code == 0, done.err
+    source = lived.read("steps.py").decode()
+    assert "# |   name = reach" in source
+    assert source.count("RiskAnnotation") == 2
+    checked = lived.run("check", "steps.py")
+    assert checked.code == 1
+    told = " ".join((checked.out + checked.err).split())
+    assert "stale: setting measured was True" in told
+
+
+def test_nothing_is_written_by_a_live_run_itself():
+    from tracerisk.cli import whole_parser
+    from tracerisk.cli.run import _keeps_files
+
+    options = whole_parser().parse_args(["run", "steps.py", "--live"])
+    assert _keeps_files(options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "steps.py", "--speed", "2"), "--speed goes with --live"),
+        (("run", "steps.py", "--live", "--check"), "--check goes with runs that can be repeated"),
+        (("trace", "two.py", "--live"), "is written for ROS 2; --live runs controllers of ROS 1"),
+        (("trace", "steps.py", "--live", "--sandbox", "require"), "the sandbox is required"),
+        (("attach",), "--robot is missing"),
+    ],
+)
+def test_what_does_not_go_together_is_said(tmp_path, example_in, arguments, message):
+    example = example_in(tmp_path)
+    example.write("steps.py", PROGRAM)
+    example.write("two.py", "import rclpy\n")
+    done = example.run(*arguments)
+    assert done.code == 2
+    assert message in " ".join(done.err.split())

@@ -1,0 +1,50 @@
+"""A live run has a network of its own, and what the host has set up decides nothing."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from tracerisk.ros.live.loopback import loopback_environment
+
+ALONE = """
+import socket, sys
+from tracerisk.ros.live.loopback import interfaces, leave_network
+if not leave_network():
+    print("not allowed"); sys.exit()
+with socket.create_server(("127.0.0.1", 0)) as server:
+    socket.create_connection(server.getsockname()).close()
+try:
+    socket.create_connection(("192.0.2.1", 11311), timeout=2.0)
+    print("connected")
+except OSError as error:
+    print(",".join(interfaces()), type(error).__name__, error.errno)
+"""
+NETWORK_UNREACHABLE = 101
+
+
+def test_variables_of_ros_are_replaced():
+    given = {
+        "ROS_MASTER_URI": "http://robot:11311",
+        "ROS_IP": "192.168.0.2",
+        "ROS_DOMAIN_ID": "7",
+        "PYTHONPATH": "/somewhere",
+        "HOME": "/home/user",
+    }
+    own = loopback_environment(given, "http://127.0.0.1:4000/")
+    assert own["ROS_MASTER_URI"] == "http://127.0.0.1:4000/"
+    assert own["ROS_IP"] == own["ROS_HOSTNAME"] == "127.0.0.1"
+    assert own["HOME"] == "/home/user"
+    assert not {"ROS_DOMAIN_ID", "PYTHONPATH"} & set(own)
+    assert "ROS_MASTER_URI" not in loopback_environment(given)
+
+
+def test_nothing_but_loopback_is_left():
+    done = subprocess.run(
+        [sys.executable, "-c", ALONE], capture_output=True, text=True, check=True, timeout=60
+    )
+    if "not allowed" in done.stdout:
+        pytest.skip("the kernel allows no network of its own here")
+    assert done.stdout.split() == ["lo", "OSError", str(NETWORK_UNREACHABLE)]

@@ -1,0 +1,58 @@
+"""`tracerisk attach`: listen to a real robot of ROS 1 and tell which hardware each step used."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, show, write_file
+from tracerisk.cli.shared.recordings import add_reading, read_recording
+from tracerisk.cli.shared.run_report import trace_lines
+from tracerisk.errors import ExitCode, InputError
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "controller", metavar="FILE", nargs="?", help="the file of the controller's functions"
+    )
+    parser.add_argument(
+        "--duration",
+        metavar="S",
+        type=shared.positive,
+        help="how long to listen (default: until an interrupt)",
+    )
+    parser.add_argument("--keep", metavar="OUT.mcap", help="keep what was heard as a recording")
+    add_reading(parser, with_robot=True)
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import trace_json
+    from tracerisk.pipeline.recordings.attach import record_robot
+
+    if options.robot is None and options.controller is None:
+        raise InputError("--robot is missing: name the robot that is listened to")
+    named = (options.names, options.joint_states)
+    topics = tuple(each for each in named if each is not None)
+    with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+        path = Path(options.keep or Path(folder, "robot.mcap"))
+        note("listening; an interrupt ends it", quiet=options.quiet)
+        heard = record_robot(path, topics=topics, seconds=options.duration)
+        said = f"{heard.messages} messages on {len(heard.topics)} topics; {heard.told}"
+        note(said, quiet=options.quiet)
+        trace = read_recording(path, options, options.controller)
+    if options.output is not None:
+        write_file(options.output, trace_json.dumps(trace))
+    if options.json:
+        print_json("attach", exit_code=0, trace=trace_json.trace_data(trace))
+        return int(ExitCode.FINE)
+    for line in trace_lines(trace):
+        show(line)
+    for line in trace.assumptions:
+        note(f"assumed: {line}", quiet=options.quiet)
+    return int(ExitCode.FINE)

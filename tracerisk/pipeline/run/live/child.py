@@ -1,0 +1,321 @@
+"""The process of a live run's twin: it serves a controller that runs on real rospy.
+
+Started as the process of a run on stand-ins is, and leaves the same recording. Its network has
+loopback alone, where the kernel allows that.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.run.live.watch import RemoteThreads
+from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.trace.run_files import (
+    DEFINITIONS,
+    ENTRY,
+    EVENTS,
+    GIVEN,
+    GRAPH_USE,
+    JOINTS_ASKED,
+    MISSION_END,
+    ROBOT,
+    STARTED,
+    RunRequest,
+    WallTime,
+)
+from tracerisk.pipeline.workspace.entry_point import find_entry_point
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.parameter_files import private_of, read_parameters
+from tracerisk.ros.graph.parameters import ParameterTree
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.live.bridge import Bridge, frames_of
+from tracerisk.ros.live.loopback import leave_network
+from tracerisk.ros.live.message_modules import make_missing_modules
+from tracerisk.ros.live.session import STEP_NS, Program, Session
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.robot.frames import DESCRIPTION, TwinFrames
+from tracerisk.ros.robot.state_topics import TwinTopics
+from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.world import ScenarioWorld
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.sandbox.limited_process import mark_start
+from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.samples import SampleWriter
+from tracerisk.twin.robots.assumed_names import with_assumed_names
+from tracerisk.twin.robots.file import read_dumped_robot
+from tracerisk.twin.simulation.twin import Twin
+from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.serving import serve_vendors
+
+_NO_NETWORK = (
+    "the system allows no network of its own: master and twin are on loopback, and connections "
+    "that the controller opens by itself are not held there"
+)
+_SHARE_OF_STEP = 0.5
+_EXIT_POLL_S = 0.005
+_EXIT_S = 5.0
+
+
+def main() -> int:
+    """Run the request named on the command line; the exit code says whether anything ran."""
+    request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    folder = Path(request.folder)
+    is_alone = leave_network()
+    with (folder / EVENTS).open("wb", buffering=0) as stream, SampleWriter(folder) as samples:
+        clock: list[Callable[[], int]] = [lambda: 0]
+        recorder = Recorder(stream, clock=lambda: clock[0]())
+        if not is_alone:
+            recorder.finding("not_simulated", _NO_NETWORK)
+        try:
+            _LiveRun(request, folder, samples, recorder, clock).run()
+        except TraceRiskError as error:
+            place = error.location
+            recorder.note(
+                "failed",
+                error=type(error).__name__,
+                message=error.message,
+                location=None if place is None else [place.file, place.line, place.column],
+            )
+            return int(error.exit_code)
+    return 0
+
+
+class _LiveRun:
+    def __init__(
+        self,
+        request: RunRequest,
+        folder: Path,
+        samples: SampleWriter,
+        recorder: Recorder,
+        clock: list[Callable[[], int]],
+    ) -> None:
+        self._request, self._folder, self._recorder = request, folder, recorder
+        script, root = Path(request.controller), Path(request.root)
+        launch = request.launch or NOTHING_LAUNCHED
+        robot = with_assumed_names(
+            read_dumped_robot(folder / ROBOT),
+            lambda message: recorder.finding("assumed_name", message),
+        )
+        scenario = Scenario()
+        if request.scenario is not None:
+            scenario = read_scenario(Path(request.scenario))
+        scene = with_objects(load_scene(request.scene), scenario.objects)
+        self._twin = Twin.build(robot, scene, samples=samples)
+        self._twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
+        tracer = Tracer()
+        self._scheduler = Scheduler(
+            self._twin, duration_ns=round(request.duration_s * 1e9), tracer=tracer
+        )
+        clock[0] = lambda: self._scheduler.now_ns
+        self._workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
+        self._runtime = Runtime(
+            self._scheduler,
+            Graph(self._scheduler, tracer),
+            twin=self._twin,
+            tracer=tracer,
+            recorder=recorder,
+            argv=(str(script), *request.argv),
+            seed=request.seed,
+            parameters=(
+                *launch.parameters,
+                *scenario.parameters,
+                *(each for file in request.params for each in read_parameters(Path(file))),
+            ),
+            packages=self._workspace.packages,
+        )
+        self._threads = RemoteThreads(self._scheduler)
+        self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
+        recorder.watch = self._watch
+        recorder.note(
+            GIVEN,
+            objects=[
+                each.string("name")
+                for each in scenario.objects
+                if each.boolean("graspable", default="mass" in each)
+            ],
+            accept=[asdict(each) for each in scenario.accept],
+            unconfirmed=[asdict(each) for each in scenario.unconfirmed],
+        )
+        drivers = read_drivers(map(Path, request.drivers), root)
+        more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+        self._interfaces = Interfaces(workspace=self._workspace.interfaces, more=more)
+        TwinTopics(self._runtime, self._interfaces)
+        serve_vendors(self._runtime, TwinInterfaces(self._runtime, self._interfaces), drivers)
+        frames = TwinFrames(self._runtime, self._interfaces)
+        for driver in (*drivers, *shipped_drivers()):
+            frames.also(driver.frames)
+        self._watch.schedule = ScenarioWorld(self._runtime, self._interfaces, scenario).schedule
+        self._end: dict[str, Any] | None = None
+        self._ended_wall: float | None = None
+        self._refused: dict[str, Any] | None = None
+        tracer.add_file(str(script), script.resolve().relative_to(root.resolve()).as_posix())
+
+    def run(self) -> None:
+        """Run the controller to its end, and record how that was."""
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as modules:
+            self._run(Path(modules))
+
+    def _run(self, modules: Path) -> None:
+        request, script = self._request, Path(self._request.controller)
+        entry = find_entry_point(script, script.read_bytes(), Path(request.root))
+        sources = [path.read_bytes() for path in sorted(Path(request.root).rglob("*.py"))]
+        has_made = make_missing_modules(self._interfaces, sources, modules)
+        launch = request.launch or NOTHING_LAUNCHED
+        program = Program(
+            str(script),
+            request.root,
+            request.argv,
+            None if entry is None else entry.function,
+            {name: str(each) for name, each in self._workspace.python_packages.items()},
+            (
+                *map(str, self._workspace.import_paths),
+                *([str(modules)] if has_made else []),
+            ),
+            dict(launch.environment),
+            dict(private_of(self._runtime.parameters)),
+        )
+        session = Session(os.environ)
+        try:
+            with activate(self._runtime):
+                self._bridge = Bridge(
+                    self._runtime,
+                    self._interfaces,
+                    session.relay,
+                    lambda message: self._recorder.finding("not_simulated", message),
+                    self._threads.acts,
+                )
+                session.on_relay, session.on_controller = self._of_relay, self._of_controller
+                self._give_parameters()
+                mark_start()
+                began = time.perf_counter()
+                over = self._lived(session, program, entry)
+        finally:
+            session.close()
+        if self._refused is not None:
+            self._recorder.note("failed", **self._refused)
+            return
+        self._scheduler.outlast()
+        self._tell_end(over, session.controller_code)
+        self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
+        self._twin.close()
+        WallTime(time.perf_counter() - began, 0.0).write(self._folder)
+
+    def _lived(self, session: Session, program: Program, entry: Any) -> RunOver | None:
+        def live() -> None:
+            self._bridge.tick()
+            session.settle()
+            session.begin(program)
+            if entry is not None:
+                self._recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
+            self._move_on(session)
+
+        try:
+            self._scheduler.run_main(live)
+        except RunOver as over:
+            return over
+        return self._threads.over
+
+    def _move_on(self, session: Session) -> None:
+        speed = self._request.live_speed or 1.0
+        due = time.monotonic()
+        while session.settle():
+            if self._threads.over is not None:
+                return
+            if self._ends_by_itself():
+                # Calls at its exit may still command something; its own end takes no time.
+                session.wait_wall(_EXIT_POLL_S)
+                continue
+            self._scheduler.sleep(STEP_NS)
+            self._bridge.tick()
+            self._watch.time_passed()
+            self._threads.look(is_busy=self._twin.busy or self._watch.is_commanding)
+            due = max(due + STEP_NS / 1e9 / speed, time.monotonic() - 10 * STEP_NS / 1e9)
+            while (left := due - time.monotonic()) > 0.0:
+                session.wait_wall(left)
+                if left > _SHARE_OF_STEP * STEP_NS / 1e9:
+                    session.settle()
+
+    def _ends_by_itself(self) -> bool:
+        """Return whether the controller has ended and is not long about it."""
+        if self._end is None:
+            return False
+        if self._ended_wall is None:
+            self._ended_wall = time.monotonic()
+        return time.monotonic() - self._ended_wall < _EXIT_S
+
+    def _of_relay(self, header: dict[str, Any], body: bytes) -> None:
+        if header["is"] in ("message", "call"):
+            self._threads.stirred()
+        self._bridge.take(header, body)
+
+    def _of_controller(self, header: dict[str, Any]) -> None:
+        what = header["is"]
+        if what == "sent":
+            self._bridge.sent(frames_of(header["stack"]), header["thread"], header["digest"])
+        elif what == "service_client":
+            self._bridge.service_client(header["name"], header["type"])
+        elif what == "ran":
+            ref = FunctionRef(header["file"], QualifiedName(header["name"]))
+            self._recorder.function_ran(ref, header["line"])
+        elif what == "source":
+            self._recorder.source_compiled(header["file"], header["latin1"].encode("latin-1"))
+        elif what == "looped":
+            self._threads.baton.of = header["thread"]
+            self._watch.looped(header["file"], header["line"])
+        elif what == "begins":
+            self._recorder.note(STARTED)
+            self._threads.main.ident = header["thread"]
+        elif what == "spins":
+            self._threads.spins()
+        elif what == "end":
+            self._end = header
+        elif what == "refused":
+            self._refused = {key: header[key] for key in ("error", "message", "location")}
+
+    def _give_parameters(self) -> None:
+        parameters: ParameterTree = self._runtime.graph.parameters
+        if f"/{DESCRIPTION}" not in parameters.names():
+            # The twin offers it to whoever asks; a master knows what is set alone.
+            parameters.set(f"/{DESCRIPTION}", parameters.get(f"/{DESCRIPTION}"))
+        self._bridge.give_parameters()
+
+    def _tell_end(self, over: RunOver | None, code: int | None) -> None:
+        if over is not None and over.cause != "ended":
+            if over.cause in ("idle", "quiescent"):
+                self._recorder.note(MISSION_END, ns=self._watch.last_event_ns)
+            self._recorder.run_ended(over.cause, over.message, over.location)
+        elif self._end is not None:
+            place = self._end["location"]
+            self._recorder.run_ended(
+                self._end["cause"],
+                self._end["message"],
+                None if place is None else Location(*place),
+            )
+        else:
+            message = f"the controller's process ended with code {code} and told no reason"
+            self._recorder.run_ended("died", message)
+
+
+if __name__ == "__main__":
+    try:
+        code = main()
+    except TraceRiskError as problem:
+        print(problem, file=sys.stderr)  # noqa: T201 - it has no other mouth
+        code = int(problem.exit_code)
+    sys.stdout.flush()
+    sys.exit(code)

@@ -1,0 +1,73 @@
+"""The trace of a controller that runs on real rospy, with the twin as a node beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, Location, SandboxError
+from tracerisk.hardware.binding import bind
+from tracerisk.pipeline.launch.choose import choose_launch
+from tracerisk.pipeline.robot.choice import choose_launched_robot
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
+from tracerisk.pipeline.run.controller_run import Progress, run_controller
+from tracerisk.pipeline.trace.sensors import elements_of
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.source.ros_version import ros_version
+from tracerisk.trace import LOST, MEASURED, Trace
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+
+_MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"
+_LOST = (
+    "repeatability: threads, connections and waits on the wall clock take the time that they take",
+    "other nodes of the workspace, drafted values and answers to input(): none are given",
+    "what is asked for in vain or fails within rospy: no reason of the verdict speaks of it",
+    "services and actions of the controller itself: no scenario calls them",
+)
+
+
+def trace_live(
+    controller: Controller,
+    settings: Settings,
+    *,
+    speed: float,
+    hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Trace:
+    """Run the controller once on real rospy, and return what the run showed.
+
+    `speed` is how many times as fast as the wall clock the run may go.
+
+    Raises:
+        InputError: the controller is not of ROS 1.
+        DependencyError: there is no rospy.
+        SandboxError: settings require a sandbox, which a live run has not.
+    """
+    from tracerisk.ros.live.real_ros import python_of_ros
+
+    if ros_version(controller.path, controller.root) == 2:
+        raise InputError(
+            "is written for ROS 2; --live runs controllers of ROS 1, on rospy",
+            Location(str(controller.path)),
+        )
+    if settings.limits.sandbox.mode == "require":
+        raise SandboxError(
+            "the sandbox is required, and --live runs the controller outside of it, on a network "
+            "of its own; leave out one of the two"
+        )
+    python_of_ros()
+    settings = with_scenario(settings)
+    launch = choose_launch(controller, settings)
+    choice = choose_launched_robot(controller, settings, launch)
+    bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
+    done = run_controller(
+        controller, choice.robot, settings, launch, keep=keep, progress=progress, live_speed=speed
+    )
+    told = (_MEASURED, *(f"{LOST} {each}" for each in _LOST))
+    return replace(done.trace, assumptions=(*told, *done.trace.assumptions))

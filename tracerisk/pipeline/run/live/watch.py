@@ -1,0 +1,80 @@
+"""The controller's threads in another process, as what watches a run asks about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.thread import ControllerThread, RunOver
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.trace import EndCause
+
+SPIN_PATIENCE_S = 10.0
+"""How long a controller that spins must have been silent before nothing is expected of it [s]."""
+
+
+@dataclass(slots=True)
+class _Ident:
+    of: int = 0
+
+    def ident(self) -> int:
+        return self.of
+
+
+@dataclass(slots=True)
+class RemoteThreads:
+    """Stands for the scheduler before a `RunWatch`: its clock, and the controller's threads.
+
+    `baton` names the thread that has just told something.
+    """
+
+    scheduler: Scheduler
+    baton: _Ident = field(default_factory=_Ident)
+    main: ControllerThread = field(
+        default_factory=lambda: ControllerThread("MainThread", 0, daemon=False, is_main=True)
+    )
+    over: RunOver | None = None
+    last_ns: int = 0
+    """When the controller sent or asked anything last, simulated time [ns]."""
+
+    @property
+    def now_ns(self) -> int:
+        """The simulated time [ns]."""
+        return self.scheduler.now_ns
+
+    @property
+    def threads(self) -> tuple[ControllerThread, ...]:
+        """The threads that are known: the main one."""
+        return (self.main,)
+
+    def acts(self, thread: int) -> None:
+        """Note which of the controller's threads has sent what comes next."""
+        self.baton.of = thread
+
+    def raise_if_over(self) -> None:
+        """Do nothing: the controller is ended from outside."""
+
+    def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        """Note that the run is over."""
+        if self.over is None:
+            self.over = RunOver(cause, message, location)
+
+    def stirred(self) -> None:
+        """Note that the controller has sent or asked something."""
+        self.last_ns = self.now_ns
+
+    def spins(self) -> None:
+        """Note that the main thread waits for callbacks alone from now on."""
+        self.main.spins_since_ns = self.now_ns
+        self.stirred()
+
+    def look(self, *, is_busy: bool) -> None:
+        """End a run in which the main thread spins and nothing has come for long."""
+        if is_busy or self.main.spins_since_ns is None:
+            self.last_ns = self.now_ns if is_busy else self.last_ns
+            return
+        if self.now_ns - self.last_ns >= SPIN_PATIENCE_S * 1e9:
+            self.end(
+                "quiescent",
+                f"the controller spins, and has sent nothing for {SPIN_PATIENCE_S:g} s",
+            )

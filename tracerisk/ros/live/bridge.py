@@ -1,0 +1,338 @@
+"""What of the twin's graph real ROS sees, and what of real ROS reaches the twin's graph.
+
+The twin's own servers are written against the graph of the stand-ins. Here a message of the one is
+a message of the other by its bytes: topics, services and parameters are passed on as they come, and
+a command belongs to the function that sent it by the stack that the controller's process tells.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import InputError
+from tracerisk.instrument.tracer import Frame
+from tracerisk.ros.graph.graph import Change, Publication, Subscription
+from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.live.link import Link
+from tracerisk.ros.live.rospy_hooks import digest
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.trace import FunctionRef, QualifiedName
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tracerisk.ros.messages.ros1 import Interfaces
+
+CLOCK = "/clock"
+_CLOCK_TYPE = "rosgraph_msgs/Clock"
+_OF_LOGGING = ("/rosout", "/rosout_agg")
+_BRIDGE = "/live"
+
+
+def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
+    """Read what `frames_data` made of a stack."""
+    return tuple(
+        Frame(
+            FunctionRef(str(file), QualifiedName(str(name))),
+            int(line),
+            int(activation),
+            (int(site[0]), int(site[1])),
+            root,
+            instance,
+        )
+        for file, name, line, activation, site, root, instance in data
+    )
+
+
+class Bridge:
+    """Passes on topics, services and parameters between a graph and a relay in real ROS.
+
+    `message` and `service` classes come from `interfaces`. `told` is told in words what cannot be
+    passed on, `acts` the number of the controller's thread that has sent what comes next.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        interfaces: Interfaces,
+        relay: Link,
+        told: Callable[[str], None],
+        acts: Callable[[int], None],
+    ) -> None:
+        self._runtime = runtime
+        self._graph = runtime.graph
+        self._interfaces = interfaces
+        self._relay = relay
+        self._told = told
+        self._acts = acts
+        self._making = False
+        self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
+        self._on_behalf: dict[Any, tuple[Frame, ...]] = {}
+        self._ours: set[Publication] = set()
+        self._publications: dict[tuple[str, str], Publication] = {}
+        self._subscriptions: dict[tuple[str, str], Subscription] = {}
+        self._advertised: set[str] = set()
+        self._served: set[str] = set()
+        self._types: dict[str, str] = {}
+        self._silent: set[str] = set()
+        tracer: Any = runtime.tracer
+        tracer.on_behalf = self._stack
+        # Whoever comes is told the time at once, although the clock may stand still.
+        self._advertise(CLOCK, _CLOCK_TYPE, latch=True)
+        self._graph.watch(self._on_change)
+
+    # What the controller's process tells
+
+    def sent(self, stack: tuple[Frame, ...], thread: int, of: str) -> None:
+        """Note that a message or request of this digest was sent with this stack."""
+        self._stacks.setdefault(of, deque()).append((stack, thread))
+
+    def service_client(self, name: str, type_name: str) -> None:
+        """Note that the controller has a client of a service."""
+        self._types[name] = type_name
+        self._graph.become_caller(name, type_name)
+        self._offer(name)
+
+    # What the relay tells
+
+    def take(self, header: dict[str, Any], body: bytes) -> None:
+        """Take a frame of the relay."""
+        what = header["is"]
+        if what == "message":
+            self._message(header["topic"], header["caller"], body)
+        elif what == "publisher":
+            self._publisher(header["name"], header["caller"], header["type"])
+        elif what == "subscriber":
+            self._subscriber(header["name"], header["caller"], header["type"])
+        elif what == "no_publisher":
+            self._leave(self._publications, header)
+        elif what == "no_subscriber":
+            self._leave(self._subscriptions, header)
+        elif what == "lookup":
+            self._offer(header["name"])
+            self._relay.send({"do": "answer", "number": header["number"], "ok": True})
+        elif what == "call":
+            self._call(header["name"], header["number"], body)
+        elif what == "parameter":
+            self._graph.parameters.set(header["name"], header["value"])
+
+    def tick(self) -> None:
+        """Publish the clock."""
+        message: Any = self._interfaces.message(_CLOCK_TYPE)()
+        now_ns = EPOCH_NS + self._runtime.scheduler.now_ns
+        message.clock.secs, message.clock.nsecs = divmod(now_ns, 1_000_000_000)
+        self._relay.send({"do": "publish", "topic": CLOCK}, _bytes(message))
+
+    def give_parameters(self) -> None:
+        """Set all parameters of the graph at the master, and what the twin offers besides."""
+        parameters = self._graph.parameters
+        for name in parameters.names():
+            self._parameter(name, parameters.get(name))
+
+    def _parameter(self, name: str, value: Any) -> None:
+        if isinstance(value, str | int | float | bool | list):
+            self._relay.send({"do": "parameter", "name": name, "value": value})
+
+    # Topics
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if name in (CLOCK, *_OF_LOGGING):
+            return
+        if change == "advertised":
+            for each in self._graph.publications(name):
+                if each not in self._ours and each.node != _BRIDGE:
+                    self._advertise(name, type_name, latch=each.latch)
+        elif change == "subscribed":
+            self._listen(name)
+        elif change == "served":
+            self._offer(name)
+
+    def _advertise(self, topic: str, type_name: str, *, latch: bool) -> None:
+        if topic in self._advertised or self._making:
+            return
+        kind = self._class(topic, type_name)
+        if kind is None:
+            return
+        self._advertised.add(topic)
+        self._relay.send(
+            {
+                "do": "advertise",
+                "topic": topic,
+                "type": kind._type,
+                "md5": kind._md5sum,
+                "text": kind._full_text,
+                "latch": latch,
+            }
+        )
+
+    def _publisher(self, topic: str, caller: str, type_name: str) -> None:
+        if topic in _OF_LOGGING or self._class(topic, type_name) is None:
+            return
+        if topic.endswith(("/goal", "/cancel")) and self._is_own_server(topic):
+            return
+        self._making = True
+        try:
+            publication = self._graph.advertise(topic, type_name, node=caller)
+        finally:
+            self._making = False
+        self._ours.add(publication)
+        self._publications[topic, caller] = publication
+        self._types[topic] = type_name
+        # Servers of actions begin to publish by now.
+        for name, kind in self._graph.published_topics():
+            if any(each not in self._ours for each in self._graph.publications(name)):
+                latch = any(each.latch for each in self._graph.publications(name))
+                if name != CLOCK and name not in _OF_LOGGING:
+                    self._advertise(name, kind, latch=latch)
+        self._listen(topic)
+
+    def _listen(self, topic: str) -> None:
+        """Receive in real ROS what the controller publishes and the twin's side subscribes to."""
+        if not any(name == topic for name, _ in self._publications):
+            return
+        theirs = set(self._subscriptions.values())
+        if any(
+            each not in theirs and not each.by_controller
+            for each in self._graph.subscriptions(topic)
+        ):
+            self._relay.send({"do": "subscribe", "topic": topic})
+
+    def _subscriber(self, topic: str, caller: str, type_name: str) -> None:
+        if topic in (CLOCK, *_OF_LOGGING):
+            return
+        if type_name == ANY_TYPE:
+            found = self._graph.publications(topic)
+            type_name = found[0].type_name if found else ANY_TYPE
+        if type_name != ANY_TYPE and self._class(topic, type_name) is None:
+            return
+        self._subscriptions[topic, caller] = self._graph.subscribe(
+            topic,
+            type_name,
+            lambda message, publication: self._forward(topic, message, publication),
+            node=caller,
+        )
+
+    def _forward(self, topic: str, message: Any, publication: Publication) -> None:
+        if publication in self._ours:
+            return  # real ROS carries it from the one node to the other
+        self._advertise(topic, publication.type_name, latch=publication.latch)
+        self._relay.send({"do": "publish", "topic": topic}, _bytes(message))
+
+    def _message(self, topic: str, caller: str, body: bytes) -> None:
+        publication = self._publications.get((topic, caller))
+        stack = self._sender(body)
+        if publication is None:
+            return
+        message: Any = self._interfaces.message(publication.type_name)()
+        message.deserialize(body)
+        with self._acting_for(stack):
+            publication.publish(message)
+
+    def _leave(self, ends: dict[tuple[str, str], Any], header: dict[str, Any]) -> None:
+        end = ends.pop((header["name"], header["caller"]), None)
+        if end is not None:
+            end.close()
+
+    def _is_own_server(self, topic: str) -> bool:
+        """Return whether the controller serves the action of a topic itself."""
+        return any(name == topic for name, _ in self._subscriptions)
+
+    # Services
+
+    def _offer(self, name: str) -> None:
+        """Serve in real ROS what the graph serves under a name, if anything."""
+        server = self._graph.service(name, self._types.get(name))
+        if server is None or name in self._served:
+            return
+        try:
+            kind: Any = self._interfaces.service(server.type_name)
+        except InputError as error:
+            self._say_once(name, f"service {name} is not served: {error.message}")
+            return
+        self._served.add(name)
+        self._relay.send(
+            {
+                "do": "serve",
+                "name": name,
+                "type": server.type_name,
+                "md5": kind._md5sum,
+                "request_md5": kind._request_class._md5sum,
+                "response_md5": kind._response_class._md5sum,
+            }
+        )
+
+    def _call(self, name: str, number: int, body: bytes) -> None:
+        stack = self._sender(body)
+
+        def answer() -> None:
+            server = self._graph.service(name, self._types.get(name))
+            if server is None:
+                self._failed(number, f"service {name} is served no longer")
+                return
+            kind: Any = self._interfaces.service(server.type_name)
+            request = kind._request_class()
+            request.deserialize(body)
+            try:
+                with self._acting_for(stack):
+                    response = self._graph.call(server, request)
+                reply = response if response is not None else kind._response_class()
+                answered = _bytes(reply)
+            except Exception as error:  # noqa: BLE001 - passed on to who called, as rospy does
+                self._failed(number, str(error))
+                return
+            self._relay.send({"do": "answer", "number": number, "ok": True}, answered)
+
+        self._runtime.scheduler.spawn(
+            answer, f"call of {name}", inherit=False, is_controllers=False
+        )
+
+    def _failed(self, number: int, message: str) -> None:
+        self._relay.send({"do": "answer", "number": number, "ok": False, "message": message})
+
+    # Stacks
+
+    def _sender(self, body: bytes) -> tuple[Frame, ...]:
+        of = digest(body)
+        known = self._stacks.get(of)
+        if not known:
+            return ()
+        stack, thread = known.popleft()
+        if not known:
+            del self._stacks[of]
+        self._acts(thread)
+        return stack
+
+    def _stack(self) -> tuple[Frame, ...]:
+        return self._on_behalf.get(self._runtime.scheduler.current, ())
+
+    @contextmanager
+    def _acting_for(self, stack: tuple[Frame, ...]) -> Iterator[None]:
+        thread = self._runtime.scheduler.current
+        before = self._on_behalf.get(thread, ())
+        self._on_behalf[thread] = stack
+        try:
+            yield
+        finally:
+            self._on_behalf[thread] = before
+
+    def _class(self, topic: str, type_name: str) -> Any:
+        try:
+            return self._interfaces.message(type_name)
+        except InputError as error:
+            self._say_once(topic, f"topic {topic} stays out of the twin: {error.message}")
+            return None
+
+    def _say_once(self, name: str, message: str) -> None:
+        if name not in self._silent:
+            self._silent.add(name)
+            self._told(message)
+
+
+def _bytes(message: Any) -> bytes:
+    from tracerisk.ros.messages.ros1_wire import encode
+
+    return encode(message)

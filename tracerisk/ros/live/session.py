@@ -1,0 +1,203 @@
+"""The processes of a live run and the clock that they share.
+
+The clock moves in steps of `STEP_NS`, no faster than the wall clock times `speed`, and only while
+every thread of the controller and of the relay sleeps and nothing is on its way: a machine that is
+slow or busy loses no simulated time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import DependencyError, LimitError
+from tracerisk.ros.live.link import Link
+from tracerisk.ros.live.loopback import loopback_environment
+from tracerisk.ros.live.real_ros import link_pair, start
+
+STEP_NS = 2_000_000
+"""By how much the clock moves at once [ns]."""
+_POLL_S = 0.0005
+_READY_S = 30.0
+_STUCK_S = 60.0
+_GRACE_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The controller as its process is to run it."""
+
+    script: str
+    root: str
+    argv: tuple[str, ...] = ()
+    entry: str | None = None
+    packages: Mapping[str, str] = field(default_factory=dict)
+    paths: tuple[str, ...] = ()
+    """Folders behind those of the installed ROS in which modules are found."""
+    environment: Mapping[str, str] = field(default_factory=dict)
+    private: Mapping[str, Any] = field(default_factory=dict)
+    """Parameters that the node finds under its own name."""
+
+
+class Session:
+    """A master with a relay, and later a controller; both end with the session.
+
+    `on_relay` and `on_controller` are given the frames of each, in the order of their coming.
+    """
+
+    def __init__(self, environment: Mapping[str, str]) -> None:
+        self._environment = environment
+        self.on_relay: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
+        self.on_controller: Callable[[dict[str, Any]], None] = lambda header: None  # noqa: ARG005
+        self.relay, self._relay_process = self._started("tracerisk.ros.live.relay")
+        self.master = self._ready()
+        self.controller: Link | None = None
+        self._controller_process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def controller_code(self) -> int | None:
+        """The return code of the controller's process; None while it lives."""
+        return None if self._controller_process is None else self._controller_process.poll()
+
+    def begin(self, program: Program) -> None:
+        """Start the controller."""
+        ours, theirs = link_pair()
+        asked = {
+            "descriptor": theirs.fileno(),
+            "script": program.script,
+            "root": program.root,
+            "argv": list(program.argv),
+            "entry": program.entry,
+            "packages": dict(program.packages),
+            "paths": list(program.paths),
+            "private": dict(program.private),
+        }
+        environment = {
+            **loopback_environment(self._environment, self.master),
+            **program.environment,
+        }
+        with theirs:
+            self._controller_process = start(
+                "tracerisk.ros.live.controller_process",
+                json.dumps(asked),
+                environment=environment,
+                pass_fds=(theirs.fileno(),),
+            )
+        self.controller = Link(ours)
+
+    def settle(self) -> bool:
+        """Take what has come until nothing stirs; False once the controller has ended.
+
+        Raises:
+            LimitError: the controller computes, or waits for the disk, for too long.
+        """
+        began = time.monotonic()
+        while True:
+            came = self._take()
+            if self.controller is not None and self.controller.is_closed:
+                return False
+            if self.relay.is_closed:
+                raise DependencyError(
+                    "the node of the twin on ROS 1 has ended: see what it printed"
+                )
+            if not came and self._sleeps() and not self._has_input():
+                return True
+            if came:
+                began = time.monotonic()
+            elif time.monotonic() - began > _STUCK_S:
+                raise LimitError(
+                    f"the controller has computed for {_STUCK_S:g} s without a message, a call "
+                    "or a wait; a live run moves on only while it waits"
+                )
+            self._wait(_POLL_S)
+
+    def wait_wall(self, seconds: float) -> None:
+        """Wait for some wall time, or less where something comes."""
+        self._wait(seconds)
+
+    def close(self) -> None:
+        """End both processes, the controller's by an interrupt at first."""
+        for process, signals in (
+            (self._controller_process, (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)),
+            (self._relay_process, (signal.SIGTERM, signal.SIGKILL)),
+        ):
+            if process is None:
+                continue
+            for each in signals:
+                if process.poll() is not None:
+                    break
+                process.send_signal(each)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(_GRACE_S)
+        self.relay.close()
+        if self.controller is not None:
+            self.controller.close()
+
+    def _started(self, module: str, *arguments: str) -> tuple[Link, subprocess.Popen[bytes]]:
+        ours, theirs = link_pair()
+        with theirs:
+            process = start(
+                module,
+                str(theirs.fileno()),
+                *arguments,
+                environment=loopback_environment(self._environment),
+                pass_fds=(theirs.fileno(),),
+            )
+        return Link(ours), process
+
+    def _ready(self) -> str:
+        readable, _, _ = select.select([self.relay], [], [], _READY_S)
+        frame = self.relay.receive() if readable else None
+        if frame is None or frame[0].get("is") != "ready":
+            self._relay_process.kill()
+            self._relay_process.wait()
+            raise DependencyError("the master of ROS 1 does not start: see what it has printed")
+        return str(frame[0]["uri"])
+
+    def _take(self) -> bool:
+        """Take all frames that have come, of the controller first: it tells before it sends."""
+        of_relay = self.relay.waiting()
+        of_controller = self.controller.waiting() if self.controller is not None else []
+        for header, _ in of_controller:
+            self.on_controller(header)
+        for header, body in of_relay:
+            self.on_relay(header, body)
+        return bool(of_relay or of_controller)
+
+    def _links(self) -> Sequence[Link]:
+        links = [self.relay] if self.controller is None else [self.relay, self.controller]
+        return [each for each in links if not each.is_closed]
+
+    def _has_input(self) -> bool:
+        readable, _, _ = select.select(self._links(), [], [], 0.0)
+        return bool(readable)
+
+    def _wait(self, seconds: float) -> None:
+        select.select(self._links(), [], [], seconds)
+
+    def _sleeps(self) -> bool:
+        """Return whether all threads sleep, looked at twice: one may just have woken another."""
+        pids = [self._relay_process.pid]
+        if self._controller_process is not None:
+            pids.insert(0, self._controller_process.pid)
+        return all(_all_sleep(pid) for _ in range(2) for pid in pids)
+
+
+def _all_sleep(pid: int) -> bool:
+    try:
+        for task in os.scandir(f"/proc/{pid}/task"):
+            line = Path(task.path, "stat").read_bytes()
+            if line[line.rindex(b")") + 2 : line.rindex(b")") + 3] not in b"SZXt":
+                return False
+    except FileNotFoundError:
+        return True
+    return True
