@@ -98,7 +98,7 @@ def test_without_a_lock_no_run_is_known(annotated, monkeypatch):
     assert sections(parsed(annotated, "b.html")) == ALL
 
 
-def test_the_difference_to_a_revision_stands_first(kept):
+def test_the_difference_to_a_revision_stands_behind_the_replay(kept):
     git(kept, "init", "-q")
     git(kept, "add", "controller.py", "tracerisk.lock")
     git(kept, "commit", "-qm", "before")
@@ -109,7 +109,7 @@ def test_the_difference_to_a_revision_stands_first(kept):
     kept.write("controller.py", source.replace(old, pinned, 1))
     assert main(["report", "controller.py", "-o", "out.html", "--against", "HEAD", "-q"]) == 0
     document = parsed(kept)
-    assert sections(document)[0] == "difference"
+    assert sections(document)[:2] == ["timeline", "difference"]
     assert "mission failure rises from" in told(document, "difference")
     assert "<b>it broke</b>" in told(document, "difference")
     assert "<b>it broke</b>" in told(document, "pins")
@@ -133,7 +133,7 @@ def test_a_runs_report_tells_the_difference_to_a_revision(annotated):
     )
     assert outcome.code == 0, outcome.err
     document = parsed(annotated)
-    assert sections(document) == ["difference", *ALL]
+    assert sections(document) == [ALL[0], "difference", *ALL[1:]]
     assert document.xpath("//section[@id='difference']/h2")[0].text_content() == "Since HEAD"
     assert "mission failure rises from" in told(document, "difference")
 

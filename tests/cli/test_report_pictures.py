@@ -59,8 +59,14 @@ def test_a_controller_that_fails_has_no_pictures(example, quick, monkeypatch, ca
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["controller.py"], "nothing to write; give -o/--output OUT.html, --png DIR, or both"),
-        (["controller.py", "-o", "a.html", "--recording", "recording"], "give --png DIR as well"),
+        (
+            ["controller.py"],
+            "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4",
+        ),
+        (
+            ["controller.py", "-o", "a.html", "--recording", "recording"],
+            "--recording is for pictures and films; give --png DIR",
+        ),
         (["controller.py", "--png", "out", "--trace", "trace.json"], "give --recording DIR"),
         (["controller.py", "--png", "out", "--recording", "."], "holds no recording of a run"),
         (["other.py", "--png", "out", "--recording", "recording"], "has no trace to which"),

@@ -18,7 +18,7 @@ VERBS = {
     "init": "write what a repository needs to begin, after showing it",
     "run": "run a controller on the twin, annotate it, solve its risk model",
     "trace": "run a controller and print which hardware each function used",
-    "attach": "listen to a real robot of ROS 1, and print what each function used",
+    "attach": "listen to a real robot; print what each function used",
     "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
     "field": "sum up recorded missions: visits, times, what follows",
     "sweep": "run a controller over values of settings, parameters, scenario",

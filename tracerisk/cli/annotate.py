@@ -112,7 +112,7 @@ def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
         raise InputError(
             f"is a trace of '{trace.controller}', not of '{controller.file}'", Location(name)
         )
-    if trace.is_measured and controller.path.suffix == ".py":
+    if trace.is_measured and trace.verdict is None and controller.path.suffix == ".py":
         raise InputError(
             "is of a real robot, and says nothing of functions that did not run: blocks of Python "
             "come from a run; take its shares with `tracerisk field` and --profile",

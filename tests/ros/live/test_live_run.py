@@ -127,8 +127,8 @@ def test_the_published_block_is_written_and_never_fresh(lived):
 
 
 def test_nothing_is_written_by_a_live_run_itself():
-    from tracerisk.cli import whole_parser
     from tracerisk.cli.run import _keeps_files
+    from tracerisk.cli.shared.parser import whole_parser
 
     options = whole_parser().parse_args(["run", "steps.py", "--live"])
     assert _keeps_files(options)

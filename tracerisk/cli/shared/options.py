@@ -302,7 +302,7 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
 
 def add_live(parser: argparse.ArgumentParser) -> None:
     """Add the options of a run on real rospy."""
-    group = parser.add_argument_group("real ROS")
+    group = parser.add_argument_group("on real rospy")
     group.add_argument(
         "--live",
         action="store_true",
