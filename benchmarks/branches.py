@@ -1,10 +1,12 @@
-"""Compare the processor time of runs with faults: as branches of one run, and from the beginning.
+"""Compare the processor time of a campaign's cells: as branches, and as runs from the beginning.
 
-The faults are drawn uniformly over units, modes and time. Every result is compared, byte for byte.
-Processor time counts that of all processes, the making of the traces included; for branches also
-that of the run which they leave.
+The cells are a seeded sample of those that a campaign tries. As branches they are run as the
+campaign runs them, which ends a run once its fate is decided; from the beginning each is run on
+threads to its end. Compared is whether the mission failed. Processor time counts that of all
+processes, the making of the traces and the judgement included; for branches also that of the run
+which they leave. The run without a failure, made once in each process, is told apart.
 
-    python benchmarks/branches.py [CONTROLLER] [--cells N] [--seed N]
+    python benchmarks/branches.py [CONTROLLER] [--cells N] [--of N] [--seed N]
 """
 
 from __future__ import annotations
@@ -12,15 +14,13 @@ from __future__ import annotations
 import argparse
 import os
 import random
+import tempfile
 import time
 from pathlib import Path
 
-from tracerisk import pipeline, trace_json
-from tracerisk.pipeline.run.branching.branches import Branch, run_branches
-from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
-from tracerisk.pipeline.stages import load_hardware
+from tracerisk.pipeline.evidence.campaign import plan_campaign
+from tracerisk.pipeline.evidence.cell_runs import CellBatch, run_batch, whole_run
 from tracerisk.sandbox import fork_server
-from tracerisk.twin.faults.fault import Fault, modes_of
 
 SAMPLE = Path(__file__).parent.parent / "sample_controllers" / "pick_and_place.py"
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
@@ -39,46 +39,42 @@ def cpu_s() -> float:
 
 
 def main() -> None:
+    """Run the cells both ways and print what they cost."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("controller", nargs="?", type=Path, default=SAMPLE)
-    parser.add_argument("--cells", type=int, default=20)
+    parser.add_argument("--cells", type=int, default=32, help="how many are run")
+    parser.add_argument("--of", type=int, default=400, help="of a campaign of so many drawn cells")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     fork_server.several_come()
-    controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller)
     before, began = cpu_s(), time.perf_counter()
-    nominal = nominal_run(controller, settings, hardware_of=load_hardware)
-    end_s = nominal.trace.end.simulated_s or 0.0
+    plan = plan_campaign(options.controller, cells=options.of)
+    nominal = plan.nominal
     print(
-        f"without a fault: {end_s:.1f} s simulated, {cpu_s() - before:.2f} s of processor time, "
-        f"{time.perf_counter() - began:.1f} s"
+        f"{len(plan.cells)} cells in the campaign; without a failure: "
+        f"{nominal.trace.end.simulated_s or 0.0:.1f} s simulated, {cpu_s() - before:.2f} s of "
+        f"processor time, {time.perf_counter() - began:.1f} s"
     )
     chance = random.Random(options.seed)
-    units = [(unit, mode) for unit, modes in modes_of(nominal.robot).items() for mode in modes]
-    branches = []
-    for index in range(options.cells):
-        unit, mode = chance.choice(units)
-        fault = Fault(unit, mode, round(chance.uniform(0.0, end_s - 0.1), 3))
-        branches.append(Branch(index, (fault,)))
+    cells = tuple(chance.sample(plan.cells, min(options.cells, len(plan.cells))))
     before, began = cpu_s(), time.perf_counter()
-    results = list(run_branches(controller, settings, nominal, branches))
+    done = run_batch(CellBatch(plan.controller, plan.options, nominal.digest, cells))
     branched_s, branched_wall_s = cpu_s() - before, time.perf_counter() - began
     before, began = cpu_s(), time.perf_counter()
-    full = [run_with_faults(controller, settings, nominal, each.faults) for each in branches]
-    full_s, full_wall_s = cpu_s() - before, time.perf_counter() - began
-    same = sum(
-        trace_json.dumps(one.run.trace) == trace_json.dumps(other.trace)
-        for one, other in zip(results, full, strict=True)
-    )
-    count = len(branches)
-    print(f"{sum(each.is_branched for each in results)} of {count} branched, {same} equal")
+    with tempfile.TemporaryDirectory() as folder:
+        whole = [
+            whole_run(nominal, cell, Path(folder, str(number))) for number, cell in enumerate(cells)
+        ]
+    whole_s, whole_wall_s = cpu_s() - before, time.perf_counter() - began
+    same = sum(one.fails == other.fails for one, other in zip(done.cells, whole, strict=True))
+    count = len(cells)
+    print(f"{count} cells, {len(done.whole_runs)} reasons not to branch, {same} with the same fate")
     for name, used_s, wall_s in (
         ("branches", branched_s, branched_wall_s),
-        ("from the beginning", full_s, full_wall_s),
+        ("from the beginning", whole_s, whole_wall_s),
     ):
         print(f"{name}: {used_s / count:.2f} s of processor time a cell, {wall_s / count:.2f} s")
-    print(f"ratio {full_s / branched_s:.2f}")
+    print(f"ratio {whole_s / branched_s:.2f}")
 
 
 if __name__ == "__main__":

@@ -32,15 +32,22 @@ def main() -> None:
     parser.add_argument("--folder", type=Path)
     options = parser.parse_args()
     folder = options.folder or Path(tempfile.mkdtemp())
-    names = options.samples or sorted(path.stem for path in SAMPLES.glob("*.py"))
+    scripts = {path.stem: path for path in sorted(SAMPLES.glob("*.py"))}
+    scripts["part_sorting"] = SAMPLES / "part_sorting/src/part_sorting/scripts/sort_parts.py"
+    names = options.samples or sorted(scripts)
     cells: list[Cell] = []
     print(f"{'sample':<18}{'robot':<8}{'tries':>6}{'failed':>8}{'told':>6}{'seconds':>9}")
     for name in names:
         place = folder / name
         place.mkdir(parents=True, exist_ok=True)
-        shutil.copy(SAMPLES / f"{name}.py", place)
+        script = scripts[name].relative_to(SAMPLES)
+        if len(script.parts) > 1:
+            # A workspace of its own, with its package.
+            shutil.copytree(SAMPLES / script.parts[0], place / script.parts[0], dirs_exist_ok=True)
+        else:
+            shutil.copy(SAMPLES / script, place)
         began = time.monotonic()
-        found = gather_evidence(place / f"{name}.py", cells=options.cells, jobs=options.jobs)
+        found = gather_evidence(place / script, cells=options.cells, jobs=options.jobs)
         seconds = time.monotonic() - began
         failed = sum(1 for each in found.cells if each.fails)
         told = sum(1 for each in found.cells if each.told_by)

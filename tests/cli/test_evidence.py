@@ -362,7 +362,7 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
         stderr=subprocess.DEVNULL,
     )
     deadline = time.monotonic() + 60.0
-    while len(list(kept.glob("tracerisk-evidence-*"))) < 3 and time.monotonic() < deadline:
+    while len(list(kept.glob("tracerisk-cells-*"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
     assert len(ours()) >= 3
     begun.send_signal(signal.SIGKILL)
@@ -372,3 +372,4 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
     assert not ours()
     # That of the process which was killed is all that is left.
     assert len(list(kept.glob("tracerisk-evidence-*"))) == 1
+    assert not list(kept.glob("tracerisk-cells-*"))

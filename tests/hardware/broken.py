@@ -337,8 +337,17 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "modes: {jam: {fraction: 0.4}}",
         ),
-        "h.yaml:5:18: 'when' is missing in components.a.modes.jam; give it one",
-        True,
+        "h.yaml:5:5: a.modes: the fractions sum to 0.4; those of modes without 'when' share out all failures, and sum to 1",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4}, dead: {fraction: 0.6, when: [moving]}}",
+        ),
+        "h.yaml:5:13: a.modes.jam: has no 'when', and others have one; give each mode one, or none",
+        False,
     ),
     Broken(
         _one(

@@ -158,6 +158,15 @@ def test_the_shares_of_failure_modes_add_up():
     assert hazard(HOURLY, STATES, modes=modes) == pytest.approx(1e-3 * (0.6 * 12 + 0.3 * 5))
 
 
+@pytest.mark.parametrize("states", [None, ("moving",)])
+def test_modes_that_say_nothing_of_uses_move_no_figure(states):
+    modes = (FailureMode("lost_torque", 0.3, ()), FailureMode("jam", 0.7, ()))
+    mission = replace(GRIPPER, states=states)
+    demand = FailureFigure("probability", 0.1, Basis.DEMAND)
+    for figure in (HOURLY, demand):
+        assert hazard(figure, STATES, mission, modes=modes) == hazard(figure, STATES, mission)
+
+
 def test_modes_count_the_demands_that_they_name():
     modes = (
         FailureMode("fails_to_close", 0.5, ("grasp",)),

@@ -232,6 +232,17 @@ def _check_modes(component: Component, place: Place) -> None:
         _fail(component, place, ("modes",), message)
     for mode in component.modes:
         _check_mode(component, mode, place)
+        if component.modes_by_use and not mode.when:
+            message = "has no 'when', and others have one; give each mode one, or none"
+            _fail(component, place, ("modes", mode.name), message)
+    if not component.modes_by_use:
+        if total < 1.0 - _ROUNDING:
+            message = (
+                f"the fractions sum to {total:.12g}; those of modes without 'when' share out all "
+                "failures, and sum to 1"
+            )
+            _fail(component, place, ("modes",), message)
+        return
     for figure in component.figures:
         if not _is_moded(figure) or any(_counts(figure, mode) for mode in component.modes):
             continue
@@ -338,7 +349,7 @@ def _check_load_law(component: Component, place: Place) -> None:
             "ages nothing, for the component has no figure per time in use (probability, "
             "failure_rate or weibull per hour); give one, or leave it out",
         )
-    if component.modes and not any("moving" in mode.when for mode in component.modes):
+    if component.modes_by_use and not any("moving" in mode.when for mode in component.modes):
         _fail(
             component,
             place,

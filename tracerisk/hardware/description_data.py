@@ -122,7 +122,7 @@ def _load_law(law: LoadLaw) -> dict[str, Any]:
 def _mode(mode: FailureMode) -> dict[str, Any]:
     return {
         "fraction": mode.fraction,
-        "when": list(mode.when),
+        **({"when": list(mode.when)} if mode.when else {}),
         **_given("fault", mode.fault),
         **_given("source", mode.source),
     }

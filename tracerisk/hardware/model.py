@@ -98,7 +98,8 @@ class FailureMode:
     """A share of a unit's failures, which counts only while it can matter.
 
     `when` are the states whose time counts for figures per time, and the demands that count for
-    figures per demand. `fault` is how the twin shows the mode, `None` where it does not say.
+    figures per demand; empty where all use counts, as without modes. `fault` is how the twin shows
+    the mode, `None` where it does not say.
     """
 
     name: str
@@ -170,10 +171,18 @@ class Component:
         object.__setattr__(self, "figures", ordered)
 
     @property
+    def modes_by_use(self) -> tuple[FailureMode, ...]:
+        """The failure modes that each count for uses of their own; empty where all count for all.
+
+        Modes that say nothing of uses move no figure: they share out what evidence tells.
+        """
+        return self.modes if any(each.when for each in self.modes) else ()
+
+    @property
     def is_assumed(self) -> bool:
         """Whether a figure of the component has no source: its `source` begins with `assumed`."""
         own = [each.source for each in self.figures]
-        own += [each.source for each in self.modes]
+        own += [each.source for each in self.modes_by_use]
         own += [self.load_law.source] if self.load_law is not None else []
         return any(
             source is not None and source.lstrip().lower().startswith("assumed")

@@ -33,5 +33,5 @@ def _of_laws(component: Component) -> list[str | None]:
     law = component.load_law
     return [
         *(() if law is None else (law.source,)),
-        *(mode.source for mode in component.modes),
+        *(mode.source for mode in component.modes_by_use),
     ]

@@ -111,17 +111,20 @@ def attribute(
     states: Collection[str] = (),
     helpers: Collection[str] = (),
     end_ns: int,
+    beside: Recording | None = None,
 ) -> Attribution:
     """Find the owner of each command by the rules of `helper_rule`, and each owner's visits.
 
     `states` and `helpers` are qualified names that overrule the rules; `end_ns` is the simulated
-    time at which the run ended [ns].
+    time at which the run ended [ns]. What is a helper is seen in the commands of another run too,
+    `beside` this one: a run that was cut short shows fewer.
 
     Raises:
         InputError: a name is in both `states` and `helpers`.
     """
     commands = recording.commands
-    rule = helper_rule([each.stack for each in commands], states=states, helpers=helpers)
+    seen = commands if beside is None else (*commands, *beside.commands)
+    rule = helper_rule([each.stack for each in seen], states=states, helpers=helpers)
     owners = _named_by_instance([each.stack[rule.owner_position(each.stack)] for each in commands])
     visits, visit_of = _visits(commands, owners)
     live = _live(commands, visit_of, end_ns)

@@ -101,13 +101,15 @@ class Recorder:
     """Writes the events of one run to `stream`, each line at once, until it is closed.
 
     `stream` is a file open for writing; only its descriptor is used. `clock` tells the simulated
-    time [ns]. `watch` (an attribute) is told of each command.
+    time [ns]. `watch` (an attribute) is told of each command, `on_event` of each event with its
+    time [ns] and its data.
     """
 
     def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:
         self._stream = stream
         self._clock = clock
         self.watch: CommandWatch | None = None
+        self.on_event: Callable[[str, int, Mapping[str, Any]], None] | None = None
         self._next_command = itertools.count(1).__next__
         self._functions: dict[tuple[FunctionRef, int], int] = {}
         self._findings = 0
@@ -256,6 +258,8 @@ class Recorder:
         line = memoryview(f"{text}\n".encode())
         while line:
             line = line[os.write(self._stream.fileno(), line) :]
+        if self.on_event is not None:
+            self.on_event(event, self._clock(), data)
 
 
 NEAR = 0.02

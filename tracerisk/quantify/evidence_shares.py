@@ -72,8 +72,7 @@ class EvidenceShares:
         if term.mode is not None:
             fault = term.mode.fault
             return self._of_fault(bound, unit, fault, term, uses) if fault is not None else term
-        modes = bound.component.modes
-        if is_idle and modes:
+        if bound.component.modes and (is_idle or not bound.component.modes_by_use):
             return self._of_modes(bound, unit, term, uses)
         # Without modes the fault counts that ends the mission most often.
         tried = sorted({each.mode for each in self._cells(unit, is_idle)})
@@ -94,7 +93,10 @@ class EvidenceShares:
                 shares = [s + mode.fraction * c for s, c in zip(shares, found.ends, strict=True)]
                 number += found.cells[1]
         ends = tuple(min(1.0, max(0.0, left) + share) for share in shares)
-        return replace(term, ends=ends, cells=(f"{unit} idle", number))
+        if not number:
+            return term
+        use = "idle" if term.counts == "standby" else "in use"
+        return replace(term, ends=ends, cells=(f"{unit} {use}", number))
 
     def _cells(self, unit: str, is_idle: bool, fault: str | None = None) -> list[Cell]:
         return [

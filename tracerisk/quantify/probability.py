@@ -137,7 +137,7 @@ def terms_of(component: Component, mission: UnitMission) -> tuple[Term, ...]:
         if figure.per is Basis.VISIT:
             terms.append(Term(figure, "visits", _rate(figure)))
         elif figure.per is Basis.DEMAND:
-            terms += _demand_terms(figure, component.modes, mission)
+            terms += _demand_terms(figure, component.modes_by_use, mission)
         elif figure.standby:
             terms.append(Term(figure, "standby", _rate(figure)))
         else:
@@ -198,7 +198,7 @@ def _time_terms(figure: FailureFigure, component: Component, mission: UnitMissio
     else:
         rate = _rate(figure)
     load = mission.load
-    if not component.modes:
+    if not component.modes_by_use:
         seconds = time_counted(mission.states)
         return [Term(figure, "time in use", rate, None, mission.states, load=load, seconds=seconds)]
     terms = []

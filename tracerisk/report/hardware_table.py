@@ -86,7 +86,8 @@ def _figures(component: Component) -> Iterator[str]:
             f"{exponent_text(law.exponent)}{speed}"
         )
     for mode in component.modes:
-        yield f"mode {mode.name}: {mode.fraction:.4g} while {', '.join(mode.when)}"
+        uses = f" while {', '.join(mode.when)}" if mode.when else ""
+        yield f"mode {mode.name}: {mode.fraction:.4g}{uses}"
 
 
 def _places(component: Component) -> Iterator[str]:

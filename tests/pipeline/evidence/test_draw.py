@@ -7,6 +7,7 @@ import pytest
 
 from tracerisk.evidence.cells import Cell
 from tracerisk.evidence.share_interval import clopper_pearson, weighted_interval
+from tracerisk.pipeline.evidence.campaign import LEAST_IN_BATCH, MOST_IN_BATCH, batch_sizes
 from tracerisk.pipeline.evidence.draw import (
     LEAST_DRAWN,
     LEAST_IN_TABLE,
@@ -174,3 +175,14 @@ def test_the_stream_of_one_unit_does_not_hang_on_the_others():
     keys = [[each.key for each in cells] for cells in (alone, both)]
     assert keys[0][: len(keys[1])] == keys[1][: len(keys[0])]
     assert random.Random("0:joint_1:dead:use").random() != random.Random("0:joint_2").random()
+
+
+@pytest.mark.parametrize(
+    ("number", "workers"), [(0, 2), (1, 2), (5, 2), (30, 2), (445, 2), (445, 1), (445, 64)]
+)
+def test_batches_hold_every_cell_and_get_smaller(number, workers):
+    sizes = batch_sizes(number, workers)
+    assert sum(sizes) == number
+    assert all(1 <= each <= MOST_IN_BATCH for each in sizes)
+    assert sizes == sorted(sizes, reverse=True) or sizes[-1] <= LEAST_IN_BATCH
+    assert len(sizes) >= min(number, workers)

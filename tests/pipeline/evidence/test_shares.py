@@ -190,6 +190,17 @@ def test_a_mode_counts_with_its_fault_and_one_without_in_full():
     assert hazards(found, replace(MOTOR, modes=modes), 10.0) == pytest.approx([7.5e-6])
 
 
+def test_modes_that_say_nothing_of_uses_share_out_what_was_found():
+    modes = (FailureMode("jam", 0.25, (), fault="jam"), FailureMode("dead", 0.75, (), fault="dead"))
+    motor = replace(MOTOR, modes=modes)
+    found = evidence(cell(1.0, False), cell(1.0, True, mode="jam"))
+    assert hazards(found, motor, 10.0) == pytest.approx([2.5e-6])
+    # Of a mode that was not tried every failure counts, and without cells all of both.
+    assert hazards(evidence(cell(1.0, False)), motor, 10.0) == pytest.approx([2.5e-6])
+    other = evidence(cell(1.0, False, unit="joint_2"))
+    assert hazards(other, motor, 10.0) == hazards(other, MOTOR, 10.0) == pytest.approx([1e-5])
+
+
 def test_redundant_units_count_in_full():
     pair = replace(MOTOR, quantity=2, redundancy=Redundancy(True))
     found = evidence(cell(1.0, False))

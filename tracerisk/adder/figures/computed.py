@@ -25,6 +25,7 @@ from tracerisk.errors import HardwareError, InputError, Location, one_of
 from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Component, Hardware
+from tracerisk.hardware.sources import is_assumed
 from tracerisk.hardware.use import UnknownUseError
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.figure_shares import ending_share, figure_shares
@@ -152,11 +153,22 @@ def _evidence_words(
     )
     if evidence is None or not names:
         return ()
-    return (
+    words = [
         f"evidence: {', '.join(names)} count only what ended the mission of the scenario in "
         f"{evidence.evidence.drawn} drawn failures on the twin ({EVIDENCE_NAME}); redundant "
-        "components count in full",
+        "components count in full"
+    ]
+    assumed = sorted(
+        each.component.name
+        for each in used
+        if each.component.name in names
+        and any(mode.source and is_assumed(mode.source) for mode in each.component.modes)
     )
+    if assumed:
+        words.append(
+            f"evidence: the fractions of the failure modes of {', '.join(assumed)} are assumed"
+        )
+    return tuple(words)
 
 
 def _with_shares(

@@ -160,7 +160,7 @@ def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureM
         if name in modes:
             raise HardwareError(f"a second failure mode '{name}'; keep one", each.location)
         fields = Fields.of(each, way)
-        uses: Any = fields.words("uses", "Use")
+        uses: Any = fields.words("uses", "Use") if "uses" in fields else ()
         fraction = fields.positive("fraction", maximum=1.0)
         fault: Any = fields.word("fault", "Fault") if "fault" in fields else None
         modes[name] = FailureMode(name, fraction, uses, fields.text("source"), fault)

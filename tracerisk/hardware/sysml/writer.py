@@ -252,7 +252,11 @@ class _Writer:
     def _mode(self, mode: FailureMode) -> list[str]:
         values = {
             "fraction": mode.fraction,
-            "uses": _several(self._word("Use", each) for each in mode.when),
+            **(
+                {"uses": _several(self._word("Use", each) for each in mode.when)}
+                if mode.when
+                else {}
+            ),
             **({} if mode.fault is None else {"fault": self._word("Fault", mode.fault)}),
             "source": mode.source,
         }

@@ -51,9 +51,8 @@ def read_modes(entry: YamlMap) -> tuple[FailureMode, ...]:
 
 def _mode(name: str, mode: YamlMap) -> FailureMode:
     mode.forbid_unknown(_MODE_KEYS)
-    mode.require("when")
-    words = mode.strings("when")
-    if not words:
+    words = mode.strings("when") if "when" in mode else ()
+    if "when" in mode and not words:
         mode.fail("when", f"is an empty list; {one_of(USES)}")
     for index, word in enumerate(words):
         place = mode.entry_location("when", index)

@@ -24,7 +24,6 @@ from tracerisk.pipeline.evidence.cell_runs import (
     batches,
     nominal_of,
     run_batch,
-    trace_digest,
 )
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
@@ -34,8 +33,10 @@ from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
 
-MOST_IN_BATCH = 16
+MOST_IN_BATCH = 32
 """How many cells a worker is given at a time: they branch off one run, and go with a dead one."""
+LEAST_IN_BATCH = 8
+"""How many there are at least, as long as all workers have some."""
 _MOST_CELLS = 20_000
 
 
@@ -203,15 +204,17 @@ def run_campaign(
         for number, each in enumerate(plan.cells)
         if number % of == index - 1 and each.key not in known
     ]
-    digest = trace_digest(plan.nominal.trace)
     if fresh:
         plan.journal.unlink(missing_ok=True)
     try:
         with _journal(plan.journal) as keep:
-            size = _batch_size(len(todo), jobs)
-            parts = batches(todo, plan.controller, plan.options, digest, size)
+            sizes = batch_sizes(len(todo), jobs or os.cpu_count() or 1)
+            # Workers of an executor may be on other machines.
+            folder = str(plan.nominal.folder) if executor is None else ""
+            digest = plan.nominal.digest
+            parts = batches(todo, plan.controller, plan.options, digest, sizes, folder)
             workers = Workers(jobs, executor, most_s)
-            of_cells = told and _of_cells(told, size, len(todo))
+            of_cells = told and _of_cells(told, sizes)
             for _, done in workers.run(run_batch, parts, of_cells):
                 known.update((each.key, each) for each in done.cells)
                 keep(done.cells)
@@ -254,15 +257,30 @@ def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, flo
     )
 
 
-def _batch_size(number: int, jobs: int | None) -> int:
-    """Return how many cells are run together: fewer where all would not be busy."""
-    workers = jobs or os.cpu_count() or 1
-    return max(1, min(MOST_IN_BATCH, -(-number // (2 * workers))))
+def batch_sizes(number: int, workers: int) -> list[int]:
+    """Return how many cells are run together, batch by batch.
+
+    They are fewer towards the end, so that no worker waits long for the last one.
+    """
+    sizes, left = [], number
+    while left:
+        share = -(-left // (2 * workers))
+        least = min(LEAST_IN_BATCH, -(-left // workers))
+        sizes.append(max(least, min(MOST_IN_BATCH, share)))
+        left -= sizes[-1]
+    return sizes
 
 
-def _of_cells(told: Told, size: int, number: int) -> Told:
+def _of_cells(told: Told, sizes: Sequence[int]) -> Told:
     """Return what is told of batches as what is told of cells."""
-    return lambda done, _, left_s: told(min(done * size, number), number, left_s)
+    number = sum(sizes)
+
+    def of_batches(done: int, of: int, left_s: float) -> None:
+        cells = sum(sizes[:done])
+        spent_s = left_s * done / (of - done) if of > done else 0.0
+        told(cells, number, spent_s / cells * (number - cells))
+
+    return of_batches
 
 
 # Cells that are there already

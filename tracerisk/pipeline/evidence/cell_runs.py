@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import functools
+import hashlib
 import io
+import pickle
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
+from tracerisk import trace_json
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, LogError
 from tracerisk.evidence.cells import Cell
 from tracerisk.hardware.model import FaultMode
-from tracerisk.instrument.recording import read_recording
+from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
-from tracerisk.pipeline.run.controller_run import ControllerRun
-from tracerisk.pipeline.run.fault_run import nominal_run
-from tracerisk.pipeline.trace.run_files import EVENTS, GRAPH_USE
+from tracerisk.pipeline.run.controller_run import ControllerRun, run_again
+from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
+from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, GRAPH_USE, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.faults.fault import Fault
@@ -32,6 +39,7 @@ from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
+_KEPT = "nominal.pickle"
 _MORE_SHARE, _MORE_S = 2.0, 30.0
 """A run with a failure may take this much of the time of the run without, and more [s]."""
 
@@ -41,13 +49,15 @@ class CellBatch:
     """Some cells of a campaign, with all that a process needs to run them.
 
     `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
-    is that of the run without a failure: a machine on which that differs is no use.
+    is that of the run without a failure: a machine on which that differs is no use. `folder` is
+    where a process of this machine finds that run; where it is empty, each makes the run itself.
     """
 
     controller: str
     options: tuple[tuple[str, Any], ...]
     digest: str
     cells: tuple[Cell, ...]
+    folder: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,9 +68,39 @@ class Nominal:
     settings: Settings
     run: ControllerRun
     folder: Path
+    recording: Recording
+    digest: str
+    """That of all that its trace says."""
     mission: MissionRun
     samples: Samples | None
     success: tuple[Condition, ...]
+
+    @property
+    def beside(self) -> RunBeside:
+        """What of the run shows, while another goes on, that a mission has failed."""
+        reports = {
+            (each.kind, each.message, each.object)
+            for each in self.recording.findings
+            if each.kind in REPORTED
+        }
+        log = None if self.samples is None else self.samples.contacts
+        touches = set()
+        if log is not None:
+            pairs = np.unique(log.rows[["one", "two"]])
+            touches = {
+                (log.bodies[min(one, two)].name, log.bodies[max(one, two)].name)
+                for one, two in pairs.tolist()
+            }
+        first = {each.issue_ns: each.id for each in reversed(self.recording.commands)}
+        begins = (round(visit.start_s * 1e9) for visit in self.trace.visits[1:])
+        arrivals = [
+            (first[begin], tuple(at.values()))
+            for begin, at in zip(begins, self.mission.arrivals, strict=False)
+            if begin in first
+        ]
+        return RunBeside(
+            tuple(sorted(reports)), tuple(sorted(touches)), tuple(arrivals), bool(self.success)
+        )
 
     @property
     def trace(self) -> Trace:
@@ -83,49 +123,76 @@ class BatchDone:
 def run_batch(batch: CellBatch) -> BatchDone:
     """Run the cells of a batch, branched off one run, and judge them.
 
-    The run without a failure is made once in each process. Raises InputError where it is not
-    that of the campaign.
+    The run without a failure is that which the campaign has kept, or is made once in each
+    process. Raises InputError where it is not that of the campaign.
     """
-    nominal = nominal_of(batch.controller, batch.options)
-    if trace_digest(nominal.trace) != batch.digest:
+    nominal = _kept(batch.folder) or nominal_of(batch.controller, batch.options)
+    if nominal.digest != batch.digest:
         raise InputError(
             f"the run of {batch.controller} without a failure differs from that of the campaign: "
             "the sources, the settings or the machine's libraries are not the same"
         )
-    request = replace(nominal.run.request, duration_s=_duration_s(nominal))
-    before = replace(nominal.run, request=request)
-    folder = Path(tempfile.mkdtemp(prefix="tracerisk-cells-"))
+    cells = list(batch.cells)
+    reasons: list[str] = []
+    for beside in (nominal.beside, None):
+        # What a run that was ended early does not show, one shows that goes on.
+        todo = [index for index, cell in enumerate(batch.cells) if cells[index] is cell]
+        for index, judged, reason in _run(nominal, batch.cells, todo, beside):
+            cells[index] = batch.cells[index] if judged is None else judged
+            reasons += [reason] if reason else []
+    return BatchDone(tuple(cells), tuple(dict.fromkeys(reasons)))
+
+
+def _run(
+    nominal: Nominal, cells: Sequence[Cell], todo: Sequence[int], beside: RunBeside | None
+) -> Iterator[tuple[int, Cell | None, str]]:
+    """Run some of the cells; yield the number of each, judged, and why it did not branch off.
+
+    It is `None` where the run was ended `beside` that without a failure, and does not show that
+    the mission has failed.
+    """
+    request = replace(nominal.run.request, duration_s=_duration_s(nominal), beside=beside)
     branches = [
         Branch(index, (Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s),), cell.time_s)
-        for index, cell in enumerate(batch.cells)
+        for index, cell in ((index, cells[index]) for index in todo)
     ]
-    cells, reasons = [], []
+    folder = Path(tempfile.mkdtemp(prefix="tracerisk-cells-"))
+    # A worker whose campaign was killed ends in the middle of this.
+    remove = functools.partial(shutil.rmtree, folder, ignore_errors=True)
+    atexit.register(remove)
     try:
         for result in run_branches(
             nominal.controller,
             nominal.settings,
-            before,
+            replace(nominal.run, request=request),
             branches,
             keep=folder,
-            with_exposures=False,
+            beside=nominal.recording,
         ):
-            cell = batch.cells[result.branch.index]
             kept = folder / str(result.branch.index)
-            cells.append(_judged(nominal, cell, result.done, result.error, kept))
+            cell = cells[result.branch.index]
+            judged = _judged(nominal, cell, result.done, result.error, kept)
+            yield result.branch.index, judged, "" if result.is_branched else result.reason
             shutil.rmtree(kept, ignore_errors=True)
-            reasons += [] if result.is_branched else [result.reason]
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
-    return BatchDone(tuple(cells), tuple(dict.fromkeys(reasons)))
+        remove()
+        atexit.unregister(remove)
 
 
-def trace_digest(trace: Trace) -> str:
-    """Return a digest of all that a trace says."""
-    import hashlib
+def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
+    """Run a cell from the beginning to its end, on threads, and return it judged.
 
-    from tracerisk import trace_json
-
-    return hashlib.sha256(trace_json.dumps(trace).encode()).hexdigest()
+    The recording goes into `folder`. This is what `run_batch` is measured against.
+    """
+    fault = Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
+    request = replace(nominal.run.request, duration_s=_duration_s(nominal))
+    before = replace(nominal.run, request=request)
+    done = run_again(
+        nominal.controller, before, nominal.settings, (fault,), keep=folder, quiet=True
+    )
+    judged = _judged(nominal, cell, done, None, folder)
+    assert judged is not None, "it was followed to its end"
+    return judged
 
 
 @lru_cache(maxsize=4)
@@ -143,9 +210,43 @@ def nominal_of(controller: str, options: tuple[tuple[str, Any], ...]) -> Nominal
     with contextlib.redirect_stderr(io.StringIO()):
         # What the controller prints was seen in its own run.
         run = nominal_run(loaded, settings, hardware_of=load_hardware, keep=folder)
-    mission = mission_run(run.trace, folder, called=_called(folder))
+    with (folder / _KEPT).open("wb") as kept:
+        _Pickler(kept).dump((loaded, settings, run))
+    return _nominal(loaded, settings, run, folder)
+
+
+class _Pickler(pickle.Pickler):
+    """Writes views of dictionaries too, which a robot is made of."""
+
+    def reducer_override(self, value: Any) -> Any:
+        if isinstance(value, MappingProxyType):
+            return _view, (dict(value),)
+        return NotImplemented
+
+
+def _view(values: dict[Any, Any]) -> Mapping[Any, Any]:
+    return MappingProxyType(values)
+
+
+@lru_cache(maxsize=4)
+def _kept(folder: str) -> Nominal | None:
+    """Return the run that the campaign's process has kept in a folder of its own."""
+    path = Path(folder, _KEPT)
+    if not folder or not path.is_file():
+        return None
+    with path.open("rb") as kept:
+        loaded, settings, run = pickle.load(kept)
+    return _nominal(loaded, settings, run, path.parent)
+
+
+def _nominal(loaded: Controller, settings: Settings, run: ControllerRun, folder: Path) -> Nominal:
+    events = folder / EVENTS
+    recording = read_recording(events) if events.exists() else Recording()
+    mission = mission_run(run.trace, folder, called=_called(recording))
     samples = read_samples(folder) if has_samples(folder) else None
-    return Nominal(loaded, settings, run, folder, mission, samples, declared_success(settings))
+    digest = hashlib.sha256(trace_json.dumps(run.trace).encode()).hexdigest()
+    success = declared_success(settings)
+    return Nominal(loaded, settings, run, folder, recording, digest, mission, samples, success)
 
 
 def declared_success(settings: Settings) -> tuple[Condition, ...]:
@@ -163,19 +264,25 @@ def _judged(
     done: ControllerRun | None,
     error: Exception | None,
     folder: Path,
-) -> Cell:
-    """Return a cell with what became of its run, whose recording is in the folder."""
+) -> Cell | None:
+    """Return a cell with what became of its run, whose recording is in the folder.
+
+    `None` where it was ended early and does not show that the mission has failed.
+    """
     if done is not None:
         try:
+            recording = read_recording(folder / EVENTS)
             failed = mission_run(
                 done.trace,
                 folder,
                 unit=cell.unit,
                 fault_s=cell.time_s,
                 nominal=nominal.samples,
-                called=_called(folder),
+                called=_called(recording),
+                is_decided=recording.note(DECIDED) is not None,
             )
-            return judge(nominal.mission, failed, cell, nominal.success)
+            judged = judge(nominal.mission, failed, cell, nominal.success)
+            return judged if judged.fails or not failed.is_decided else None
         except LogError as damaged:
             error = damaged
     # The run without a failure left a recording: what this one lacks is the failure's doing.
@@ -191,11 +298,9 @@ def _duration_s(nominal: Nominal) -> float:
     return min(asked, _MORE_SHARE * (nominal.trace.end.simulated_s or asked) + _MORE_S)
 
 
-def _called(folder: Path) -> Mapping[str, int]:
+def _called(recording: Recording) -> Mapping[str, int]:
     """Return how many messages and calls a run sent to each name of the graph."""
-    if not (folder / EVENTS).exists():
-        return {}
-    note = read_recording(folder / EVENTS).note(GRAPH_USE)
+    note = recording.note(GRAPH_USE)
     return {} if note is None else {str(k): int(v) for k, v in note["counts"].items()}
 
 
@@ -204,10 +309,13 @@ def batches(
     controller: str,
     options: tuple[tuple[str, Any], ...],
     digest: str,
-    size: int,
+    sizes: Sequence[int],
+    folder: str,
 ) -> list[CellBatch]:
-    """Return the cells in batches of a size."""
-    return [
-        CellBatch(controller, options, digest, tuple(cells[at : at + size]))
-        for at in range(0, len(cells), size)
-    ]
+    """Return the cells in batches of these sizes."""
+    found, at = [], 0
+    for size in sizes:
+        part = tuple(cells[at : at + size])
+        found.append(CellBatch(controller, options, digest, part, folder))
+        at += size
+    return found

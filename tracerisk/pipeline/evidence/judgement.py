@@ -18,6 +18,8 @@ ARRIVAL = 0.02
 """How far off a joint may be at the end of a visit [rad, or m of a sliding one]."""
 PLACED_M = 0.01
 """How much further from its goal a thing may end than without the failure [m]."""
+GRASP_S = 1.0
+"""A touch may be the beginning of a grasp for so long [s]; one later than that is left open."""
 MOVED_M = 0.02
 """How far from where it ended without the failure a thing without a goal may end [m]."""
 LATE_SHARE, LATE_S = 1.1, 1.0
@@ -44,22 +46,22 @@ def judge(
     """Return the cell with what became of the mission in its run, beside the run without.
 
     A mission failed that did not reach what it reached without the failure; where `success`
-    declares what it is, one that misses a condition, collides or ends badly.
+    declares what it is, one that misses a condition, collides or ends badly. Of a run that was
+    ended because its fate was decided, what had come by then counts.
     """
-    seen = [
-        *_collisions(nominal, failed, cell.time_s),
-        *_falls(nominal, failed, cell.time_s),
-        *_things(nominal, failed),
-        *_end(nominal, failed),
-        *_positions(nominal, failed),
-    ]
-    if success:
+    seen = [*_collisions(nominal, failed, cell.time_s), *_falls(nominal, failed, cell.time_s)]
+    if not failed.is_decided:
+        seen += [*_things(nominal, failed), *_end(nominal, failed)]
+    seen += _positions(nominal, failed)
+    lost: tuple[str, ...] = ()
+    if success and failed.is_decided:
+        fails = any(each.effect == "collision" for each in seen)
+    elif success:
         missed = [each.words for each in success if not _is_met(each, failed)]
         fails = bool(missed) or any(each.effect in ("collision", "ended_badly") for each in seen)
         lost = tuple(f"missed: {each}" for each in missed)
     else:
         fails = any(each.effect in _OF_THE_MISSION for each in seen)
-        lost = ()
     told = _first_report(nominal, failed, cell.time_s)
     if told is not None:
         seen.append(_Seen("told", told[0], told[1]))
@@ -91,10 +93,15 @@ def _collisions(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iter
 
 def _new_contacts(nominal: MissionRun, failed: MissionRun, fault_s: float) -> list[Contact]:
     known = {(each.link, each.other) for each in _unexpected(nominal.trace.visits)}
+    latest_s = math.inf
+    if failed.is_decided:
+        latest_s = (failed.trace.end.simulated_s or 0.0) - GRASP_S
     return [
         each
         for each in _unexpected(failed.trace.visits)
-        if (each.link, each.other) not in known and each.start_s + each.touching_s >= fault_s
+        if (each.link, each.other) not in known
+        and each.start_s + each.touching_s >= fault_s
+        and each.start_s <= latest_s
     ]
 
 
@@ -170,8 +177,8 @@ def _positions(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
     """Yield the first visit that did not happen as without the failure, or ended elsewhere."""
     pairs = zip_longest(nominal.trace.visits, failed.trace.visits)
     for number, (before, now) in enumerate(pairs):
-        if before is None:
-            return
+        if before is None or (failed.is_decided and number >= len(failed.trace.visits) - 1):
+            return  # the last visit of a run that was ended is not over
         name = before.function.name
         if now is None or now.function != before.function:
             instead = "nothing" if now is None else now.function.name

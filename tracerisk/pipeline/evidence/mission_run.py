@@ -25,6 +25,8 @@ class MissionRun:
     """Where each thing that can be moved was at the end [m]; `None` where the run was cut."""
     called: Mapping[str, int] | None = None
     """How many messages and calls went to each name of the graph."""
+    is_decided: bool = False
+    """Whether the run was ended because its fate was decided: how it would end is not known."""
     unit_moved: float = 0.0
     """How far the failed joint was from where it was without a failure, within a second [rad, m]"""
 
@@ -37,19 +39,21 @@ def mission_run(
     fault_s: float = 0.0,
     nominal: Samples | None = None,
     called: Mapping[str, int] | None = None,
+    is_decided: bool = False,
 ) -> MissionRun:
     """Return a run whose recording is in `folder`; `unit` failed at `fault_s` [s].
 
     Raises LogError where the recording is damaged.
     """
     if not has_samples(folder):
-        return MissionRun(trace, called=called)
+        return MissionRun(trace, called=called, is_decided=is_decided)
     samples = read_samples(folder)
     return MissionRun(
         trace,
         _arrivals(trace, samples),
         _things(samples),
         called,
+        is_decided,
         _moved(samples, nominal, unit, fault_s),
     )
 

@@ -25,6 +25,7 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
@@ -220,12 +221,19 @@ def _run_recorded(
         in_source=lambda source: asked_in_file(source, 2 if is_ros2 else 1),
         drafts=request.drafts,
     )
+    fate: FateWatch | None = None
+    if request.beside is not None:
+        fate = FateWatch(request.beside, robot, scheduler, twin, recorder)
+        if request.faults:
+            fate.begin(request.faults)
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]
 
     def run_over(cause: str) -> None:
         runtime.client(SensorReading).finish()
         watch.run_over(cause)
+        if fate is not None:
+            fate.note_end()
 
     stand_ins = StandInFinder(interfaces)
     missing = MissingModules(script, root, stand_ins.provides)
@@ -301,7 +309,7 @@ def _run_recorded(
             companions.start()
             run()
 
-        points = BranchPoints(request, twin, samples, end, overlay)
+        points = BranchPoints(request, twin, samples, end, overlay, fate)
         mark_start()
         points.begin()
         began = wall_clock()

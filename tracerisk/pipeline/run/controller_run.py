@@ -171,17 +171,26 @@ def run_again(
     progress: Progress | None = None,
     quiet: bool = False,
     greenlets: bool = False,
+    beside: Recording | None = None,
 ) -> ControllerRun:
     """Run the controller once more as `before`, on a robot in which units fail.
 
     What it prints is dropped where the run is `quiet`. With `greenlets` these are what the
-    controller's threads are, in the place of real ones. Raises as `run_controller`.
+    controller's threads are, in the place of real ones. The trace is to be judged `beside`
+    another run, as `make_trace` says. Raises as `run_controller`.
     """
     with run_folders(keep) as (folder, written):
         asked = before.request
         request = replace(asked, folder=str(folder), faults=faults, greenlets=greenlets)
         return run_request(
-            controller, before.robot, settings, request, written, progress, quiet=quiet
+            controller,
+            before.robot,
+            settings,
+            request,
+            written,
+            progress,
+            quiet=quiet,
+            beside=beside,
         )
 
 
@@ -195,6 +204,7 @@ def run_request(
     *,
     quiet: bool = False,
     watch: Watch | None = None,
+    beside: Recording | None = None,
 ) -> ControllerRun:
     """Run the controller as the request says, whose folder is that of the recording.
 
@@ -212,7 +222,7 @@ def run_request(
     if progress is not None:
         progress(_STARTING, 0.0)
     process_end = _run_child(request, folder, settings, progress, watch or _watch, quiet=quiet)
-    done = ended_run(controller, robot, settings, request, process_end, progress)
+    done = ended_run(controller, robot, settings, request, process_end, progress, beside=beside)
     return replace(done, request=asked_for)
 
 
@@ -224,11 +234,11 @@ def ended_run(
     process_end: ProcessEnd,
     progress: Progress | None = None,
     *,
-    with_exposures: bool = True,
+    beside: Recording | None = None,
 ) -> ControllerRun:
     """Return what a run showed whose process has ended, by what it left in its folder.
 
-    `with_exposures`: whether its trace has those of elements, as `make_trace`.
+    Its trace is to be judged `beside` another run, as `make_trace` says.
 
     Raises LogError or LimitError at what is no recording, and the error with which it refused.
     """
@@ -248,7 +258,7 @@ def ended_run(
         recording,
         folder,
         end,
-        with_exposures=with_exposures,
+        beside=beside,
     )
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [

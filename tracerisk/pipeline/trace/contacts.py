@@ -54,7 +54,11 @@ def with_contacts(
     if not len(log.rows) and not log.welds:
         return {**active, **untouched}, visits, None
     owners: dict[str | None, NDArray[np.int64]] = {
-        name: attribution.assign(name, n_steps, step_ns) for name in activity
+        name: attribution.assign(name, n_steps, step_ns)
+        for name in (
+            *(joint.name for joint in robot.arm_joints),
+            *(gripper.name for gripper in robot.grippers),
+        )
     }
     owners[None] = attribution.current(n_steps, step_ns)
     commanded = {

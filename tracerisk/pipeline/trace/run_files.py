@@ -56,6 +56,8 @@ COMPANION = "companion"
 _WALL_TIME = "wall_time.json"
 GRAPH_USE = "graph_use"
 """The note of how many messages, calls and goals went to each name of the graph: `counts`."""
+DECIDED = "decided"
+"""The note that a run with a failure was ended because the fate of its mission is decided."""
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"
@@ -153,6 +155,31 @@ class BranchPlan:
 
 
 @dataclass(frozen=True, slots=True)
+class RunBeside:
+    """What a run with a failure is compared with while it runs: that without one.
+
+    `reports` are the failures that were reported there, each with its kind, message and object;
+    `touches` the pairs of bodies that touched. `arrivals` are where the robot's joints were [rad
+    or m] when a visit after the first began, by the number of its first command. `has_conditions`
+    says that the scenario declares what the mission is, so that of what can be seen on the way a
+    collision alone fails it.
+    """
+
+    reports: tuple[tuple[str, str, str], ...] = ()
+    touches: tuple[tuple[str, str], ...] = ()
+    arrivals: tuple[tuple[int, tuple[float, ...]], ...] = ()
+    has_conditions: bool = False
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> RunBeside:
+        """Read what `dataclasses.asdict` made of one, through JSON."""
+        reports = tuple((kind, message, thing) for kind, message, thing in data["reports"])
+        touches = tuple((one, two) for one, two in data["touches"])
+        arrivals = tuple((number, tuple(positions)) for number, positions in data["arrivals"])
+        return cls(reports, touches, arrivals, data["has_conditions"])
+
+
+@dataclass(frozen=True, slots=True)
 class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
 
@@ -168,6 +195,8 @@ class RunRequest:
     the branches that the run has then.
     `live_speed`: the controller runs on real rospy, with a clock that moves at most so many times
     as fast as the wall's.
+    `beside` is the run without faults: one with faults ends when its fate is decided; `None` where
+    it is to be followed to its end.
     """
 
     controller: str
@@ -196,6 +225,7 @@ class RunRequest:
     greenlets: bool = False
     plan: BranchPlan | None = None
     live_speed: float | None = None
+    beside: RunBeside | None = None
 
     def dumps(self) -> str:
         """Return the request as JSON."""
@@ -211,7 +241,14 @@ class RunRequest:
         companions = tuple(Companion.from_json(each) for each in data["companions"])
         faults = tuple(Fault(**each) for each in data["faults"])
         plan = None if data["plan"] is None else BranchPlan.from_json(data["plan"])
-        read = {"launch": launch, "companions": companions, "faults": faults, "plan": plan}
+        beside = None if data["beside"] is None else RunBeside.from_json(data["beside"])
+        read = {
+            "launch": launch,
+            "companions": companions,
+            "faults": faults,
+            "plan": plan,
+            "beside": beside,
+        }
         return cls(**{**data, **lists, **read})
 
 

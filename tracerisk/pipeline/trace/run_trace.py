@@ -53,18 +53,20 @@ def make_trace(
     folder: Path,
     end: RunEnd,
     *,
-    with_exposures: bool = True,
+    beside: Recording | None = None,
 ) -> Trace:
     """Return the trace of a recording whose samples lie in `folder`.
 
-    Without exposures it says when and where, contacts and verdict, and not how long and how hard
-    elements were used: enough to judge a run, in half the time.
+    One that is to be judged `beside` another run says when and where, contacts and verdict, and
+    neither how long and how hard elements were used nor what never ran, in a third of the time;
+    its functions are told apart as in that run.
     """
     attribution = attribute(
         recording,
         states=settings.states,
         helpers=settings.helpers,
         end_ns=round((end.simulated_s or 0.0) * 1e9),
+        beside=beside,
     )
     elements = elements_of(robot, settings)
     mission_end = recording.note(MISSION_END)
@@ -76,19 +78,23 @@ def make_trace(
         samples = read_samples(folder)
         if mission_end is not None:
             samples = _cut(samples, mission_end["ns"])
-        activity = element_activity(samples, robot)
-        measured = activity if with_exposures else {}
+        # A judgement asks of activity what a gripper grasps, and no more.
+        grippers = [] if beside is None else [each.name for each in robot.grippers]
+        activity = element_activity(samples, robot, only=grippers)
+        measured = activity if beside is None else {}
         active = _exposures(measured, samples)
         visits = visits_of(attribution, measured, samples)
-        if with_exposures:
+        if beside is None:
             active, visits = with_sensors(
                 elements, recording, attribution, activity, samples, active, visits
             )
         active, visits, contacts = with_contacts(
             folder, robot, elements, attribution, activity, samples, active, visits
         )
-    libraries = Libraries(controller.path, controller.root, settings.states)
-    coverage = _coverage(controller, recording, libraries)
+    coverage = Coverage(0, 0)
+    if beside is None:
+        libraries = Libraries(controller.path, controller.root, settings.states)
+        coverage = _coverage(controller, recording, libraries)
     found = _findings(recording, attribution, collisions(robot, attribution, visits))
     findings = placed_findings(found, controller)
     verdict, more = run_verdict(

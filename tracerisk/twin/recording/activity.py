@@ -7,7 +7,7 @@ lasted long enough.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -72,9 +72,13 @@ class ElementActivity:
 
 
 def element_activity(
-    samples: Samples, robot: Robot, thresholds: Thresholds | None = None
+    samples: Samples,
+    robot: Robot,
+    thresholds: Thresholds | None = None,
+    *,
+    only: Collection[str] = (),
 ) -> Mapping[str, ElementActivity]:
-    """Return the activity of each element of the robot, by its name.
+    """Return the activity of each element of the robot, by its name; of some where these are given.
 
     Raises LogError when the samples are of another robot.
     """
@@ -91,8 +95,11 @@ def element_activity(
     found = {
         joint.name: joint_activity(samples, joint, index[joint.name], limits)
         for joint in robot.arm_joints
+        if not only or joint.name in only
     }
     for gripper in robot.grippers:
+        if only and gripper.name not in only:
+            continue
         fingers = [robot.joint(name) for name in gripper.joints]
         columns = [index[name] for name in gripper.joints]
         pads = [pad_index[name] for name in gripper.pads]

@@ -23,6 +23,7 @@ from tracerisk.twin.recording.contact_log import (
     BodyKind,
     ContactLogWriter,
     LoggedBody,
+    Rows,
 )
 from tracerisk.twin.robots.robot import Robot
 
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 FRESH_STEPS = 10  # from a change of the number of contacts on each step is looked at
 Points = tuple[int, NDArray[np.int32], NDArray[np.int32], Array]
 """The contacts of a step: its number, their geoms, where in the forces each begins, the forces."""
+Touched = Callable[[int, LoggedBody, LoggedBody], None]
+"""Told the step in which two bodies touch, and the two."""
 
 
 def points(step: int, data: Any) -> Points:
@@ -61,6 +64,14 @@ class ContactWatch:
         self._is_welded = False
         self._looked_at: Array = np.full(len(robot.joints), np.inf)
         self._overlapping: list[tuple[str, str]] = []
+        self._body_at: dict[int, LoggedBody] = {}
+        self._told: Touched | None = None
+        self._pairs_told: set[int] = set()
+
+    def tell(self, told: Touched) -> None:
+        """Call `told` for each pair of bodies, the first time from now on that they touch."""
+        self._told = told
+        self._pairs_told.clear()
 
     def use(self, model: Any, declared: Declared, step: int) -> None:
         """Take `model` for what is simulated from `step` on."""
@@ -83,6 +94,7 @@ class ContactWatch:
         self._is_welded = bool(welds)
         places = self._log.model(step, bodies, welds)
         self._place_of_geom = places[model.geom_bodyid]
+        self._body_at |= dict(zip(places.tolist(), bodies, strict=True))
         self._place_of = {
             body.name: int(places[i]) for i, body in enumerate(bodies) if body.kind == "link"
         }
@@ -112,7 +124,20 @@ class ContactWatch:
         solved = addresses >= 0
         rows["force"] = 0.0
         rows["force"][solved] = np.concatenate(forces)[(begins + addresses)[solved]]
-        self._log.append(rows[rows["force"] > 0.0])
+        self._append(rows[rows["force"] > 0.0])
+
+    def _append(self, rows: Rows) -> None:
+        self._log.append(rows)
+        told = self._told
+        if told is None:
+            return
+        low, high = np.minimum(rows["one"], rows["two"]), np.maximum(rows["one"], rows["two"])
+        pairs, first = np.unique(low.astype(np.int64) << 32 | high, return_index=True)
+        for at, pair in sorted(zip(first.tolist(), pairs.tolist(), strict=True)):
+            if pair not in self._pairs_told:
+                self._pairs_told.add(pair)
+                one, two = self._body_at[pair >> 32], self._body_at[pair & 0xFFFFFFFF]
+                told(int(rows["step"][at]), one, two)
 
     def posture(self, step: int, positions: Array) -> None:
         """Log which links overlap; positions: (n_joints,), of all joints in the robot's order."""
@@ -124,4 +149,4 @@ class ContactWatch:
             rows["step"], rows["force"] = step, OVERLAP
             for row, pair in zip(rows, self._overlapping, strict=True):
                 row["one"], row["two"] = (self._place_of[name] for name in pair)
-            self._log.append(rows)
+            self._append(rows)

@@ -12,6 +12,7 @@ import mmap
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 
@@ -264,13 +265,22 @@ def simulated_ns(directory: Path) -> int:
 def _read_header(path: Path) -> SampleHeader:
     try:
         # Read while the run goes on, which may put anything in its place.
-        found = json.loads(read_regular(path, _MOST_HEADER))
-        if found.pop("version") != _VERSION:
-            raise LogError(f"is not version {_VERSION} of the samples", Location(str(path)))
-        names = ("controls", "joints", "pads", "free_bodies", "free_at")
-        return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
+        header = _parsed_header(read_regular(path, _MOST_HEADER))
     except (OSError, KeyError, TypeError, AttributeError, RecursionError, ValueError) as cause:
         raise LogError(f"is no header of samples: {cause}", Location(str(path))) from cause
+    if header is None:
+        raise LogError(f"is not version {_VERSION} of the samples", Location(str(path)))
+    return header
+
+
+@lru_cache(maxsize=4)
+def _parsed_header(text: bytes) -> SampleHeader | None:
+    """Read a header, which is asked for again and again while a run goes on; None: too old."""
+    found = json.loads(text)
+    if found.pop("version") != _VERSION:
+        return None
+    names = ("controls", "joints", "pads", "free_bodies", "free_at")
+    return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
 
 
 def _floats(path: Path) -> Array:

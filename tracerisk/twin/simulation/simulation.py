@@ -20,7 +20,13 @@ from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody, body_name
 from tracerisk.twin.physics.wrench import Wrench, load_on, touch_on
 from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY
-from tracerisk.twin.recording.contact_watch import FRESH_STEPS, ContactWatch, Points, points
+from tracerisk.twin.recording.contact_watch import (
+    FRESH_STEPS,
+    ContactWatch,
+    Points,
+    Touched,
+    points,
+)
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, SampleWriter
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.sensors import Sensor
@@ -185,6 +191,11 @@ class Simulation:
                 "robot's file is too stiff for its masses"
             )
 
+    def watch_touches(self, told: Touched) -> None:
+        """Call `told` for touches, where samples are written; see `Twin.watch_touches`."""
+        if self._watch is not None:
+            self._watch.tell(told)
+
     def close(self) -> None:
         """Close the samples, with the pose of everything at the end."""
         if self._samples is not None:
@@ -199,6 +210,11 @@ class Simulation:
         """
         true = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
         return self._sensors.position(true, joints)
+
+    def posture(self) -> Array:
+        """Return the true positions of all joints, (n_joints,) [rad or m]."""
+        true: Array = self._data.qpos[self._qpos]
+        return true
 
     def velocity(self, joints: Sequence[int] | None = None) -> Array:
         """Return the velocities of some joints, as `position` [rad/s or m/s]."""

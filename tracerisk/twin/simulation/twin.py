@@ -5,8 +5,12 @@ Time advances only in `advance`, in whole physics steps; everything else reads o
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tracerisk.trace import Element, ObjectOffset
 from tracerisk.twin.faults.fault import Fault, check_faults
@@ -21,6 +25,7 @@ from tracerisk.twin.physics.placement import offset
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.physics.wrench import Wrench
+from tracerisk.twin.recording.contact_watch import Touched
 from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.sensors import Sensor
@@ -35,7 +40,8 @@ class Twin:
 
     `time_ns` is the simulated time, a whole number of steps; `step_ns` the physics step.
     `on_unknown_joints` is told the joints of a motion some of which the robot has not,
-    `before_chunk` the time [ns] before each chunk of steps is simulated.
+    `before_chunk` the time [ns] before each chunk of steps is simulated. It does not move beyond
+    `ends_ns` [ns].
     """
 
     step_ns = STEP_NS
@@ -45,6 +51,7 @@ class Twin:
         self.scene = scene
         self.on_unknown_joints: Callable[[tuple[str, ...]], None] = lambda _: None
         self.before_chunk: Callable[[int], None] = lambda _: None
+        self.ends_ns = sys.maxsize
         self._simulation = Simulation(
             robot, scene, samples, lambda at: self._clearance.of_itself(at)
         )
@@ -82,8 +89,8 @@ class Twin:
         Returns the time reached, which may be up to a step past `until_ns`.
         Raises RobotError when the simulation becomes unstable, or refuses a declared body.
         """
-        while self.time_ns < until_ns:
-            wanted = -((self.time_ns - until_ns) // STEP_NS)
+        while self.time_ns < (end_ns := min(until_ns, self.ends_ns)):
+            wanted = -((self.time_ns - end_ns) // STEP_NS)
             self.before_chunk(self.time_ns)
             ahead = self._motions.steps_ahead(wanted)
             self._simulation.step(min(wanted, ahead), self._motions)
@@ -94,6 +101,17 @@ class Twin:
     def close(self) -> None:
         """Close the samples, with the pose of everything at the end."""
         self._simulation.close()
+
+    def posture(self) -> NDArray[np.float64]:
+        """Return where all joints truly are, in the robot's order, (n_joints,) [rad or m]."""
+        return self._simulation.posture()
+
+    def watch_touches(self, told: Touched) -> None:
+        """Call `told` for each pair of bodies, in the first step from now on in which they touch.
+
+        Pairs that do not concern the robot are looked at only while something touches it.
+        """
+        self._simulation.watch_touches(told)
 
     # Faults
 

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from tracerisk import dependencies, trace_json
+from tracerisk import dependencies
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.branching.watch import BranchWatch
 from tracerisk.pipeline.run.controller_run import (
@@ -64,14 +65,16 @@ def run_branches(
     at_once: int = 1,
     keep: Path | None = None,
     progress: Progress | None = None,
-    with_exposures: bool = True,
+    beside: Recording | None = None,
 ) -> Iterator[BranchResult]:
     """Run a controller once more, and from it the branches; return the result of each, in order.
 
     At most `at_once` branches run at any time. `keep` is a folder for the recordings, one for
-    each branch with its index for a name. `with_exposures`: whether the traces of branches say how
-    long and how hard elements were used. A branch that cannot leave the run, or dies, runs from
-    the beginning on threads; so do all where the run on greenlets is not that of `nominal`.
+    each branch with its index for a name. The traces of branches are to be judged `beside` another
+    run, where one is given, as `make_trace` says. Where the request of `nominal` has a run
+    `beside`, branches end once their fate is decided. A branch that cannot leave the run, or dies,
+    runs from the beginning on threads; so do all where the run on greenlets is not that of
+    `nominal`.
     Raises InputError for a unit or mode that the robot does not have, for an instant that the
     nominal run does not reach, and for an index given twice.
     """
@@ -85,7 +88,7 @@ def run_branches(
     if at_once < 1:
         raise InputError(f"{at_once} branches at once are none; expected 1 or more")
     settings = with_scenario(settings)
-    return _results(controller, settings, nominal, wanted, at_once, keep, progress, with_exposures)
+    return _results(controller, settings, nominal, wanted, at_once, keep, progress, beside)
 
 
 def _results(
@@ -96,13 +99,11 @@ def _results(
     at_once: int,
     keep: Path | None,
     progress: Progress | None,
-    with_exposures: bool,
+    beside: Recording | None,
 ) -> Iterator[BranchResult]:
     found = _Found(_cannot_branch())
     if not found.reason and branches:
-        found = _branched(
-            controller, settings, nominal, branches, at_once, keep, progress, with_exposures
-        )
+        found = _branched(controller, settings, nominal, branches, at_once, keep, progress, beside)
     for branch in branches:
         done, error = found.done.pop(branch.index, None), None
         reason = "" if done else found.reason or found.reasons.get(branch.index, "")
@@ -110,7 +111,13 @@ def _results(
             kept = None if keep is None else keep / str(branch.index)
             try:
                 done = run_again(
-                    controller, nominal, settings, branch.faults, keep=kept, quiet=True
+                    controller,
+                    nominal,
+                    settings,
+                    branch.faults,
+                    keep=kept,
+                    quiet=True,
+                    beside=beside,
                 )
             except (TraceRiskError, RuntimeError) as raised:
                 error = raised
@@ -143,7 +150,7 @@ def _branched(
     at_once: int,
     keep: Path | None,
     progress: Progress | None,
-    with_exposures: bool,
+    beside: Recording | None,
 ) -> _Found:
     found = _Found()
     faults = {each.index: each.faults for each in branches}
@@ -151,9 +158,7 @@ def _branched(
     def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
         folder = Path(request.folder)
         try:
-            done = ended_run(
-                controller, nominal.robot, settings, request, end, with_exposures=with_exposures
-            )
+            done = ended_run(controller, nominal.robot, settings, request, end, beside=beside)
             if done.trace.end.cause == "died":
                 found.reasons[index] = f"its branch died: {done.trace.end.message}"
                 return
@@ -188,15 +193,11 @@ def _branched(
             )
         except (TraceRiskError, RuntimeError) as error:
             return _Found(f"the run on greenlets left nothing to read: {error}")
-    if _said(trunk.trace) != _said(nominal.trace):
+    if replace(trunk.trace, inputs=()) != replace(nominal.trace, inputs=()):
+        # The files that its robot was chosen by are those of the first run alone.
         return _Found(f"on greenlets the run is another: {trunk.trace.end.message}")
     found.reasons |= watch.refused
     for branch in branches:
         if branch.index not in found.done:
             found.reasons.setdefault(branch.index, "the run ended before it")
     return found
-
-
-def _said(trace: Trace) -> str:
-    """Return all that a run says, without the files that its robot was chosen by."""
-    return trace_json.dumps(replace(trace, inputs=()))

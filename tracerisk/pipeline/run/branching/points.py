@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from time import sleep
 
+from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.trace.run_files import MOST_ROWS, TEMPORARY, Branch, BranchPlan, RunRequest
 from tracerisk.sandbox.forking import NotForkableError, fork_apart, open_descriptors
@@ -47,10 +48,12 @@ class BranchPoints:
         samples: SampleWriter,
         end: ControllerEnd,
         overlay: Overlay | None,
+        fate: FateWatch | None = None,
     ) -> None:
         self.folder = Path(request.folder)
         self._request = request
         self._twin, self._samples, self._end, self._overlay = twin, samples, end, overlay
+        self._fate = fate
         self._alive: dict[int, int] = {}
         self._is_branch = False
         self._known: frozenset[int] = frozenset()
@@ -133,6 +136,8 @@ class BranchPoints:
                 tempfile.tempdir = temporary
         for fault in branch.faults:
             self._twin.arm(fault)
+        if self._fate is not None and branch.faults:
+            self._fate.begin(branch.faults)
 
     def _reap(self) -> None:
         """Wait until a branch has ended, and note how."""

@@ -1,0 +1,109 @@
+"""End a run with a failure once what becomes of its mission is decided.
+
+What happens later adds words to what is known, and costs most of the time of a campaign. What
+decides is simulated: a branch, and a run from the beginning, end at the same instant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.run.fault_run import REPORTED
+from tracerisk.pipeline.trace.run_files import DECIDED, RunBeside
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.twin.faults.armed import first_step
+from tracerisk.twin.faults.fault import Fault
+from tracerisk.twin.recording.contact_log import LoggedBody
+from tracerisk.twin.recording.contact_pairs import hand_links
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.simulation.twin import Twin
+
+TOLD_S = 10.0
+"""For how long a run goes on whose mission has failed and whose controller was told of it [s]."""
+UNTOLD_S = 20.0
+"""For how long it goes on where the controller is not told [s]."""
+OFF = 0.021
+"""How far off a joint is between two visits where it is elsewhere [rad, or m of a sliding one]: a
+little more than whoever judges the run takes."""
+
+
+class FateWatch:
+    """Watches a run with a failure, and sets its end once its mission has failed for certain.
+
+    `beside` is the run without the failure. A mission has failed where a link of the robot touches
+    what it does not touch there; where a joint is elsewhere than there when the next visit begins;
+    or where the controller, told of a failure that is not reported there, has gone on to its next
+    command. Whoever judges the run confirms it.
+    """
+
+    def __init__(
+        self, beside: RunBeside, robot: Robot, scheduler: Scheduler, twin: Twin, recorder: Recorder
+    ) -> None:
+        self._scheduler, self._twin, self._recorder = scheduler, twin, recorder
+        self._reports = frozenset(beside.reports)
+        self._touches = frozenset(map(frozenset, beside.touches))
+        self._arrivals = {number: np.array(at) for number, at in beside.arrivals}
+        self._only_touches = beside.has_conditions
+        self._hands = frozenset(
+            link for each in robot.grippers for link in hand_links(robot, each.name)[1]
+        )
+        self._from_ns = 0
+        self._told_ns: int | None = None
+        self._failed_ns: int | None = None
+        self._end_ns: int | None = None
+
+    def begin(self, faults: Sequence[Fault]) -> None:
+        """Watch from the first instant of these failures on."""
+        self._from_ns = min(map(first_step, faults)) * self._twin.step_ns
+        self._recorder.on_event = self._recorded
+        self._twin.watch_touches(self._touched)
+
+    def note_end(self) -> None:
+        """Note that the run ends here because its fate is decided, where it does."""
+        if self._end_ns is not None and self._scheduler.now_ns >= self._end_ns:
+            self._recorder.note(DECIDED)
+
+    def _recorded(self, event: str, time_ns: int, data: Mapping[str, Any]) -> None:
+        if time_ns < self._from_ns:
+            return
+        if event == "finding" and self._told_ns is None and data["kind"] in REPORTED:
+            if (data["kind"], data["message"], data["object"]) not in self._reports:
+                self._told_ns = time_ns
+                self._decide()
+        elif event == "command" and self._shows_in(data["id"]):
+            self._fail(time_ns)
+
+    def _shows_in(self, command: int) -> bool:
+        """Return whether it shows where a command is issued that the mission has failed."""
+        if self._only_touches or self._told_ns is not None:
+            return not self._only_touches
+        expected = self._arrivals.get(command)
+        return expected is not None and bool(np.abs(self._twin.posture() - expected).max() > OFF)
+
+    def _touched(self, step: int, one: LoggedBody, two: LoggedBody) -> None:
+        link, other = (one, two) if one.kind == "link" else (two, one)
+        if link.kind != "link" or frozenset((link.name, other.name)) in self._touches:
+            return
+        if link.name in self._hands and (other.kind == "free" or other.name in self._hands):
+            return  # it may be about to grasp
+        self._fail(max(step * self._twin.step_ns, self._from_ns))
+
+    def _fail(self, time_ns: int) -> None:
+        if self._failed_ns is None:
+            self._failed_ns = time_ns
+            self._decide()
+
+    def _decide(self) -> None:
+        if self._failed_ns is None:
+            return
+        end_ns = self._failed_ns + round(UNTOLD_S * 1e9)
+        if self._told_ns is not None:
+            both_ns = max(self._failed_ns, self._told_ns) + round(TOLD_S * 1e9)
+            end_ns = min(end_ns, both_ns)
+        end_ns = -(-end_ns // self._twin.step_ns) * self._twin.step_ns
+        if end_ns < self._scheduler.duration_ns:
+            self._end_ns = self._scheduler.duration_ns = self._twin.ends_ns = end_ns
