@@ -26,7 +26,7 @@ from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
 from tracerisk.twin.recording.activity import ElementActivity, Thresholds, joint_activity
 from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
-from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.recording.samples import Samples, between
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 _ALWAYS_LOST = (
@@ -160,8 +160,7 @@ def _on_one_clock(
         )
     begin_ns = max(within[0].issue_ns, states.begin_ns)
     skipped = (begin_ns - states.begin_ns) // step_ns
-    fields = ("control", "position", "velocity", "torque", "pad_force")
-    cut = replace(samples, **{name: getattr(samples, name)[skipped:] for name in fields})
+    cut = between(samples, skipped, None)
     moved = tuple(
         replace(
             each,
@@ -221,8 +220,7 @@ def _until_the_end(
     last_step = int(at[-1]) + 1 if len(at) else 0
     last_ns = max(each.end_ns or each.issue_ns for each in commands)
     steps = min(max(last_step, -(-last_ns // step_ns), 1), samples.n_steps)
-    fields = ("control", "position", "velocity", "torque", "pad_force")
-    cut = replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
+    cut = between(samples, 0, steps)
     arrays = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
     short = {
         name: replace(each, **{field: getattr(each, field)[:steps] for field in arrays})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +36,7 @@ from tracerisk.trace import (
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.exposure import exposure
-from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
+from tracerisk.twin.recording.samples import Samples, has_samples, read_samples, until
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -77,7 +76,8 @@ def make_trace(
     if has_samples(folder):
         samples = read_samples(folder)
         if mission_end is not None:
-            samples = _cut(samples, mission_end["ns"])
+            # After it the controller only idled.
+            samples = until(samples, mission_end["ns"])
         # A judgement asks of activity what a gripper grasps, and no more.
         grippers = [] if beside is None else [each.name for each in robot.grippers]
         activity = element_activity(samples, robot, only=grippers)
@@ -126,13 +126,6 @@ def make_trace(
         inputs=tuple(_launched(recording)["inputs"]),
         verdict=verdict,
     )
-
-
-def _cut(samples: Samples, end_ns: int) -> Samples:
-    """Return the samples up to a time: after it the controller only idled."""
-    steps = -(-end_ns // samples.header.step_ns)
-    fields = ("control", "position", "velocity", "torque", "pad_force")
-    return replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
 
 
 def _cycle(recording: Recording, attribution: Attribution, settings: Settings) -> Cycle | None:

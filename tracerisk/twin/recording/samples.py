@@ -11,7 +11,7 @@ import json
 import mmap
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
@@ -96,6 +96,20 @@ class Samples:
     def step_s(self) -> float:
         """The physics step [s]."""
         return self.header.step_ns * 1e-9
+
+
+def between(samples: Samples, first: int, end: int | None) -> Samples:
+    """Return the samples from one step on, up to another (exclusive; `None`: to their end).
+
+    Poses, which are further apart, stay whole.
+    """
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    return replace(samples, **{name: getattr(samples, name)[first:end] for name in fields})
+
+
+def until(samples: Samples, end_ns: int) -> Samples:
+    """Return the samples up to a time [ns]."""
+    return between(samples, 0, -(-end_ns // samples.header.step_ns))
 
 
 class SampleWriter:

@@ -63,9 +63,11 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     from tracerisk.report.html.run.replay_frames import pack_frames
     from tracerisk.report.html.run.replay_model import FREE_COLUMNS, scene_bodies
     from tracerisk.twin.recording.activity import element_activity
-    from tracerisk.twin.recording.samples import POSE_EVERY
+    from tracerisk.twin.recording.samples import POSE_EVERY, until
 
-    samples = _cut(run.samples, end_s)
+    samples = run.samples
+    if end_s is not None:  # after it the controller only idled
+        samples = until(samples, round(end_s * 1e9))
     activity = element_activity(samples, run.robot)
     bodies = with_joins(scene_bodies(run.robot, run.scene))
     values, quanta = _columns(samples, run.robot, run.scene)
@@ -103,17 +105,6 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
         step_s=samples.step_s,
         notes=tuple(notes),
     )
-
-
-def _cut(samples: Samples, end_s: float | None) -> Samples:
-    """Return the samples up to a time: after it the controller only idled."""
-    from dataclasses import replace
-
-    if end_s is None:
-        return samples
-    steps = -(-round(end_s * 1e9) // samples.header.step_ns)
-    fields = ("control", "position", "velocity", "torque", "pad_force")
-    return replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
 
 
 def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
