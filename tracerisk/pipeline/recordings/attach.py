@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 import select
-import subprocess
+import signal
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,11 +14,9 @@ from typing import IO, Any
 from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.names import COMMANDS
 from tracerisk.ros.live.link import Link
-from tracerisk.ros.live.real_ros import link_pair, start
+from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
-_READY_S = 30.0
 _WAIT_S = 0.2
-_GRACE_S = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,27 +47,20 @@ def record_robot(
     """
     given = os.environ if environment is None else environment
     passed = {name: value for name, value in given.items() if not name.startswith("PYTHON")}
-    ours, theirs = link_pair()
-    with theirs:
-        process = start(
-            "tracerisk.ros.live.listener",
-            json.dumps({"descriptor": theirs.fileno(), "topics": [COMMANDS, *topics]}),
-            environment=passed,
-            pass_fds=(theirs.fileno(),),
-        )
-    link = Link(ours)
+    link, process = start_linked(
+        "tracerisk.ros.live.listener", environment=passed, topics=[COMMANDS, *topics]
+    )
     try:
         _wait_for(link)
         with path.open("wb") as stream:
             return _record(stream, link, seconds, on_message)
     finally:
         link.close()
-        _end(process)
+        end_process(process, signal.SIGTERM, signal.SIGKILL)
 
 
 def _wait_for(link: Link) -> None:
-    readable, _, _ = select.select([link], [], [], _READY_S)
-    frame = link.receive() if readable else None
+    frame = first_frame(link)
     if frame is None or frame[0]["is"] != "ready":
         told = "the node that listens does not start" if frame is None else frame[0]["message"]
         raise InputError(f"{told}; set ROS_MASTER_URI to that of the robot's master")
@@ -132,13 +122,3 @@ def _write(
         publish_time=header["ns"],
         data=body,
     )
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    if process.poll() is None:
-        process.terminate()
-        try:
-            process.wait(_GRACE_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()

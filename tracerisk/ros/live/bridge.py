@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 CLOCK = "/clock"
 _CLOCK_TYPE = "rosgraph_msgs/Clock"
 _OF_LOGGING = ("/rosout", "/rosout_agg")
-_BRIDGE = "/live"
 
 
 def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
@@ -144,7 +143,7 @@ class Bridge:
             return
         if change == "advertised":
             for each in self._graph.publications(name):
-                if each not in self._ours and each.node != _BRIDGE:
+                if each not in self._ours:
                     self._advertise(name, type_name, latch=each.latch)
         elif change == "subscribed":
             self._listen(name)

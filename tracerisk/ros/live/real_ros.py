@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import select
 import shutil
 import socket
 import subprocess
@@ -11,8 +13,10 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from tracerisk.errors import DependencyError
+from tracerisk.ros.live.link import Frame, Link
 
 _NEEDED = ("rospy", "rosmaster", "rosgraph", "genpy")
 _NOETIC = "/opt/ros/noetic/lib/python3/dist-packages"
@@ -23,6 +27,8 @@ _ASK = (
     "print(json.dumps([list(sys.version_info[:2]), missing]))"
 )
 _ASK_S = 20.0
+_READY_S = 30.0
+_GRACE_S = 3.0
 
 
 @lru_cache(maxsize=1)
@@ -92,6 +98,35 @@ def start(
     )
 
 
-def link_pair() -> tuple[socket.socket, socket.socket]:
-    """Return the two ends of a link."""
-    return socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+def start_linked(
+    module: str, *, environment: Mapping[str, str], **asked: Any
+) -> tuple[Link, subprocess.Popen[bytes]]:
+    """Start a module of ours as `start` does; return our end of a link to it, and the process.
+
+    Its one argument is an object in JSON: what is `asked`, and the `descriptor` of its end.
+    """
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    with theirs:
+        process = start(
+            module,
+            json.dumps({"descriptor": theirs.fileno(), **asked}),
+            environment=environment,
+            pass_fds=(theirs.fileno(),),
+        )
+    return Link(ours), process
+
+
+def first_frame(link: Link) -> Frame | None:
+    """Wait for the first frame of a process that starts; None where none comes."""
+    readable, _, _ = select.select([link], [], [], _READY_S)
+    return link.receive() if readable else None
+
+
+def end_process(process: subprocess.Popen[bytes], *signals: int) -> None:
+    """Send one signal after the other, until the process has ended."""
+    for each in signals:
+        if process.poll() is not None:
+            return
+        process.send_signal(each)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(_GRACE_S)

@@ -7,6 +7,7 @@ side names. What nodes register and ask for at the master is told to that side.
 from __future__ import annotations
 
 import importlib
+import json
 import os
 import socket
 import sys
@@ -66,8 +67,6 @@ class Relay:
                 answer.came.set()
             elif do == "parameter":
                 master.setParam(NODE, header["name"], header["value"])
-            if header.get("echo") is not None:
-                self.tell({"is": "echo", "number": header["echo"]})
 
     def _raw(self, type_name: str, md5: str, text: str = "") -> Any:
         body = {"_type": type_name, "_md5sum": md5, "_full_text": text, "__slots__": ["_buff"]}
@@ -177,8 +176,8 @@ def _watched(base: Any, relay: list[Relay]) -> Any:
 
 
 def main() -> None:
-    """Serve the descriptor named on the command line until its other end is gone."""
-    link = Link(socket.socket(fileno=int(sys.argv[1])))
+    """Serve the descriptor that the command line gives in JSON, until its other end is gone."""
+    link = Link(socket.socket(fileno=json.loads(sys.argv[1])["descriptor"]))
     api: Any = importlib.import_module("rosmaster.master_api")
     xmlrpc: Any = importlib.import_module("rosgraph.xmlrpc")
     relay: list[Relay] = []

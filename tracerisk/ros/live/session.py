@@ -7,8 +7,6 @@ slow or busy loses no simulated time.
 
 from __future__ import annotations
 
-import contextlib
-import json
 import os
 import select
 import signal
@@ -22,14 +20,12 @@ from typing import Any
 from tracerisk.errors import DependencyError, LimitError
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.loopback import loopback_environment
-from tracerisk.ros.live.real_ros import link_pair, start
+from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
 STEP_NS = 2_000_000
 """By how much the clock moves at once [ns]."""
 _POLL_S = 0.0005
-_READY_S = 30.0
 _STUCK_S = 60.0
-_GRACE_S = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +54,9 @@ class Session:
         self._environment = environment
         self.on_relay: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
         self.on_controller: Callable[[dict[str, Any]], None] = lambda header: None  # noqa: ARG005
-        self.relay, self._relay_process = self._started("tracerisk.ros.live.relay")
+        self.relay, self._relay_process = start_linked(
+            "tracerisk.ros.live.relay", environment=loopback_environment(environment)
+        )
         self.master = self._ready()
         self.controller: Link | None = None
         self._controller_process: subprocess.Popen[bytes] | None = None
@@ -70,29 +68,21 @@ class Session:
 
     def begin(self, program: Program) -> None:
         """Start the controller."""
-        ours, theirs = link_pair()
-        asked = {
-            "descriptor": theirs.fileno(),
-            "script": program.script,
-            "root": program.root,
-            "argv": list(program.argv),
-            "entry": program.entry,
-            "packages": dict(program.packages),
-            "paths": list(program.paths),
-            "private": dict(program.private),
-        }
         environment = {
             **loopback_environment(self._environment, self.master),
             **program.environment,
         }
-        with theirs:
-            self._controller_process = start(
-                "tracerisk.ros.live.controller_process",
-                json.dumps(asked),
-                environment=environment,
-                pass_fds=(theirs.fileno(),),
-            )
-        self.controller = Link(ours)
+        self.controller, self._controller_process = start_linked(
+            "tracerisk.ros.live.controller_process",
+            environment=environment,
+            script=program.script,
+            root=program.root,
+            argv=list(program.argv),
+            entry=program.entry,
+            packages=dict(program.packages),
+            paths=list(program.paths),
+            private=dict(program.private),
+        )
 
     def settle(self) -> bool:
         """Take what has come until nothing stirs; False once the controller has ended.
@@ -130,33 +120,14 @@ class Session:
             (self._controller_process, (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)),
             (self._relay_process, (signal.SIGTERM, signal.SIGKILL)),
         ):
-            if process is None:
-                continue
-            for each in signals:
-                if process.poll() is not None:
-                    break
-                process.send_signal(each)
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(_GRACE_S)
+            if process is not None:
+                end_process(process, *signals)
         self.relay.close()
         if self.controller is not None:
             self.controller.close()
 
-    def _started(self, module: str, *arguments: str) -> tuple[Link, subprocess.Popen[bytes]]:
-        ours, theirs = link_pair()
-        with theirs:
-            process = start(
-                module,
-                str(theirs.fileno()),
-                *arguments,
-                environment=loopback_environment(self._environment),
-                pass_fds=(theirs.fileno(),),
-            )
-        return Link(ours), process
-
     def _ready(self) -> str:
-        readable, _, _ = select.select([self.relay], [], [], _READY_S)
-        frame = self.relay.receive() if readable else None
+        frame = first_frame(self.relay)
         if frame is None or frame[0].get("is") != "ready":
             self._relay_process.kill()
             self._relay_process.wait()

@@ -27,7 +27,8 @@ def main():
     print("> cup", round(found.transform.translation.x, 3), found.header.frame_id)
     hand = buffer.lookup_transform("panda_link0", "panda_hand", rospy.Time(0), rospy.Duration(2.0))
     shift = hand.transform.translation
-    print("> hand", round(shift.x, 2), round(shift.y, 2), round(shift.z, 2))
+    # A zero has no sign here: it is the rest of a rounding.
+    print("> hand", *(round(each, 2) + 0.0 for each in (shift.x, shift.y, shift.z)))
     print("> can", buffer.can_transform("panda_link0", "cup", rospy.Time(0)))
     print("> cannot", buffer.can_transform("panda_link0", "nowhere", rospy.Time(0)))
     for name, time in (("nowhere", rospy.Time(0)), ("cup", rospy.Time.now() + rospy.Duration(60))):
