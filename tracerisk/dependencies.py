@@ -57,7 +57,7 @@ SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.ya
 """The distributions without which no controller runs."""
 
 _SIGN = {"sim": "mujoco", "large": "scipy", "cpp": "tree-sitter-cpp", "lsp": "pygls", "film": "av"}
-"""The distribution by which an extra is told to be here; `sim` brings all of `large`."""
+"""The distribution that shows that an extra is installed; `sim` brings all of `large`."""
 _WHAT = {
     "sim": "the simulator",
     "large": "NumPy and SciPy",

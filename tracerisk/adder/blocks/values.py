@@ -185,7 +185,7 @@ def component_fields(component: ComponentEntry) -> tuple[tuple[FieldKind, Field[
 
 
 def is_component_pinned(component: ComponentEntry) -> bool:
-    """Return whether anything in a component is a person's."""
+    """Return whether a user set anything in a component."""
     return (
         component.added
         or component.omitted
@@ -194,7 +194,7 @@ def is_component_pinned(component: ComponentEntry) -> bool:
 
 
 def has_pins(block: RiskBlock) -> bool:
-    """Return whether anything in a block is a person's."""
+    """Return whether a user set anything in a block."""
     return (
         block.added
         or block.call_sequence.pinned

@@ -238,7 +238,7 @@ def _kept(known: KnownController) -> KeptRun | None:
     try:
         return kept_run(known.path)
     except TraceRiskError:
-        # What is wrong with it is told by what reads its blocks; a C file has no kept run.
+        # Whoever reads its blocks reports what is wrong; a C file has no cached run.
         return None
 
 

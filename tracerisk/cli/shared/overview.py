@@ -22,7 +22,7 @@ _NOT_WITH_IT = (
 
 
 def write_overview(options: argparse.Namespace) -> int:
-    """Write the page; return the exit code, 0 even where a controller cannot be read: it is told.
+    """Write the page; return the exit code, 0 although the page may say that one cannot be read.
 
     Raises InputError for options that do not go with it, and where no controller is known.
     """

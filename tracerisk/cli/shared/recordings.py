@@ -81,7 +81,7 @@ def _declared(
         file, root = found.file, found.root
     name = options.robot or settings.robot
     with open_recording(path):
-        # What is no recording is told before what is missing beside it.
+        # A file that is no recording is reported first, before what is missing beside it.
         if name is None:
             raise InputError("the robot is not known; name it with --robot", Location(str(path)))
     robot = _robot(name, root, settings)
