@@ -223,7 +223,7 @@ def test_the_library_can_read_every_one_of_the_package():
         each
         for each in gc.get_objects()
         if isinstance(each, type)
-        and str(each.__module__).startswith("tracerisk.")
+        and str(getattr(each, "__module__", "")).startswith("tracerisk.")
         and records.is_dataclass(each)
     ]
     assert len(found) > 50
