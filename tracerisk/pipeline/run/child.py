@@ -14,7 +14,7 @@ import resource
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -83,6 +83,7 @@ from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.assumed_names import with_assumed_names
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.simulation.twin import Twin
+from tracerisk.vendors.description import Driver
 from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
@@ -124,7 +125,7 @@ def _run(request: RunRequest, folder: Path) -> int:
             _run_recorded(request, folder, samples, recorder, clock)
         except TraceRiskError as error:
             # Nothing has run: the source, the robot or the scene is at fault.
-            _refuse(recorder, error)
+            refuse(recorder, error)
             return int(error.exit_code)
     return 0
 
@@ -140,16 +141,10 @@ def _run_recorded(
     launch = request.launch or NOTHING_LAUNCHED
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
-    robot = with_assumed_names(
-        read_dumped_robot(folder / ROBOT),
-        lambda message: recorder.finding("assumed_name", message),
-    )
-    scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
-    scene = with_objects(load_scene(request.scene), scenario.objects)
-    twin = Twin.build(robot, scene, samples=samples)
+    twin, scenario = twin_of(request, folder, samples, recorder)
+    robot = twin.robot
     for fault in request.faults:
         twin.arm(fault)
-    twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     tracer = Tracer(recorder.function_ran)
     tracer.on_source = recorder.source_compiled
     world = _Metered(twin, wall_clock)
@@ -162,47 +157,19 @@ def _run_recorded(
     )
     clock[0] = lambda: scheduler.now_ns
     workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
-    runtime = Runtime(
-        scheduler,
-        Graph(scheduler, tracer),
-        twin=twin,
-        tracer=tracer,
-        recorder=recorder,
-        argv=(str(script), *request.argv),
-        seed=request.seed,
-        parameters=(
-            *launch.parameters,
-            *scenario.parameters,
-            *(each for file in request.params for each in read_parameters(Path(file))),
-        ),
-        packages=workspace.packages,
-    )
+    runtime = runtime_of(request, scenario, scheduler, tracer, twin, recorder, workspace)
     companions = Companions(request.companions, runtime, recorder)
     watch = RunWatch(scheduler, recorder)
-    recorder.note(
-        GIVEN,
-        objects=[
-            each.string("name")
-            for each in scenario.objects
-            if each.boolean("graspable", default="mass" in each)
-        ],
-        accept=[asdict(each) for each in scenario.accept],
-        unconfirmed=[asdict(each) for each in scenario.unconfirmed],
-    )
+    note_given(recorder, scenario)
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
     leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
-    drivers = read_drivers(map(Path, request.drivers), root)
-    more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+    drivers, more = drivers_of(request, folder)
     interfaces = (
         Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
     )
-    TwinTopics(runtime, interfaces)
-    serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
-    frames = TwinFrames(runtime, interfaces)
-    for driver in (*drivers, *shipped_drivers()):
-        frames.also(driver.frames)
+    serve_twin(runtime, interfaces, drivers)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule
     values = UsableValues(
@@ -320,6 +287,80 @@ def _run_recorded(
         points.finish()
 
 
+def twin_of(
+    request: RunRequest, folder: Path, samples: SampleWriter, recorder: Recorder
+) -> tuple[Twin, Scenario]:
+    """Return the twin of a request, whose robot lies in `folder`, and its scenario."""
+    robot = with_assumed_names(
+        read_dumped_robot(folder / ROBOT),
+        lambda message: recorder.finding("assumed_name", message),
+    )
+    scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
+    scene = with_objects(load_scene(request.scene), scenario.objects)
+    twin = Twin.build(robot, scene, samples=samples)
+    twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
+    return twin, scenario
+
+
+def runtime_of(
+    request: RunRequest,
+    scenario: Scenario,
+    scheduler: Scheduler,
+    tracer: Tracer,
+    twin: Twin,
+    recorder: Recorder,
+    workspace: Workspace,
+) -> Runtime:
+    """Return the runtime of a request, with the parameters that are given for the controller."""
+    launch = request.launch or NOTHING_LAUNCHED
+    return Runtime(
+        scheduler,
+        Graph(scheduler, tracer),
+        twin=twin,
+        tracer=tracer,
+        recorder=recorder,
+        argv=(str(Path(request.controller)), *request.argv),
+        seed=request.seed,
+        parameters=(
+            *launch.parameters,
+            *scenario.parameters,
+            *(each for file in request.params for each in read_parameters(Path(file))),
+        ),
+        packages=workspace.packages,
+    )
+
+
+def note_given(recorder: Recorder, scenario: Scenario) -> None:
+    """Note what a scenario gives, for whoever judges the run."""
+    recorder.note(
+        GIVEN,
+        objects=[
+            each.string("name")
+            for each in scenario.objects
+            if each.boolean("graspable", default="mass" in each)
+        ],
+        accept=[asdict(each) for each in scenario.accept],
+        unconfirmed=[asdict(each) for each in scenario.unconfirmed],
+    )
+
+
+def drivers_of(request: RunRequest, folder: Path) -> tuple[tuple[Driver, ...], dict[str, Path]]:
+    """Return the drivers that a request names, and where their and our messages are defined."""
+    drivers = read_drivers(map(Path, request.drivers), Path(request.root))
+    return drivers, write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+
+
+def serve_twin(
+    runtime: Runtime, interfaces: Interfaces | Interfaces2, drivers: Sequence[Driver]
+) -> None:
+    """Serve what the twin serves, and what makers' drivers and the given ones do."""
+    TwinTopics(runtime, interfaces)
+    serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
+    frames = TwinFrames(runtime, interfaces)
+    for driver in (*drivers, *shipped_drivers()):
+        frames.also(driver.frames)
+
+
 def _found_elsewhere(
     name: str, workspace: Workspace, root: Path, recorder: Recorder
 ) -> Path | None:
@@ -354,7 +395,8 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[Overlay | None]:
         yield overlay
 
 
-def _refuse(recorder: Recorder, error: TraceRiskError) -> None:
+def refuse(recorder: Recorder, error: TraceRiskError) -> None:
+    """Note why a run could not begin."""
     place = error.location
     recorder.note(
         "failed",

@@ -11,7 +11,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -19,48 +18,41 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.run.child import (
+    drivers_of,
+    note_given,
+    refuse,
+    runtime_of,
+    serve_twin,
+    twin_of,
+)
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
-    DEFINITIONS,
     ENTRY,
     EVENTS,
-    GIVEN,
     GRAPH_USE,
-    JOINTS_ASKED,
     MISSION_END,
-    ROBOT,
     STARTED,
     RunRequest,
     WallTime,
 )
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.workspace import Workspace
-from tracerisk.ros.graph.graph import Graph
-from tracerisk.ros.graph.parameter_files import private_of, read_parameters
+from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
-from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.live.bridge import Bridge, frames_of
 from tracerisk.ros.live.loopback import leave_network
 from tracerisk.ros.live.message_modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
-from tracerisk.ros.robot.frames import DESCRIPTION, TwinFrames
-from tracerisk.ros.robot.state_topics import TwinTopics
-from tracerisk.ros.scenario.objects import with_objects
-from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.robot.frames import DESCRIPTION
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
-from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.sandbox.limited_process import mark_start
 from tracerisk.trace import FunctionRef, QualifiedName
-from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import SampleWriter
-from tracerisk.twin.robots.assumed_names import with_assumed_names
-from tracerisk.twin.robots.file import read_dumped_robot
-from tracerisk.twin.simulation.twin import Twin
-from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
-from tracerisk.vendors.serving import serve_vendors
 
 _NO_NETWORK = (
     "the system allows no network of its own: master and twin are on loopback, and connections "
@@ -84,13 +76,7 @@ def main() -> int:
         try:
             _LiveRun(request, folder, samples, recorder, clock).run()
         except TraceRiskError as error:
-            place = error.location
-            recorder.note(
-                "failed",
-                error=type(error).__name__,
-                message=error.message,
-                location=None if place is None else [place.file, place.line, place.column],
-            )
+            refuse(recorder, error)
             return int(error.exit_code)
     return 0
 
@@ -106,59 +92,23 @@ class _LiveRun:
     ) -> None:
         self._request, self._folder, self._recorder = request, folder, recorder
         script, root = Path(request.controller), Path(request.root)
-        launch = request.launch or NOTHING_LAUNCHED
-        robot = with_assumed_names(
-            read_dumped_robot(folder / ROBOT),
-            lambda message: recorder.finding("assumed_name", message),
-        )
-        scenario = Scenario()
-        if request.scenario is not None:
-            scenario = read_scenario(Path(request.scenario))
-        scene = with_objects(load_scene(request.scene), scenario.objects)
-        self._twin = Twin.build(robot, scene, samples=samples)
-        self._twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
+        self._twin, scenario = twin_of(request, folder, samples, recorder)
         tracer = Tracer()
         self._scheduler = Scheduler(
             self._twin, duration_ns=round(request.duration_s * 1e9), tracer=tracer
         )
         clock[0] = lambda: self._scheduler.now_ns
         self._workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
-        self._runtime = Runtime(
-            self._scheduler,
-            Graph(self._scheduler, tracer),
-            twin=self._twin,
-            tracer=tracer,
-            recorder=recorder,
-            argv=(str(script), *request.argv),
-            seed=request.seed,
-            parameters=(
-                *launch.parameters,
-                *scenario.parameters,
-                *(each for file in request.params for each in read_parameters(Path(file))),
-            ),
-            packages=self._workspace.packages,
+        self._runtime = runtime_of(
+            request, scenario, self._scheduler, tracer, self._twin, recorder, self._workspace
         )
         self._threads = RemoteThreads(self._scheduler)
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch
-        recorder.note(
-            GIVEN,
-            objects=[
-                each.string("name")
-                for each in scenario.objects
-                if each.boolean("graspable", default="mass" in each)
-            ],
-            accept=[asdict(each) for each in scenario.accept],
-            unconfirmed=[asdict(each) for each in scenario.unconfirmed],
-        )
-        drivers = read_drivers(map(Path, request.drivers), root)
-        more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+        note_given(recorder, scenario)
+        drivers, more = drivers_of(request, folder)
         self._interfaces = Interfaces(workspace=self._workspace.interfaces, more=more)
-        TwinTopics(self._runtime, self._interfaces)
-        serve_vendors(self._runtime, TwinInterfaces(self._runtime, self._interfaces), drivers)
-        frames = TwinFrames(self._runtime, self._interfaces)
-        for driver in (*drivers, *shipped_drivers()):
-            frames.also(driver.frames)
+        serve_twin(self._runtime, self._interfaces, drivers)
         self._watch.schedule = ScenarioWorld(self._runtime, self._interfaces, scenario).schedule
         self._end: dict[str, Any] | None = None
         self._ended_wall: float | None = None
