@@ -15,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.dependencies import is_installed, missing_extra
 from tracerisk.errors import Location, LogError
+from tracerisk.pipeline.recordings.names import MAGIC
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -23,8 +24,9 @@ SUFFIXES = (".mcap", ".bag", ".db3")
 """How the names of recordings end."""
 MOST_MESSAGES = 20_000_000
 """How many messages are read of a recording at most."""
-_MOST_BYTES = 512 * 1024**2  # of one record of an MCAP file
-_MCAP, _BAG, _DB3 = b"\x89MCAP0\r\n", b"#ROSBAG V", b"SQLite format 3\x00"
+MOST_BYTES = 512 * 1024**2
+"""How large a record of an MCAP file may be that is read into memory [bytes]."""
+_BAG, _DB3 = b"#ROSBAG V", b"SQLite format 3\x00"
 _ENCODINGS = {"cdr", "ros1"}
 
 
@@ -129,7 +131,7 @@ def open_recording(path: Path) -> Iterator[RecordingFile]:
             raise LogError(f"cannot be read: {error.strerror}", place) from error
         if not begin:
             raise LogError("is empty; was the recording ended?", place)
-        if begin.startswith(_MCAP):
+        if begin.startswith(MAGIC):
             yield _open_mcap(path, stack)
         elif begin.startswith((_BAG, _DB3)):
             yield _open_rosbags(path, stack)
@@ -144,7 +146,7 @@ def _open_mcap(path: Path, stack: ExitStack) -> RecordingFile:
 
     with _damage(path):
         stream: IO[bytes] = stack.enter_context(path.open("rb"))
-        reader = SeekingReader(stream, record_size_limit=_MOST_BYTES)
+        reader = SeekingReader(stream, record_size_limit=MOST_BYTES)
         summary = reader.get_summary()
         if summary is None:
             raise LogError(
@@ -168,7 +170,7 @@ def _open_mcap(path: Path, stack: ExitStack) -> RecordingFile:
         indexed = bool(summary.chunk_indexes) or not summary.statistics
         kind = SeekingReader if indexed else NonSeekingReader
         stream.seek(0)
-        for _, channel, message in kind(stream, record_size_limit=_MOST_BYTES).iter_messages(
+        for _, channel, message in kind(stream, record_size_limit=MOST_BYTES).iter_messages(
             topics=list(wanted)
         ):
             yield channel.topic, message.log_time, message.data

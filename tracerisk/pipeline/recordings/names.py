@@ -1,4 +1,4 @@
-"""The topics of a recording that tracerisk writes, and the rates of its joint states."""
+"""What a recording that tracerisk writes begins with and holds, and the rates of its states."""
 
 JOINT_STATES = "/joint_states"
 COMMANDS = "/tracerisk/commands"
@@ -9,3 +9,5 @@ TRACE = "tracerisk-trace.json"
 """The attachment that holds the trace."""
 RATE_HZ = (50.0, 500.0)
 """The least and the greatest rate of joint states [Hz]."""
+MAGIC = b"\x89MCAP0\r\n"
+"""With which an MCAP file begins and ends (https://mcap.dev/spec)."""

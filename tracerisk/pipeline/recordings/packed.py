@@ -15,7 +15,8 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-MAGIC = b"\x89MCAP0\r\n"
+from tracerisk.pipeline.recordings.names import MAGIC
+
 CHUNK_BYTES = 1024 * 1024
 _LEVEL = -1  # of zstd: a third of the time of its default level, and no more bytes here
 _MESSAGE, _INDEX, _FOOTER = 0x05, 0x07, 0x02

@@ -7,12 +7,9 @@ from pathlib import Path
 
 from tracerisk import trace_json
 from tracerisk.errors import Location, LogError
-from tracerisk.pipeline.recordings.names import TRACE
+from tracerisk.pipeline.recordings.messages import MOST_BYTES
+from tracerisk.pipeline.recordings.names import MAGIC, TRACE
 from tracerisk.trace import Trace
-
-_MAGIC = b"\x89MCAP0\r\n"
-_MOST_BYTES = 512 * 1024**2
-"""How large a record of a file may be that is read into memory [bytes]."""
 
 
 def read_trace(path: Path) -> Trace | None:
@@ -26,10 +23,10 @@ def read_trace(path: Path) -> Trace | None:
         return None
     try:
         with path.open("rb") as stream:
-            begin = stream.read(len(_MAGIC))
+            begin = stream.read(len(MAGIC))
     except OSError as error:
         raise LogError(f"cannot be read: {error.strerror}", place) from error
-    if begin != _MAGIC:
+    if begin != MAGIC:
         return None
     text = _attached(path, place)
     if text is None:
@@ -46,7 +43,7 @@ def _attached(path: Path, place: Location) -> bytes | None:
 
     try:
         with path.open("rb") as stream:
-            reader = SeekingReader(stream, record_size_limit=_MOST_BYTES)
+            reader = SeekingReader(stream, record_size_limit=MOST_BYTES)
             for each in reader.iter_attachments():
                 if each.name == TRACE:
                     return bytes(each.data)
