@@ -19,7 +19,7 @@ LONGEST_S = 90.0
 
 
 class Watching:
-    """A `run --watch` in a folder, and the lines of its standard error."""
+    """A `run --watch` in a folder, and the lines that it prints."""
 
     def __init__(self, folder: Path, *arguments: str, verb: str = "run") -> None:
         self.folder = folder
@@ -34,8 +34,12 @@ class Watching:
         )
         self.out: list[str] = []
         self._came = threading.Condition()
-        for stream, kept in ((self.process.stderr, self.lines), (self.process.stdout, self.out)):
-            threading.Thread(target=self._read, args=(stream, kept), daemon=True).start()
+        pipes = ((self.process.stderr, self.lines), (self.process.stdout, self.out))
+        self._readers = [
+            threading.Thread(target=self._read, args=each, daemon=True) for each in pipes
+        ]
+        for reader in self._readers:
+            reader.start()
         self.seen = 0
 
     def _read(self, stream, kept: list[str]) -> None:
@@ -59,6 +63,15 @@ class Watching:
                     raise AssertionError(
                         f"no line begins with {begin!r}:\n" + "\n".join(self.lines)
                     )
+
+    def until_out(self, text: str) -> None:
+        """Wait until a line of standard output holds the text; they come by a pipe of their own."""
+        ends = time.monotonic() + LONGEST_S
+        with self._came:
+            while not any(text in line for line in self.out):
+                left = ends - time.monotonic()
+                if left < 0 or not self._came.wait(left):
+                    raise AssertionError(f"no line holds {text!r}:\n" + "\n".join(self.out))
 
     def settled(self) -> None:
         self.until("watching ")
@@ -84,7 +97,10 @@ class Watching:
 
     def end(self, number: int = signal.SIGINT) -> int:
         self.process.send_signal(number)
-        return self.process.wait(30)
+        code = self.process.wait(30)
+        for reader in self._readers:
+            reader.join(5)
+        return code
 
 
 def gone(processes: set[int]) -> bool:
@@ -282,7 +298,6 @@ def test_each_update_is_one_document_of_json(watching, example, quick):
     watched.figure()
     watched.settled()
     assert watched.end() == 130
-    time.sleep(0.2)
     text, found = "\n".join(watched.out), []
     while text.strip():
         data, end = json.JSONDecoder().raw_decode(text.lstrip())
@@ -301,11 +316,11 @@ def test_a_check_follows_each_save(watching, example, quick):
     path.write_bytes(written.replace(b"+= 0.05", b"+= 0.5"))
     watched.until("1 controller checked, 1 to mend")
     watched.settled()
-    assert "stale" in watched.out[-1]
+    watched.until_out("stale")
     path.unlink()
     watched.until("1 controller checked, 1 to mend")
     watched.settled()
-    assert "gone" in watched.out[-1]
+    watched.until_out("gone")
     path.write_bytes(written)
     watched.until("1 controller checked, 0 to mend")
     watched.settled()
