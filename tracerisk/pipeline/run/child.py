@@ -16,6 +16,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
@@ -231,7 +232,7 @@ def _run_recorded(
         activate(runtime),
         stand_ins,
         removed_numpy_names(),
-        virtual_time(scheduler, seed=request.seed),
+        virtual_time(scheduler, seed=request.seed, note=partial(recorder.finding, "not_simulated")),
         scripted_input(
             (*request.answers, *scenario.answers),
             recorder,

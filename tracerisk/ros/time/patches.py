@@ -26,21 +26,26 @@ from tracerisk.ros.controller.frames import is_quiet
 from tracerisk.ros.controller.thread import RunOver
 from tracerisk.ros.time.alarm import VirtualAlarm
 from tracerisk.ros.time.clock import VirtualClock
+from tracerisk.ros.time.processes.starting import process_replacements
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
 from tracerisk.ros.time.selector import VirtualSelector
 from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter
 
+_MISSING = object()
 _real_selector = selectors.DefaultSelector
 # The one in C waits on a lock of its own.
 _SimpleQueue: Any = vars(queue)["_PySimpleQueue"]
 
 
 @contextmanager
-def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
-    """Replace clocks, sleeps, locks, threads and entropy process-wide; undo it all at the end.
+def virtual_time(
+    scheduler: Scheduler, *, seed: int = 0, note: Callable[[str], None] = lambda _: None
+) -> Iterator[None]:
+    """Replace clocks, sleeps, locks, threads, processes and entropy; undo it all at the end.
 
-    What is random is drawn from `seed`.
+    What is random is drawn from `seed`. `note` is called with what differs where the
+    controller starts processes, which run as threads.
     Threads that are not under `scheduler` go on with the real ones. Names that a module took
     from another before (`from time import sleep`) are not reached, so a controller must be
     imported inside.
@@ -48,7 +53,11 @@ def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
     undo: list[Callable[[], None]] = []
     scheduler.exit_calls.at_main_end(lambda: _stop_pools(scheduler))
     try:
-        for owner, name, value in (*scheduler.baton.replacements(), *_replacements(scheduler)):
+        for owner, name, value in (
+            *scheduler.baton.replacements(),
+            *_replacements(scheduler),
+            *process_replacements(scheduler, note),
+        ):
             undo.append(_replace(owner, name, value))
         with seeded_generators(seed):
             for owner, name, value in entropy_replacements(scheduler, seed):
@@ -60,9 +69,11 @@ def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
 
 
 def _replace(owner: Any, name: str, value: Any) -> Callable[[], None]:
-    real = vars(owner)[name]
+    known = vars(owner)
+    real = known.get(name, _MISSING)
     setattr(owner, name, value)
-    return lambda: setattr(owner, name, real)
+    # A module may make the name when it is first asked for.
+    return lambda: delattr(owner, name) if real is _MISSING else setattr(owner, name, real)
 
 
 def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
@@ -292,7 +303,7 @@ def _no_fork(scheduler: Scheduler, name: str, real: Callable[[], Any]) -> Callab
             return real()
         raise RuntimeError(
             f"os.{name}: a traced controller runs in one process, and its simulated arm cannot be "
-            "in two; use threads instead of multiprocessing"
+            "in two; use threads, or multiprocessing, whose processes run as threads"
         )
 
     return fork
