@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from tracerisk.cli.serving.what_if import (
+from tracerisk.pipeline.results.what_if import (
     FASTEST,
     LEAST,
     MOST,

@@ -14,7 +14,6 @@ from urllib.parse import parse_qs, quote, unquote
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.cli.serving.sections import links_section, live_section, what_if_section
-from tracerisk.cli.serving.what_if import Answer, Choices, answer, choices_of, read_change
 from tracerisk.cli.shared.overview import is_report, overview_row, reports_in
 from tracerisk.cli.shared.report_input import evidence_shown, report_html, run_shown
 from tracerisk.cli.shared.watching import State, state_of
@@ -23,6 +22,7 @@ from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
+from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change
 from tracerisk.pipeline.review.history import history, history_rows
 from tracerisk.pipeline.review.overview import KnownController, lock_folders, overview
 from tracerisk.pipeline.stages import load_hardware

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import InputError, one_of
 from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.pipeline.stages import blocks_of, solve
+from tracerisk.prm.hybrid.from_blocks import build_model
+from tracerisk.prm.questions.what_if import groups_of, value_of, with_values
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
@@ -85,8 +88,6 @@ class Answer:
 
 def choices_of(known: KnownController, hardware: Hardware | None) -> Choices:
     """Return what can be changed of a controller that has a figure."""
-    from tracerisk.pipeline.stages import blocks_of
-    from tracerisk.prm.questions.what_if import groups_of, value_of
 
     if known.model is None:
         return Choices((), ())
@@ -204,8 +205,6 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
 
     Raises ModelError where a figure would be above one.
     """
-    from tracerisk.pipeline.stages import solve
-    from tracerisk.prm.questions.what_if import value_of, with_values
 
     if known.model is None or known.assessment is None:
         raise InputError(known.error or "has no figure; `tracerisk run` writes its blocks")
@@ -225,8 +224,6 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
 
 
 def _with_units(known: KnownController, units: Mapping[str, tuple[int, int]]) -> HybridModel:
-    from tracerisk.pipeline.stages import blocks_of
-    from tracerisk.prm.hybrid.from_blocks import build_model
 
     if not units:
         assert known.model is not None, "it was asked for before"
