@@ -171,7 +171,7 @@ def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
 
 
 def _of_functions(model: HybridModel, top: str | None) -> _Asked:
-    from tracerisk.prm.hybrid.component_tree import in_one_visit
+    from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 
     states = {state.name: in_one_visit(state) for state in model.states if state.tree.events}
     state = states[_only(tuple(states), top)]

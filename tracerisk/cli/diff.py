@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
     from tracerisk.prm.formats.diff_json import review_to_json
-    from tracerisk.report.diff.words import headline
+    from tracerisk.report.diff.sentences import headline
 
     print_json(
         "diff",

@@ -25,7 +25,7 @@ from tracerisk.pipeline.trace.last_run import (
 )
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.prm.review.risk_change import Review
-from tracerisk.report.diff.words import some
+from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
 from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
 

@@ -18,7 +18,7 @@ from tracerisk.prm.expressions import (
     Reference,
     Weibull,
 )
-from tracerisk.prm.hybrid.component_tree import in_one_visit
+from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.logic.model import (
     ALWAYS,

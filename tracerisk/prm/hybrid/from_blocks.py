@@ -9,10 +9,10 @@ from typing import NoReturn
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
-from tracerisk.prm.hybrid.component_tree import (
+from tracerisk.prm.hybrid.function_fault_tree import (
     component_figures,
-    component_part,
     component_spares,
+    function_fault_tree,
     in_one_visit,
     latent_units,
 )
@@ -24,7 +24,7 @@ from tracerisk.prm.hybrid.hybrid import (
     Parameter,
     endless_states,
 )
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.fault_tree import FaultTree, Gate, GateKind
 
 MAX_QUANTITY = 10_000
 """The most units of one component: each becomes a basic event."""
@@ -118,7 +118,7 @@ def function_state(
     return FunctionState(
         name=block.name,
         call_sequence=block.call_sequence.value,
-        tree=component_tree(block.name, components),
+        tree=function_fault_tree(block.name, components),
         probabilities={
             name: value
             for entry in components
@@ -133,26 +133,6 @@ def function_state(
             for gate, spares in component_spares(entry).items()
         },
     )
-
-
-def component_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
-    """Return the fault tree of one function: top OR over its components, omitted ones left out.
-
-    In every function a unit of a component is the same event: see `component_part`.
-    """
-    inputs = []
-    gates: list[Gate] = []
-    events: list[BasicEvent] = []
-    for entry in components:
-        if entry.omitted:
-            continue
-        inputs.append(entry.name)
-        own_gates, own_events = component_part(entry)
-        gates.extend(own_gates)
-        events.extend(own_events)
-    # A blank keeps the top's name apart from that of any component.
-    top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
-    return FaultTree(top.name, (top, *gates), tuple(events))
 
 
 def _check_spares(components: Sequence[ComponentEntry], groups: Collection[str]) -> None:

@@ -19,8 +19,8 @@ from tracerisk.prm.hybrid.assessment import (
     bounded,
     grouped,
 )
-from tracerisk.prm.hybrid.component_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.contributions import mean_drops
+from tracerisk.prm.hybrid.function_fault_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
 from tracerisk.prm.hybrid.importance import importances

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
-from tracerisk.report.diff import words
+from tracerisk.report.diff import sentences
 
 TAG = "<!-- tracerisk-diff -->"
 """By it a bot finds the comment that it wrote before."""
@@ -23,11 +23,11 @@ def render_diff_markdown(review: Review) -> str:
     """Return the review as Markdown: one sentence, a small table, the rest folded."""
     shown = review.controllers[:MOST_CONTROLLERS]
     lines = [TAG]
-    verdicts = words.verdict_lines(review)[:MOST_CONTROLLERS]
-    accepted = [line for each in shown for line in words.acceptances(each)]
+    verdicts = sentences.verdict_lines(review)[:MOST_CONTROLLERS]
+    accepted = [line for each in shown for line in sentences.acceptances(each)]
     for line in (*verdicts, *accepted):
         lines += [_escaped(line), ""]
-    lines += [f"**{_escaped(words.headline(review))}**", ""]
+    lines += [f"**{_escaped(sentences.headline(review))}**", ""]
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
@@ -59,21 +59,21 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
     name = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
     ratio = cycles = ""
     if old is not None and new is not None:
-        ratio = words.ratio(old.failure_probability, new.failure_probability)
+        ratio = sentences.ratio(old.failure_probability, new.failure_probability)
         ratio = ratio if diff.is_comparable else "not comparable"
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
-        cycles = f"{words.probability(earlier)} → {words.probability(later)}"
+        cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
     return (
         _escaped(name),
-        _NONE if old is None else words.probability(old.failure_probability),
-        _NONE if new is None else words.probability(new.failure_probability),
+        _NONE if old is None else sentences.probability(old.failure_probability),
+        _NONE if new is None else sentences.probability(new.failure_probability),
         ratio,
         cycles,
     )
 
 
 def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
-    for title, entries in words.broken_and_repaired(diff):
+    for title, entries in sentences.broken_and_repaired(diff):
         yield f"{title}:"
         yield ""
         yield from (f"- {_escaped(entry)}" for entry in entries)
@@ -81,10 +81,10 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     if diff.changes and diff.is_comparable:
         rows = [
             (
-                words.difference(change.contribution),
-                _escaped(change.summary) + _marked(words.marks(change)),
-                _escaped(words.causes(change)),
-                _escaped(words.places(review, change)),
+                sentences.difference(change.contribution),
+                _escaped(change.summary) + _marked(sentences.marks(change)),
+                _escaped(sentences.causes(change)),
+                _escaped(sentences.places(review, change)),
             )
             for change in diff.changes[:MOST_CHANGES]
         ]
@@ -92,7 +92,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
             rows.append(("", f"and {len(diff.changes) - MOST_CHANGES} more changes", "", ""))
         if diff.interaction is not None:
             told = "what they do only together, and noise"
-            rows.append((words.difference(diff.interaction), told, "", ""))
+            rows.append((sentences.difference(diff.interaction), told, "", ""))
         yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
     functions = [each for each in diff.functions if each.status != "unchanged"]
     if functions and diff.is_comparable:
@@ -109,10 +109,10 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         )
     for point in diff.single_points:
         where = f"{point.component} is a single point of failure now, in "
-        yield f"- {_escaped(where + words.some(point.functions))}"
+        yield f"- {_escaped(where + sentences.some(point.functions))}"
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
-        yield f"- {_escaped(words.pin(pin))} ({_escaped(place)})"
+        yield f"- {_escaped(sentences.pin(pin))} ({_escaped(place)})"
     for told in (*diff.of_run, *diff.inputs):
         yield f"- {_escaped(told)}"
     if diff.within_noise:
@@ -129,10 +129,10 @@ def _of_function(
     before: FunctionFigures | None, after: FunctionFigures | None
 ) -> tuple[str, str, str, str]:
     return (
-        _NONE if before is None else words.probability(before.top_event),
-        _NONE if after is None else words.probability(after.top_event),
-        _NONE if before is None else words.count(before.expected_visits),
-        _NONE if after is None else words.count(after.expected_visits),
+        _NONE if before is None else sentences.probability(before.top_event),
+        _NONE if after is None else sentences.probability(after.top_event),
+        _NONE if before is None else sentences.count(before.expected_visits),
+        _NONE if after is None else sentences.count(after.expected_visits),
     )
 
 

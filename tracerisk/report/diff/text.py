@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 
 from tracerisk.prm.review.risk_change import FunctionChange, Review, RiskChange, RiskDiff, is_noise
-from tracerisk.report.diff import words
+from tracerisk.report.diff import sentences
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio
 _SMALL = 1e-3
@@ -20,12 +20,12 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     """
     room = max(width, 60)
     lines = []
-    for line in words.verdict_lines(review):
+    for line in sentences.verdict_lines(review):
         lines += _wrapped(line, room, hanging=2)
     for each in review.controllers:
-        for line in words.acceptances(each):
+        for line in sentences.acceptances(each):
             lines += _wrapped(line, room, hanging=2)
-    lines += [*_wrapped(words.headline(review), room), ""]
+    lines += [*_wrapped(sentences.headline(review), room), ""]
     if review.controllers:
         lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
     for each in review.controllers:
@@ -47,7 +47,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
     yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
     yield ""
-    for title, entries in words.broken_and_repaired(diff):
+    for title, entries in sentences.broken_and_repaired(diff):
         yield from _list(title, entries, room)
     if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
@@ -59,20 +59,23 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
             told = f"and {len(small)} more, each below a thousandth of the first; --json has them"
             yield from _wrapped(" " * (_ALONE + 4) + told, room, hanging=_ALONE + 4)
         if diff.interaction is not None:
-            rest = words.difference(diff.interaction)
+            rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
         yield ""
     if diff.is_comparable:
         yield from _functions(diff.functions, room)
     yield from _list(
         "Single points of failure that were none",
-        [f"{point.component}, in {words.some(point.functions)}" for point in diff.single_points],
+        [
+            f"{point.component}, in {sentences.some(point.functions)}"
+            for point in diff.single_points
+        ],
         room,
     )
     yield from _list(
         "Pins",
         [
-            f"{words.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
+            f"{sentences.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
             for pin in diff.pins
         ],
         room,
@@ -99,12 +102,12 @@ def _small(changes: Sequence[RiskChange]) -> list[RiskChange]:
 
 
 def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
-    lead = f"  {words.difference(change.contribution):>{_ALONE}}  "
+    lead = f"  {sentences.difference(change.contribution):>{_ALONE}}  "
     if change.contribution is None:
         lead = f"  {'?':>{_ALONE}}  "
     hanging = _ALONE + 4
     yield from _wrapped(lead + change.summary, room, hanging=hanging)
-    why = [words.marks(change), words.causes(change), words.places(review, change)]
+    why = [sentences.marks(change), sentences.causes(change), sentences.places(review, change)]
     told = "; ".join(part for part in why if part)
     yield from _wrapped(" " * hanging + told, room, hanging=hanging)
 
@@ -132,17 +135,17 @@ def _visits(function: FunctionChange) -> str:
     found = [each.expected_visits for each in (before, after) if each is not None]
     if len(found) == 2 and is_noise(*found):
         found = found[1:]
-    told = " -> ".join(map(words.count, found))
+    told = " -> ".join(map(sentences.count, found))
     return f"{told} visit" if told == "1" else f"{told} visits"
 
 
 def _cells(
     before: float | None, after: float | None, *, comparable: bool = True
 ) -> tuple[str, str, str]:
-    ratio = "" if before is None or after is None else words.ratio(before, after)
+    ratio = "" if before is None or after is None else sentences.ratio(before, after)
     return (
-        "-" if before is None else words.probability(before),
-        "-" if after is None else words.probability(after),
+        "-" if before is None else sentences.probability(before),
+        "-" if after is None else sentences.probability(after),
         ratio if comparable else "",
     )
 

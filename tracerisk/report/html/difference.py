@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
-from tracerisk.report.diff import words
+from tracerisk.report.diff import sentences
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -31,7 +31,7 @@ def difference_section(report: ReportInput) -> Section | None:
         return None
     html = rendered(
         "difference.html.j2",
-        headline=words.headline(review),
+        headline=sentences.headline(review),
         before=review.before,
         after=review.after,
         controllers=[
@@ -50,11 +50,11 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     if any(each.status != "unchanged" for each in diff.functions):
         tables.append(_functions(name, diff))
     lines = [
-        f"{point.component} is a single point of failure now, in {words.some(point.functions)}"
+        f"{point.component} is a single point of failure now, in {sentences.some(point.functions)}"
         for point in diff.single_points
     ]
     lines += [
-        f"{words.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
+        f"{sentences.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
         for pin in diff.pins
     ]
     lines += (*diff.of_run, *diff.inputs)
@@ -82,7 +82,7 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
                 Cell(
                     ""
                     if old is None or new is None
-                    else words.ratio(getattr(old, kind), getattr(new, kind))
+                    else sentences.ratio(getattr(old, kind), getattr(new, kind))
                 ),
             )
         )
@@ -96,10 +96,10 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     rows = [
         Row(
             (
-                Cell(change.summary, note=words.marks(change)),
-                Cell(words.difference(change.contribution)),
-                Cell(words.causes(change)),
-                Cell(words.places(review, change)),
+                Cell(change.summary, note=sentences.marks(change)),
+                Cell(sentences.difference(change.contribution)),
+                Cell(sentences.causes(change)),
+                Cell(sentences.places(review, change)),
             ),
             component=change.component,
         )
@@ -107,7 +107,9 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     ]
     if diff.interaction is not None:
         told = "what they do only together, and noise"
-        rows.append(Row((Cell(told), Cell(words.difference(diff.interaction)), Cell(""), Cell(""))))
+        rows.append(
+            Row((Cell(told), Cell(sentences.difference(diff.interaction)), Cell(""), Cell("")))
+        )
     columns = (
         Column("change"),
         Column("alone", "what only it does to mission failure", is_number=True),
@@ -151,10 +153,12 @@ def _figure(mission: MissionFigures | None, kind: str) -> str:
     if mission is None:
         return _NONE
     value = getattr(mission, kind)
-    return words.count(value) if kind == "expected_cycles" else words.probability(value)
+    return sentences.count(value) if kind == "expected_cycles" else sentences.probability(value)
 
 
 def _of_function(function: FunctionFigures | None) -> tuple[Cell, Cell]:
     if function is None:
         return Cell(_NONE), Cell(_NONE)
-    return Cell(words.probability(function.top_event)), Cell(words.count(function.expected_visits))
+    return Cell(sentences.probability(function.top_event)), Cell(
+        sentences.count(function.expected_visits)
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from tracerisk.prm.hybrid.assessment import FIXED
-from tracerisk.report.diff import words
+from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -26,7 +26,7 @@ def lead(report: ReportInput) -> Markup:
         readings=_readings(report),
         counts=_counts(report),
         end=_end(report),
-        since=words.headline(report.review) if report.review is not None else "",
+        since=sentences.headline(report.review) if report.review is not None else "",
         outcome=report.outcome,
         no_trace=report.no_trace,
     )

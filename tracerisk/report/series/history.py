@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
-from tracerisk.report.diff.words import sentence
+from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.series.sweep import plot_svg
 from tracerisk.report.tables import render_parts, table_of
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict

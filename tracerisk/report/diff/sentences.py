@@ -1,4 +1,4 @@
-"""The words in which a change of risk is told, the same in every format."""
+"""The sentences that report a change of risk, the same in every format."""
 
 from __future__ import annotations
 

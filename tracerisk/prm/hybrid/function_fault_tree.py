@@ -1,8 +1,8 @@
-"""The part of a function's fault tree that one component makes, by its redundancy."""
+"""The fault tree of a function: a top over its components, each by its redundancy."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from tracerisk.adder.blocks.block import ComponentEntry
@@ -13,6 +13,26 @@ from tracerisk.prm.trees.spares import Spares, spare_group_failure
 
 # No component can have a name with braces.
 _SPARES = "{spares}"
+
+
+def function_fault_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
+    """Return the fault tree of one function: an OR over its components, omitted ones left out.
+
+    In every function a unit of a component is the same event: see `component_part`.
+    """
+    inputs = []
+    gates: list[Gate] = []
+    events: list[BasicEvent] = []
+    for entry in components:
+        if entry.omitted:
+            continue
+        inputs.append(entry.name)
+        own_gates, own_events = component_part(entry)
+        gates.extend(own_gates)
+        events.extend(own_events)
+    # A blank keeps the top's name apart from that of any component.
+    top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
+    return FaultTree(top.name, (top, *gates), tuple(events))
 
 
 def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[BasicEvent, ...]]:
