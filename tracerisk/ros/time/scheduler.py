@@ -1,11 +1,11 @@
 """Virtual time: the controller's threads, one at a time, and a world that moves while all wait.
 
 Every thread of the controller is a real thread, or a greenlet (`baton.py`), and exactly one holds
-the baton. It passes it on only where it waits, or reads the clock twice at one instant. The thread
-that waits looks for who
-may run next: kernel events that are due, then the thread that has waited longest among those
-whose wait is over, and where there is none it lets the world move to the next instant at which
-something is due. So the order of everything depends on simulated time and on sequence alone.
+the baton. It passes it on only where it waits, or reads the clock twice at one instant
+(`busy_wait.py`). The thread that waits looks for who may run next: kernel events that are due, then
+the thread that has waited longest among those whose wait is over, and where there is none it lets
+the world move to the next instant at which something is due. So the order of everything depends on
+simulated time and on sequence alone.
 
 Times are integer nanoseconds of simulated time.
 """
@@ -32,6 +32,7 @@ from tracerisk.ros.controller.thread import (
     WaitKind,
 )
 from tracerisk.ros.time.baton import Baton, ThreadBaton
+from tracerisk.ros.time.busy_wait import READ_STEP_NS, Turns, calls_are_spent, has_looked
 from tracerisk.ros.time.event_queue import EventQueue, ScheduledCall
 from tracerisk.ros.time.standstill import end_of_duration, end_of_standstill
 from tracerisk.ros.time.world import CallTracer, World
@@ -48,14 +49,6 @@ __all__ = [
     "World",
 ]
 
-READ_STEP_NS = 1_000_000
-"""How far a second reading of the clock at one instant moves it [ns]."""
-CALLS_PER_INSTANT = 1000
-"""Waits that need not wait, and locks that are free, that one thread gets at one instant."""
-TURNS_PER_INSTANT = 2000
-"""How often threads may hand the baton to each other at one instant."""
-POLL_COST = 50
-"""For how many such calls a turn of an event loop counts that finds nothing to wait for."""
 STREAM_PATIENCE_NS = 1_000_000_000
 """How long background events alone may go on before it is a standstill: what they bring may
 satisfy a wait, or move a callback to act [ns]."""
@@ -116,8 +109,7 @@ class Scheduler:
         self._threads: list[ControllerThread] = []
         self._by_ident: dict[int, ControllerThread] = {}
         self._main: ControllerThread | None = None
-        self._turns = 0
-        self._turns_ns = -1
+        self._turns = Turns()
         self._kernel_depth = 0
         self._stirred_ns = 0
         self._over: RunOver | None = None
@@ -213,7 +205,7 @@ class Scheduler:
         if thread is None or self._kernel_depth or thread.is_undisturbed:
             return
         self._raise_if_over(thread)
-        if thread.read_ns == self._now_ns:
+        if has_looked(thread, self._now_ns):
             self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
         thread.read_ns = self._now_ns
 
@@ -222,10 +214,7 @@ class Scheduler:
         thread = self.current
         if thread is None or self._kernel_depth or self._over is not None:
             return
-        if thread.calls_ns != self._now_ns:
-            thread.calls, thread.calls_ns = 0, self._now_ns
-        thread.calls += cost
-        if thread.calls > CALLS_PER_INSTANT:
+        if calls_are_spent(thread, self._now_ns, cost):
             self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
 
     # Waiting
@@ -481,7 +470,7 @@ class Scheduler:
                 self._run_due_events()
                 if self.over is not None:
                     break
-                if self._turns_are_spent():
+                if self._turns.are_spent(self._now_ns):
                     self._pass_time(READ_STEP_NS)
                     continue
                 ready = self._first_ready()
@@ -516,13 +505,6 @@ class Scheduler:
             if thread.interrupt is not None:
                 return thread
         return None
-
-    def _turns_are_spent(self) -> bool:
-        """Count the turns of this instant: threads that only hand on work take no time else."""
-        if self._turns_ns != self._now_ns:
-            self._turns, self._turns_ns = 0, self._now_ns
-        self._turns += 1
-        return self._turns > TURNS_PER_INSTANT
 
     def _pass_time(self, at_most_ns: int | None = None) -> None:
         deadlines = [

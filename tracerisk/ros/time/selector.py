@@ -7,7 +7,8 @@ import selectors
 from collections.abc import Mapping
 from typing import Any
 
-from tracerisk.ros.time.scheduler import POLL_COST, Scheduler
+from tracerisk.ros.time.busy_wait import POLL_COST
+from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS
 
 _RealSelector = selectors.DefaultSelector
