@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, NoReturn, cast
 
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
-from tracerisk.errors import DependencyError, ExitCode, InputError, TraceRiskError
+from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.source.language import is_c
 from tracerisk.trace import verdict_line
 
@@ -77,14 +77,8 @@ def _watch(options: argparse.Namespace) -> NoReturn:
     files = checked_files(_paths(options))
 
     def update(_: Watch) -> Iterable[Path]:
-        try:
-            _check(options)
-            return {*files, *checked_files(_paths(options))}
-        except DependencyError:
-            raise
-        except TraceRiskError as error:
-            note(f"tracerisk: {error.with_code}")
-            return files
+        _check(options)
+        return {*files, *checked_files(_paths(options))}
 
     watch(files, update, quiet=options.quiet)
 

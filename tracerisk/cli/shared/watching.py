@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from tracerisk.cli.shared.output import note
+from tracerisk.errors import DependencyError, TraceRiskError
 
 POLL_S = 0.1
 """How often files are looked at [s]."""
@@ -101,12 +102,24 @@ def _look(file: Path) -> object:
     return found.st_mtime_ns, found.st_size, found.st_ino
 
 
+def note_error(error: TraceRiskError) -> None:
+    """Print an error as the command does, and go on."""
+    note(f"tracerisk: {error.with_code}")
+
+
 def watch(
-    files: Iterable[Path], update: Callable[[Watch], Iterable[Path]], *, quiet: bool
+    files: Iterable[Path],
+    update: Callable[[Watch], Iterable[Path]],
+    *,
+    quiet: bool,
+    show_error: Callable[[TraceRiskError], None] = note_error,
+    sources: Path | None = None,
 ) -> NoReturn:
     """Call `update` now, and whenever a file has changed; it ends by an interrupt.
 
     `update` returns the files to watch from then on. One that is superseded is called again.
+    After an error the file that it names is watched too, and the sources in the folder `sources`.
+    Raises DependencyError: no change of a file brings what is not installed.
     """
     watched = Watch(files)
     while True:
@@ -117,6 +130,13 @@ def watch(
             note(f"{_named(watched.changed())} changed meanwhile; begun again", quiet=quiet)
             _settle(watched)
             continue
+        except DependencyError:
+            raise
+        except TraceRiskError as error:
+            show_error(error)
+            place = [] if error.location is None else [Path(error.location.file)]
+            beside = [] if sources is None else sources.glob("*.py")
+            watched.follow({*watched.files, *place, *beside})
         count = sum(1 for each in watched.files if each.is_file())
         told = f"watching {count} file{'' if count == 1 else 's'}; Ctrl-C ends"
         note(told, quiet=quiet)

@@ -1,0 +1,137 @@
+"""One run of `tracerisk run`: assess the controller, and write what is to be written."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from tracerisk import api, trace_json
+from tracerisk.cli.explain import explained
+from tracerisk.cli.hardware_spread import uncertainty_of_run
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.against import review_against
+from tracerisk.cli.shared.output import note_warnings, write_file, write_sarif
+from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html
+from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
+from tracerisk.cli.verdict import verdict_details
+from tracerisk.pipeline.results.alerts import run_alerts
+from tracerisk.pipeline.results.run_section import recorded_run, run_section
+from tracerisk.pipeline.stages import blocks_of
+from tracerisk.prm.formats import model_json
+from tracerisk.report.run_figures import run_figures, set_by_hand
+from tracerisk.trace import verdict_line
+
+if TYPE_CHECKING:
+    from tracerisk.adder.figures.derivation import FunctionDerivation
+    from tracerisk.api import Assessed
+    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.prm.questions.uncertainty import Uncertainty
+    from tracerisk.report.html.run.replay import RecordedRun
+    from tracerisk.report.html.section import Section
+    from tracerisk.report.run_figures import RunFigures
+
+
+@dataclass(frozen=True, slots=True)
+class FinishedRun:
+    """What a run that ended well came to; everything that was asked for as a file is written."""
+
+    assessed: Assessed
+    figures: RunFigures
+    uncertainty: Uncertainty | None
+    derivation: FunctionDerivation | None
+
+
+def finish_run(
+    options: argparse.Namespace, progress: Progress | None, known: FinishedRun | None = None
+) -> FinishedRun:
+    """Assess the controller, and write what is to be written.
+
+    `known` is what an earlier call gave, which is returned where nothing at all has changed.
+    Raises RunFailedError with the trace of a bad end.
+    """
+    recorded = None
+    with recording_folder(options) as keep:
+        try:
+            done = api.assess(
+                options.controller,
+                shared.run_settings(options),
+                policy=shared.merge_policy(options),
+                profile=shared.read_profile(options),
+                keep=keep,
+                progress=progress,
+                # A recording is that of a run.
+                known=None if known is None or keep is not None else known.assessed,
+                live_speed=shared.live_speed(options),
+            )
+        except api.RunFailedError as error:
+            write_record(options, keep, error.trace)
+            raise
+        if keep is not None and options.report is not None:
+            recorded = recorded_run(keep)
+        if known is not None and _is_same(done, known.assessed):
+            return known
+        note_warnings(done.hardware, quiet=options.quiet)
+        instances = done.annotated.computed.instances
+        blocks = [block for _, block in blocks_of(done.sources)]
+        found = FinishedRun(
+            done,
+            run_figures(done.assessment, done.hardware, instances, blocks),
+            uncertainty_of_run(
+                done.model,
+                done.hardware,
+                instances,
+                set_by_hand(blocks),
+                options,
+                seed=done.settings.seed,
+            ),
+            explained(options, done.annotated, done.hardware, done.settings),
+        )
+        if not keeps_files(options):
+            found = replace(found, assessed=api.write_blocks(done))
+        # With the lines of the source as it is now, blocks and all: as --trace has them.
+        write_record(options, keep, found.assessed.trace)
+    if options.report is not None and progress is not None:
+        progress("report", done.trace.end.simulated_s or 0.0)
+    _write_files(options, found.assessed, recorded)
+    return found
+
+
+def _is_same(done: Assessed, known: Assessed) -> bool:
+    """Return whether an assessment says nothing that an earlier one did not."""
+    return (
+        done.trace is known.trace
+        and done.sources == known.sources
+        and done.hardware == known.hardware
+        and done.settings == known.settings
+    )
+
+
+def keeps_files(options: argparse.Namespace) -> bool:
+    """Return whether sources and lock are left as they are."""
+    is_only_shown = options.check or options.diff or options.live
+    return bool(is_only_shown or (options.watch and not options.write))
+
+
+def _write_files(options: argparse.Namespace, done: Assessed, recorded: RecordedRun | None) -> None:
+    """Write the files that were asked for beside the blocks."""
+    write_outputs(options, done.annotated.computed)
+    if options.model is not None:
+        write_file(options.model, model_json.dumps(done.model))
+    if options.trace is not None:
+        write_file(options.trace, trace_json.dumps(done.trace))
+    if options.sarif is not None:
+        write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
+    if options.report is not None:
+        section = run_section(done.trace, done.hardware, recorded)
+        sections: tuple[Section, ...] = () if section is None else (section,)
+        sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
+        page = report_html(
+            done.assessment,
+            done.model,
+            done.sources,
+            run=RunShown(done.trace, done.hardware, done.annotated.computed, sections),
+            review=review_against(options.against, done.sources),
+            verdict=(verdict_line(done.trace.verdict), *verdict_details(done.trace.verdict)),
+        )
+        write_file(options.report, page)

@@ -1,0 +1,123 @@
+"""What `tracerisk run` prints of a run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk import trace_json
+from tracerisk.cli.explain import derivation_json, print_derivation
+from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
+from tracerisk.cli.shared.assessment import print_assessment, risk_exit
+from tracerisk.cli.shared.output import (
+    note,
+    print_diffs,
+    print_json,
+    terminal_width,
+    write_file,
+)
+from tracerisk.cli.shared.run_report import (
+    blocks_line,
+    failure_of,
+    finding_exit,
+    finding_lines,
+    headline,
+    note_draft,
+    object_lines,
+    print_failure,
+)
+from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.what_if import print_what_if, what_if_data
+from tracerisk.errors import ExitCode
+from tracerisk.prm.formats import model_json
+from tracerisk.prm.formats.assessment_json import assessment_to_json
+from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.api import Assessed
+
+
+def show_failure(options: argparse.Namespace, trace: Trace) -> int:
+    """Print how a run ended that ended badly; return the exit code."""
+    if options.trace is not None:
+        write_file(options.trace, trace_json.dumps(trace))
+    code = print_failure(trace)
+    if options.report is not None:
+        told = f"{options.report}: no report is written of a run that ended badly"
+        kept = "; the file is an earlier one" if Path(options.report).exists() else ""
+        note(f"{told}{kept}", quiet=options.quiet)
+    if options.json:
+        data = trace_json.trace_data(trace)
+        verdict = verdict_json(trace.verdict)
+        print_json("run", exit_code=code, **verdict, error=failure_of(trace), trace=data)
+    return code
+
+
+def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
+    """Print the results of a run, most important first; return the exit code."""
+    assessed = done.assessed
+    trace, annotated, assessment = assessed.trace, assessed.annotated, assessed.assessment
+    note_draft(trace, quiet=options.quiet)
+    code = max(
+        verdict_exit(trace.verdict),
+        risk_exit(assessment, options.max_failure_probability),
+        finding_exit(trace, assessed.settings.fail_on),
+    )
+    if options.check and annotated.is_changed:
+        code = ExitCode.WOULD_CHANGE
+    if options.json:
+        print_json(
+            "run",
+            exit_code=int(code),
+            **verdict_json(trace.verdict),
+            **({} if trace.end.is_good else {"error": failure_of(trace)}),
+            trace=trace_json.trace_data(trace),
+            objects=trace_json.trace_data(trace)["objects"],
+            assessment=assessment_to_json(assessment),
+            assumptions=[*trace.assumptions, *annotated.computed.assumptions],
+            model=model_json.model_data(assessed.model),
+            **derivation_json(done.derivation),
+            **done.figures.data(annotated.computed.names),
+            **what_if_data([], (), done.uncertainty),
+        )
+        return int(code)
+    print_verdict(trace.verdict, options)
+    if options.diff:
+        print_diffs(annotated)
+    for line in _notes(options, assessed):
+        note(line, quiet=options.quiet)
+    if not (options.diff or options.quiet):
+        print_assessment(
+            assessment,
+            exposures=annotated.computed.exposures_by_name,
+            findings=finding_lines(trace),
+            assumptions=(*trace.assumptions, *annotated.computed.assumptions),
+            tables=done.figures.tables(terminal_width()),
+            following=_following(options) if sys.stdout.isatty() and not options.verbose else None,
+        )
+    if not options.diff:
+        print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
+    print_derivation(done.derivation, assessed.model, assessment)
+    return int(code)
+
+
+def _following(options: argparse.Namespace) -> list[str]:
+    """Return what to do next, a line each."""
+    name = options.controller
+    return [
+        f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
+        "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."
+    ]
+
+
+def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
+    """Return how the run went and what became of the blocks, a line each."""
+    blocks = blocks_line(
+        str(done.controller.path),
+        len(done.annotated.computed.blocks),
+        keeps_files=keeps_files(options),
+        is_changed=done.annotated.is_changed,
+    )
+    return [headline(done.trace), *object_lines(done.trace), blocks]
