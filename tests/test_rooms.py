@@ -6,9 +6,12 @@ Nothing below knows what stands above it. An import within a function counts as 
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
+
+from tracerisk.strong_components import strong_components
 
 PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
@@ -74,56 +77,71 @@ SUB_ROOMS = {
 MOST_FILES = 15
 """In a folder, beside `__init__`: more hide what is there."""
 VERBS = 35
+FILES = sorted(
+    path
+    for path in PACKAGE.rglob("*.py")
+    if path.relative_to(PACKAGE).as_posix() not in ("__init__.py", "__main__.py")
+)
+STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
+OURS, TYPES = "tracerisk.", "TYPE_CHECKING"
 
 
 def parts_of(path: Path) -> tuple[str, ...]:
     return path.relative_to(PACKAGE).with_suffix("").parts
 
 
-def imported(path: Path) -> dict[tuple[str, ...], int]:
-    """What a file imports of tracerisk: the parts of each name, with the line."""
-    found: dict[tuple[str, ...], int] = {}
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        names: list[str] = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.level:
-            # A stand-in is a package of its own, and a relative import stays in it.
-            assert "stand_ins" in path.parts, f"{path}:{node.lineno}: relative import"
-        elif isinstance(node, ast.ImportFrom):
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
-        for name in names:
-            first, *parts = name.split(".")
-            if first == "tracerisk" and parts:
-                found.setdefault(tuple(parts), node.lineno)
+@cache
+def imports_in(path: Path) -> list[tuple[str, int, bool]]:
+    """What a file imports of tracerisk: module and name, the line, and whether for types alone."""
+    found: list[tuple[str, int, bool]] = []
+    waiting: list[tuple[ast.AST, bool]] = [(ast.parse(path.read_bytes()), False)]
+    while waiting:
+        above, for_types = waiting.pop()
+        for node in ast.iter_child_nodes(above):
+            names: list[str] = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.level:
+                # A stand-in is a package of its own, and a relative import stays in it.
+                assert "stand_ins" in path.parts, f"{path}:{node.lineno}: relative import"
+            elif isinstance(node, ast.ImportFrom):
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+            elif isinstance(node, STATEMENTS):
+                is_types = isinstance(node, ast.If) and getattr(node.test, "id", "") == TYPES
+                waiting.append((node, for_types or is_types))
+            found += [(each, node.lineno, for_types) for each in names if each.startswith(OURS)]
     return found
 
 
-FILES = sorted(
-    path
-    for path in PACKAGE.rglob("*.py")
-    if path.relative_to(PACKAGE).as_posix() not in ("__init__.py", "__main__.py")
-)
+def imported(path: Path) -> dict[tuple[str, ...], int]:
+    """What a file imports of tracerisk: the parts of each name, with the line."""
+    return {tuple(name.split(".")[1:]): line for name, line, _ in imports_in(path)}
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
-def test_a_file_imports_from_its_own_room_and_from_below(path):
-    room, *inside = parts_of(path)
+@pytest.mark.parametrize("room", RANK)
+def test_a_room_imports_from_itself_and_from_below(room):
     upwards = {
-        name: line
+        f"{path.relative_to(PACKAGE)}:{line}": ".".join(name)
+        for path in FILES
+        if parts_of(path)[0] == room
         for name, line in imported(path).items()
         if name[0] in RANK and RANK[name[0]] < RANK[room]
     }
-    assert not upwards, f"{path.name} imports from a room above its own: {upwards}"
-    ranks = {name: rank for rank, name in enumerate(SUB_ROOMS.get(room, ()))}
-    if inside == ["__init__"] or not ranks:
-        return
+    assert upwards == {}
+
+
+@pytest.mark.parametrize("room", SUB_ROOMS)
+def test_a_part_of_a_room_imports_from_itself_and_from_below(room):
+    ranks = {name: rank for rank, name in enumerate(SUB_ROOMS[room])}
     upwards = {
-        name: line
+        f"{path.relative_to(PACKAGE)}:{line}": ".".join(name)
+        for path in FILES
+        if parts_of(path)[0] == room and parts_of(path)[1:] != ("__init__",)
         for name, line in imported(path).items()
-        if name[0] == room and len(name) > 1 and ranks.get(name[1], 99) < ranks[inside[0]]
+        if name[0] == room and len(name) > 1
+        if ranks.get(name[1], 99) < ranks[parts_of(path)[1]]
     }
-    assert not upwards, f"{path.name} imports from a part above its own: {upwards}"
+    assert upwards == {}
 
 
 def test_every_room_and_module_has_its_place():
@@ -165,41 +183,11 @@ def test_no_circle_of_imports_has_more_than_three_files():
         for path in PACKAGE.rglob("*.py")
         if "stand_ins" not in path.parts  # these follow the libraries that they stand for
     }
-    circles = circles_of({name: imports_of(name, modules) for name in modules})
+
+    def leads_to(path: Path) -> set[str]:
+        names = {name for name, _, for_types in imports_in(path) if not for_types}
+        found = {name if name in modules else name.rpartition(".")[0] for name in names}
+        return found & modules.keys()
+
+    circles = strong_components({name: leads_to(path) for name, path in modules.items()})
     assert [each for each in circles if len(each) > 3] == []
-
-
-def imports_of(name: str, modules: dict[str, Path]) -> set[str]:
-    """The modules that one imports, within functions too, but not for its types alone."""
-    found = set()
-    waiting: list[ast.AST] = [ast.parse(modules[name].read_text(encoding="utf-8"))]
-    while waiting:
-        for node in ast.iter_child_nodes(waiting.pop()):
-            if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING":
-                continue
-            if isinstance(node, ast.ImportFrom) and node.module is not None:
-                names = [f"{node.module}.{each.name}" for each in node.names]
-                found |= {each if each in modules else node.module for each in names}
-            waiting.append(node)
-    return found & modules.keys()
-
-
-def circles_of(imports: dict[str, set[str]]) -> list[set[str]]:
-    """The sets of modules each of which leads to every other."""
-    leads_to = {name: reached(name, imports) for name in imports}
-    found: list[set[str]] = []
-    for name in sorted(imports):
-        if not any(name in each for each in found):
-            circle = {each for each in leads_to[name] if name in leads_to[each]}
-            found += [circle] if len(circle) > 1 else []
-    return found
-
-
-def reached(name: str, imports: dict[str, set[str]]) -> set[str]:
-    found: set[str] = set()
-    waiting = [name]
-    while waiting:
-        new = imports[waiting.pop()] - found
-        found |= new
-        waiting += new
-    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -35,19 +36,8 @@ INSTEAD = {
     "is no probability": "is not a probability",
 }
 # Comments are for who works on the code; strings and docstrings are read by users.
+UNPLAIN = re.compile("|".join(map(re.escape, INSTEAD)))
 OPENINGS = re.compile(r"(?:Tell|Say|Have|Let)\b")
-
-
-def texts(path: Path) -> list[tuple[int, str]]:
-    """All strings of a source, docstrings among them, with their lines."""
-    found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.JoinedStr):
-            parts = [each.value for each in node.values if isinstance(each, ast.Constant)]
-            found.append((node.lineno, "{}".join(parts)))
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            found.append((node.lineno, node.value))
-    return found
 
 
 @pytest.mark.parametrize("words", INSTEAD)
@@ -61,25 +51,35 @@ def test_the_documentation_has_the_plain_words(words):
     assert not found, "\n".join(found)
 
 
-def test_messages_help_and_docstrings_have_the_plain_words():
+def test_messages_and_docstrings_have_the_plain_words_and_open_with_what_is_done():
     found = []
     for path in SOURCES:
-        for line, text in texts(path):
-            plain = " ".join(text.split())
-            found += [
-                f"{path.relative_to(ROOT)}:{line}: '{words}', write '{INSTEAD[words]}'"
-                for words in INSTEAD
-                if words in plain
-            ]
+        text = path.read_text(encoding="utf-8")
+        nodes = list(ast.walk(ast.parse(text)))
+        found += [
+            f"{path.relative_to(ROOT)}:{each}" for each in [*unplain(nodes), *openings(nodes)]
+        ]
     assert not found, "\n".join(found)
 
 
-def test_docstrings_open_with_what_is_done():
-    found = []
-    for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Module, ast.AsyncFunctionDef)):
-                opening = ast.get_docstring(node) or ""
-                if OPENINGS.match(opening):
-                    found.append(f"{path.relative_to(ROOT)}: {opening.splitlines()[0]}")
-    assert not found, "\n".join(found)
+def unplain(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """Each string, docstrings among them, that has words to replace."""
+    for node in nodes:
+        if isinstance(node, ast.JoinedStr):
+            parts = [str(each.value) for each in node.values if isinstance(each, ast.Constant)]
+            text = "{}".join(parts)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            text = node.value
+        else:
+            continue
+        for words in UNPLAIN.findall(" ".join(text.split())):
+            yield f"{node.lineno}: '{words}', write '{INSTEAD[words]}'"
+
+
+def openings(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """Each docstring that does not open with what is done."""
+    for node in nodes:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Module, ast.AsyncFunctionDef)):
+            opening = ast.get_docstring(node) or ""
+            if OPENINGS.match(opening):
+                yield f" {opening.splitlines()[0]}"
