@@ -1,12 +1,13 @@
 """The readers that take what others wrote, each as a function of bytes, with whole examples.
 
-A reader of a model solves it too, as `solve` does.
+A reader of a model solves it too, as `solve` does. Further examples are the files of `examples/`,
+a folder a reader.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import tracerisk
@@ -219,16 +220,19 @@ EVIDENCE = Evidence(
         ),
     ),
 )
+EXAMPLES = Path(__file__).parent / "examples"
 SYSML = Path(__file__).parents[1] / "hardware" / "sysml"
 ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots" / "shipped"
 
 
 @dataclass(frozen=True)
 class Reader:
-    """One reader: what reads bytes (in a folder that it may write), and whole examples."""
+    """One reader."""
 
     read: Callable[[bytes, Path], object]
+    """What reads bytes, in a folder that it may write."""
     examples: tuple[bytes, ...]
+    """Whole inputs, which it accepts."""
 
 
 def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], object]:
@@ -257,7 +261,12 @@ def _solved_blocks(data: bytes, _folder: Path) -> object:
     return solve(build_model([each.block for each in read_blocks(data, "c.py")], name="m"))
 
 
-READERS: dict[str, Reader] = {
+def _with_files(name: str, reader: Reader) -> Reader:
+    files = sorted((EXAMPLES / name).glob("*"))
+    return replace(reader, examples=(*reader.examples, *(each.read_bytes() for each in files)))
+
+
+_READERS: dict[str, Reader] = {
     "evidence": Reader(
         lambda data, _: dump_evidence(loads_evidence(_text(data), "tracerisk.evidence")),
         (dump_evidence({"cell.py": EVIDENCE}).encode(),),
@@ -335,3 +344,4 @@ READERS: dict[str, Reader] = {
         _file("pyproject.toml", lambda path: config.read_settings(path.parent)), (SETTINGS,)
     ),
 }
+READERS = {name: _with_files(name, reader) for name, reader in _READERS.items()}
