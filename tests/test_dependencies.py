@@ -72,3 +72,11 @@ def test_the_version_of_a_package_that_is_there_is_given():
     with pytest.raises(KeyError):
         dependencies.version_of("my_vision")
     assert issubclass(DependencyError, ImportError)
+
+
+def test_a_namespace_package_is_installed_and_a_folder_of_a_name_is_not(tmp_path, monkeypatch):
+    assert dependencies.is_installed("rosbags")
+    (tmp_path / "spare").mkdir()
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(dependencies.MODULES, "spare", "spare")
+    assert not dependencies.is_installed("spare")

@@ -73,8 +73,16 @@ def is_installed(distribution: str) -> bool:
     if top in sys.modules:
         return True  # it may have been put there by hand, without a spec
     spec = find_spec(top)
-    # A folder of that name, of the workspace that we are called in, is not a package.
-    return spec is not None and spec.has_location
+    if spec is None or spec.has_location:
+        return spec is not None
+    # A namespace package, as rosbags is, or any folder of that name: only an installer knows which.
+    from importlib.metadata import PackageNotFoundError, version  # slow to import
+
+    try:
+        version(distribution)
+    except PackageNotFoundError:
+        return False
+    return True
 
 
 def missing_extras() -> tuple[str, ...]:
