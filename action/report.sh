@@ -10,9 +10,8 @@ failed=0
 controllers() {
     "$folder/venv/bin/python" -I -c '
 import os, sys
-from pathlib import Path
-from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
-found = controllers_of(sys.argv[1:]) if sys.argv[1:] else controllers_in(Path())
+from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+found = controllers_of(sys.argv[1:]) if sys.argv[1:] else all_controllers()
 sys.stdout.buffer.write(b"".join(os.fsencode(str(each)) + b"\0" for each in found))
 ' "${files[@]}" >"$names"
 }

@@ -59,5 +59,5 @@ def test_a_run_without_a_command_is_an_error(example):
 def test_a_folder_without_a_lock_knows_no_controller(example, monkeypatch):
     monkeypatch.chdir(example.folder)
     for function in (tracerisk.check, tracerisk.overrides):
-        with pytest.raises(InputError, match=r"no tracerisk\.lock in this folder"):
+        with pytest.raises(InputError, match=r"no tracerisk\.lock in or below"):
             function()

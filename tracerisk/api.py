@@ -313,17 +313,14 @@ def check(
 
 
 def known_controllers(paths: Iterable[str | Path] = ()) -> Sequence[Path]:
-    """Return the controllers that depend on files; without files, all of this folder's lock.
+    """Return the controllers that depend on files; without, all of the locks in and below here.
 
     Raises InputError when there is no lock that knows one.
     """
-    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 
     given = list(map(Path, paths))
-    found = controllers_of(given) if given else controllers_in(Path())
-    if not given and not found:
-        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
-    return found
+    return controllers_of(given) if given else all_controllers()
 
 
 def refresh(
@@ -346,13 +343,13 @@ def refresh(
 
 
 def overrides(paths: Iterable[str | Path] = ()) -> Sequence[Override]:
-    """Return the values set by hand in sources; without files, in all that the lock knows."""
-    from tracerisk.pipeline.check.overrides import files_of_lock, overrides_in
+    """Return the values set by hand in sources; without files, in all that locks know.
 
-    files = list(map(Path, paths)) or list(files_of_lock(Path()))
-    if not files:
-        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
-    return overrides_in(files)
+    Those are the locks in and below this folder. Raises InputError where there is none.
+    """
+    from tracerisk.pipeline.check.overrides import files_of_locks, overrides_in
+
+    return overrides_in(list(map(Path, paths)) or files_of_locks(Path()))
 
 
 def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:

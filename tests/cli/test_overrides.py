@@ -172,7 +172,7 @@ def test_a_file_named_twice_is_told_once_and_one_without_blocks_has_nothing(exam
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ([], "no tracerisk.lock in this folder knows a controller; name a FILE"),
+        ([], "no tracerisk.lock in or below this folder knows a controller; name a FILE"),
         (["nowhere.py"], "nowhere.py: cannot be read: No such file or directory"),
         (["bad.py"], "bad.py:3: the `@Function {` of this line has no `}`"),
         (["bad.py", "--max-drift", "-1"], "-1 is not a percentage from 0 up"),

@@ -289,7 +289,7 @@ def test_blocks_that_the_lock_does_not_know_are_unknown(project):
     assert check(project, "c.py")[:2] == (1, [("unknown", "c.py", 1)])
     outcome = project.run("check")
     assert outcome.code == 2
-    assert "no tracerisk.lock in this folder knows a controller" in outcome.err
+    assert "no tracerisk.lock in or below this folder knows a controller" in outcome.err
 
 
 def test_a_malformed_block_is_an_error_beside_what_is_found_of_others(project):
@@ -315,6 +315,21 @@ def test_no_simulator_is_imported(project):
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+def test_without_a_file_the_locks_of_packages_below_count_too(project):
+    # A ROS workspace: the packages are below the repository's top, each with its own lock.
+    files = list(project.folder.iterdir())
+    package = project.folder / "pick"
+    package.mkdir()
+    for each in files:
+        each.rename(package / each.name)
+    assert check(project)[:2] == (0, [])
+    (package / "helper.py").write_text("REACH = 0.3\n")
+    assert check(project)[:2] == (1, [("stale", "pick/c.py", 1)])
+    assert check(project, ".")[:2] == (1, [("stale", "pick/c.py", 1)])
+    assert project.run("overrides").code == 0
+    assert project.run("refresh", "--check").code == 1
+
+
 def test_a_folder_stands_for_all_that_its_lock_knows(project):
     assert check(project, ".")[:2] == (0, [])
     change(project, "helper.py", "0.2", "0.3")
@@ -322,4 +337,4 @@ def test_a_folder_stands_for_all_that_its_lock_knows(project):
     (project.folder / "empty").mkdir()
     outcome = project.run("check", "empty")
     assert outcome.code == 2
-    assert "empty: no tracerisk.lock in this folder knows a controller" in outcome.err
+    assert "empty: no tracerisk.lock in or below it knows a controller" in outcome.err

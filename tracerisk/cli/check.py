@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, NoReturn, cast
 
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
-from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.source.language import is_c
 from tracerisk.trace import verdict_line
 
@@ -27,7 +27,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="controller, or a file that one uses (default: every controller in tracerisk.lock)",
+        help="controller, or a file that one uses (default: all of the locks here and below)",
     )
     parser.add_argument(
         "--min-coverage",
@@ -85,14 +85,9 @@ def _watch(options: argparse.Namespace) -> NoReturn:
 
 def _paths(options: argparse.Namespace) -> Sequence[Path]:
     """Return the controllers to check; raise InputError where none is known."""
-    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 
-    if options.files:
-        return controllers_of(options.files)
-    paths = controllers_in(Path())
-    if not paths:
-        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
-    return paths
+    return controllers_of(options.files) if options.files else all_controllers()
 
 
 def _check(options: argparse.Namespace) -> int:

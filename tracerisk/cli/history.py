@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="a controller (default: every controller in tracerisk.lock)",
+        help="a controller (default: all of the locks here and below)",
     )
     parser.add_argument(
         "--most", metavar="N", type=shared.count, help="look at the last N commits of each alone"
@@ -50,17 +49,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.config import controller_root
-    from tracerisk.pipeline.freshness.known_controllers import controllers_in
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers
     from tracerisk.pipeline.review.history import first_above, history, history_rows
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
     if not files:
-        known = controllers_in(controller_root(Path("here.py")))
-        files = [Path(os.path.relpath(each)) for each in known if each.is_file()]
-        if not files:
-            raise InputError("tracerisk.lock knows no controller here; name one")
+        files = [each for each in all_controllers() if each.is_file()]
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     found = {str(each): history(each, most=options.most) for each in files}

@@ -28,7 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="annotated source (default: every controller in tracerisk.lock)",
+        help="annotated source (default: all of the locks here and below)",
     )
     parser.add_argument(
         "--max-drift",

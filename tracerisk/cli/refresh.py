@@ -26,7 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="controller, or a file that one uses (default: every controller in tracerisk.lock)",
+        help="controller, or a file that one uses (default: all of the locks here and below)",
     )
     shared.add_write_options(parser)
     shared.add_edit_options(parser)

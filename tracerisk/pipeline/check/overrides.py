@@ -25,6 +25,7 @@ from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
 from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
@@ -75,14 +76,21 @@ def overrides_in(
     return tuple(sorted(listed, key=_order))
 
 
-def files_of_lock(root: Path) -> tuple[Path, ...]:
-    """Return every file that the lock in a folder knows to hold blocks, and that is there."""
+def files_of_locks(root: Path) -> tuple[Path, ...]:
+    """Return every file with blocks that a lock in or below a folder knows, and that is there.
+
+    Raises InputError where there is none.
+    """
     names = {
-        file
-        for controller, entry in read_lock(root / LOCK_NAME).controllers.items()
+        folder / file
+        for folder in lock_folders(root)
+        for controller, entry in lock_of(folder).controllers.items()
         for file in (controller, *(name for name, blocks in entry.blocks.items() if blocks))
     }
-    return tuple(root / name for name in sorted(names) if (root / name).is_file())
+    found = tuple(path for path in sorted(names) if path.is_file())
+    if not found:
+        raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
+    return found
 
 
 def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,6 +20,7 @@ from tracerisk.source.language import is_c
 
 T = TypeVar("T")
 
+_MOST_FOLDERS = 20_000
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 
 
@@ -26,7 +28,8 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     """Return the controllers whose blocks or traces depend on any of the files, sorted.
 
     That are the files themselves where the lock knows them or they have blocks, and the
-    controllers that import them; all of the lock for the settings, the lock itself or its folder.
+    controllers that import them; all of the lock for the settings or the lock itself, and all of
+    the locks in and below a folder.
     A file that has to do with no controller adds none.
     Raises InputError for a file that is not there, or a lock that cannot be read.
     """
@@ -37,7 +40,7 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
         if path.is_dir():
             inside = controllers_in(path)
             if not inside:
-                message = f"no {LOCK_NAME} in this folder knows a controller; name a controller"
+                message = f"no {LOCK_NAME} in or below it knows a controller; name a controller"
                 raise InputError(message, Location(str(path)))
             found.update({controller.resolve(): controller for controller in inside})
             continue
@@ -63,8 +66,35 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
 
 
 def controllers_in(root: Path) -> tuple[Path, ...]:
-    """Return every controller that the lock in a folder knows, sorted, gone ones among them."""
-    return tuple(root / key for key in sorted(lock_of(root).controllers))
+    """Return every controller of the locks in and below a folder, sorted, gone ones among them.
+
+    Raises InputError where a lock cannot be read.
+    """
+    found = (folder / key for folder in lock_folders(root) for key in lock_of(folder).controllers)
+    return tuple(sorted(found))
+
+
+def all_controllers() -> tuple[Path, ...]:
+    """Return every controller of the locks in and below this folder: where no file is named.
+
+    Raises InputError where there is none.
+    """
+    found = controllers_in(Path())
+    if not found:
+        raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
+    return found
+
+
+def lock_folders(root: Path) -> Iterator[Path]:
+    """Yield the folders in and below one that have a lock; hidden ones and packages left out."""
+    for folder, folders, files in islice(os.walk(root), _MOST_FOLDERS):
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each != "node_modules"
+        )
+        if "pyvenv.cfg" in files:
+            folders.clear()
+        elif LOCK_NAME in files:
+            yield Path(folder)
 
 
 def is_gone(path: Path) -> bool:

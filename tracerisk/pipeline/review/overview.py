@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
-import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.pipeline.freshness.known_controllers import lock_of
+from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
 from tracerisk.pipeline.freshness.source_verdict import source_verdicts
 from tracerisk.pipeline.stages import build, solve
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.trace import Verdict
-
-_MOST_FOLDERS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,18 +57,6 @@ def overview(root: Path) -> tuple[KnownController, ...]:
             Location(str(root)),
         )
     return tuple(sorted(found, key=lambda each: each.name))
-
-
-def lock_folders(root: Path) -> Iterator[Path]:
-    """Yield the folders in and below one that have a lock; hidden ones and packages left out."""
-    for folder, folders, files in itertools.islice(os.walk(root), _MOST_FOLDERS):
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each != "node_modules"
-        )
-        if "pyvenv.cfg" in files:
-            folders.clear()
-        elif LOCK_NAME in files:
-            yield Path(folder)
 
 
 def known_controller(root: Path, folder: Path, name: str, entry: ControllerLock) -> KnownController:
