@@ -168,7 +168,7 @@ class TooLargeError(ModelError):
 
 
 class EditInTheWayError(TraceRiskError, PermissionError):
-    """A person edited a computed value; writing would lose the edit."""
+    """A user edited a computed value; writing would lose the edit."""
 
     exit_code = ExitCode.EDIT_IN_THE_WAY
     code = "edit"

@@ -62,5 +62,5 @@ def name_at(name: str, function: Name) -> Name | QualifiedName:
 
 
 def places(name: str, functions: Iterable[tuple[Name, int]]) -> list[int]:
-    """Return the lines of the functions, told with theirs, in which a block of the name stands."""
+    """Return the lines of the functions, given as pairs, in which a block of the name stands."""
     return [line for function, line in functions if is_name_at(name, function)]

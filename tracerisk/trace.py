@@ -24,7 +24,7 @@ DRAFTED = "drafted:"
 MEASURED = "measured:"
 """What the assumption begins with that a trace is of a real robot, or of a run on real ROS."""
 LOST = "lost:"
-"""What an assumption begins with that says what the recording of a robot cannot tell."""
+"""What an assumption begins with that says what the recording of a robot does not hold."""
 
 WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
 """The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
@@ -374,7 +374,7 @@ class RunEnd:
 
     @property
     def is_good(self) -> bool:
-        """Whether the trace tells a whole run."""
+        """Whether the trace holds a whole run."""
         return self.cause in GOOD_ENDS
 
     @property
@@ -439,7 +439,7 @@ class Trace:
 
     @property
     def lost(self) -> tuple[str, ...]:
-        """What could not be told of a real robot, or on real ROS, in words."""
+        """What could not be known of a real robot, or on real ROS, in words."""
         told = (each for each in self.assumptions if each.startswith(LOST))
         return tuple(each.removeprefix(LOST).strip() for each in told)
 

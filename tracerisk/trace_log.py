@@ -6,7 +6,7 @@
     CallSequence:pick(),place()
 
 Source: Grimmeisen, Golwalkar, Ma, Morozov, "Automated and Continuous Risk Assessment for
-ROS-Based Software-Defined Robotic Systems" (2024), listing 1. It tells which components were
+ROS-Based Software-Defined Robotic Systems" (2024), listing 1. It lists which components were
 active and not for how long.
 """
 
@@ -46,7 +46,7 @@ def read_log(text: str, file: str, *, controller: str) -> Trace:
     """Read a published log as the trace of `controller`.
 
     Each entry of the call sequence is one visit; its elements are components, whose exposure
-    the log does not tell.
+    the log does not hold.
     Raises LogError with file and line when a line is unknown, a function is listed twice,
     called and not listed or listed and not called, or the call sequence is missing.
     """

@@ -129,11 +129,11 @@ def test_what_nobody_can_tell_the_author_of_is_left_alone_without_advice_to_pin_
     (edit,) = in_the_way(merged.edits, policy)
     assert (edit.field, edit.is_certain) == ("place.gripper.probability", False)
     text = str(edits_error([edit]))
-    assert "nobody can tell who wrote them" in text
+    assert "it is unknown who wrote these values" in text
     assert "c.py:10: place.gripper.probability is 3.333e-08" in text
     assert ":=" not in text
     assert "--accept-edits" not in text
-    assert "a person changed" not in text
+    assert "a user changed" not in text
 
 
 def test_what_nobody_can_tell_the_author_of_may_be_dropped(block, make_block) -> None:
@@ -152,7 +152,7 @@ def with_value(block, text: str) -> WrittenBlock:
 # What git keeps, what stands there, and who wrote it.
 FOUND = {
     "written on another branch": ("probability", "3.333e-08", "tool"),
-    "never written anywhere": ("probability", "4.444e-08", "person"),
+    "never written anywhere": ("probability", "4.444e-08", "user"),
     "committed, and the tool's on no branch that is left": ("probability", "5.555e-08", "unknown"),
     "a small number that was written once": ("quantity", "2", "unknown"),
 }
@@ -176,7 +176,7 @@ def test_git_tells_who_wrote_what_neither_digest_nor_lock_knows(
     found = changed(block, before, after)
     now = make_block(gripper=1e-07, motor=2e-07)
     merged = merge(written_block(block), found, now, policy=STOP, evidence=lambda: kept)
-    told = {"tool": [], "person": [True], "unknown": [False]}[author]
+    told = {"tool": [], "user": [True], "unknown": [False]}[author]
     assert [edit.is_certain for edit in merged.edits] == [*told, *told][: len(merged.edits)]
     assert bool(merged.edits) == (author != "tool")
 
@@ -187,11 +187,11 @@ ELSEWHERE = {
     "a figure of a branch that renamed it": (False, "= 7.344e-08", "= 4.444e-08", "unknown"),
     "a figure of the function beside it": (True, "= 7.344e-08", "= 4.444e-08", "unknown"),
     "`next` of a branch that renamed it": (False, "next = done 1\n", NEXT_HALF, "unknown"),
-    "`next` of the function beside it": (True, "next = done 1\n", NEXT_HALF, "person"),
+    "`next` of the function beside it": (True, "next = done 1\n", NEXT_HALF, "user"),
     "a component that a branch that renamed it lacks": (False, GRIPPER, "", "unknown"),
-    "a component that the function beside it lacks": (True, GRIPPER, "", "person"),
+    "a component that the function beside it lacks": (True, GRIPPER, "", "user"),
     "a component of a branch that renamed it": (False, GRIPPER, GRIPPER + HOSE, "unknown"),
-    "a component of the function beside it": (True, GRIPPER, GRIPPER + HOSE, "person"),
+    "a component of the function beside it": (True, GRIPPER, GRIPPER + HOSE, "user"),
 }
 
 
@@ -213,7 +213,7 @@ def test_what_a_renamed_function_had_on_another_branch_is_no_persons(
     )
     merged = merge(written_block(block), found, block, policy=STOP, evidence=lambda: kept)
     (edit,) = merged.edits
-    assert edit.is_certain == (author == "person")
+    assert edit.is_certain == (author == "user")
 
 
 def test_an_omission_that_was_taken_back_is_no_omission(block, make_block) -> None:

@@ -255,7 +255,7 @@ def test_figures_with_an_error_factor_are_told_as_medians(compute):
     (line,) = compute(MOVE, rate % "", JOINTS).assumptions
     assert line == (
         "part: the figures with an error factor are medians, and so the mission's is about its "
-        "median; its mean is higher, and `solve --hardware --uncertainty` tells it"
+        "median; its mean is higher; `solve --hardware --uncertainty` prints it"
     )
     assert compute(MOVE, rate % ", value_is: mean", JOINTS).assumptions == ()
 

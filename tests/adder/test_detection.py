@@ -109,7 +109,7 @@ def test_a_mission_without_a_time_cannot_be_compared_with_a_test_interval(power)
     with pytest.raises(HardwareError) as caught:
         power(trace_of(None), TESTED, figure="0.125")
     assert str(caught.value).startswith("hardware.yaml:2")
-    assert "the time of a mission, which this trace does not tell" in str(caught.value)
+    assert "the time of a mission, which this trace does not hold" in str(caught.value)
     assert "write 'detected: mission_start'" in str(caught.value)
 
 

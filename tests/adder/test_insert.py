@@ -186,7 +186,7 @@ def test_a_block_under_another_name_is_an_error() -> None:
 
 def test_a_comment_that_reads_like_a_block_line_is_refused() -> None:
     source = b"def f():\n    # | a | b |\n    pass\n"
-    with pytest.raises(UnsafeRewriteError, match="not be told from a comment beside it"):
+    with pytest.raises(UnsafeRewriteError, match="not be distinguished from a comment beside it"):
         insert_blocks(source, {"f": short_block("f")}, "c.py")
 
 

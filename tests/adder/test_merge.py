@@ -295,7 +295,7 @@ def test_the_error_names_every_field_with_file_and_line(make_block, read_block) 
     with pytest.raises(EditInTheWayError) as caught:
         merge_block(written_block(make_block()), current, make_block(), policy=STOP)
     assert str(caught.value) == (
-        "a person changed what tracerisk computes; nothing was written:\n"
+        "a user changed what tracerisk computes; nothing was written:\n"
         "  c.py:4: place.callSequence is 4 (last written 5, computed 5)\n"
         "  c.py:9: place.gripper.probability is 2e-07 (last written 7.344e-08, "
         "computed 7.344e-08)\n"

@@ -162,7 +162,7 @@ def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches,
     options = ("--log", "run.log", "--hardware", "arm.yaml", "--quiet")
     done = two_branches.run("annotate", "c.py", *options, "--accept-edits")
     assert done.code in (0, 3)
-    assert "a person changed" not in done.err
+    assert "a user changed" not in done.err
     assert ":=" not in done.err
     assert b":=" not in two_branches.read("c.py")
     assert two_branches.run("annotate", "c.py", *options, "--discard-edits").code == 0

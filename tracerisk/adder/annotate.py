@@ -22,7 +22,7 @@ from tracerisk.adder.merge.hand_edits import (
     is_next_by_hand,
     ranks_by_hand,
 )
-from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, edits_error, in_the_way
+from tracerisk.adder.merge.merge import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
@@ -39,7 +39,7 @@ class SourceBlocks:
     `lines` gives the `def` line of a function, needed where its name is defined twice.
     `original` is what the file holds where functions were renamed since it was annotated: in
     `source` their blocks have the new names, to which `renamed` maps the old ones.
-    `instances` tells of each function how the units of its components fail.
+    `instances` gives for each function how the units of its components fail.
     """
 
     file: str
@@ -82,7 +82,7 @@ class Unchanged:
 class Changed:
     """What is to be written. `sources` may be empty where only the lock changes.
 
-    `pending` is the lock while the sources are being written: it still tells what they held.
+    `pending` is the lock while the sources are being written: it still holds what they held.
     """
 
     sources: tuple[AnnotatedSource, ...]
@@ -103,9 +103,9 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class EditsInTheWay:
-    """A person edited computed values: nothing may be written."""
+    """A user edited computed values: nothing may be written."""
 
-    edits: tuple[PersonEdit, ...]
+    edits: tuple[HandEdit, ...]
 
     def error(self) -> EditInTheWayError:
         """Return the error that names every edited field."""
@@ -118,7 +118,7 @@ Annotation: TypeAlias = Unchanged | Changed | EditsInTheWay
 @dataclass(frozen=True, slots=True)
 class _MergedSource:
     blocks: Mapping[QualifiedName, RiskBlock | None]
-    edits: tuple[PersonEdit, ...]
+    edits: tuple[HandEdit, ...]
 
 
 def annotate_sources(
@@ -135,7 +135,7 @@ def annotate_sources(
     """Return what becomes of a controller's sources and of the lock.
 
     `controller` is the path of the controller relative to the lock's folder. A block of a
-    function that is not computed any more goes, unless a person set something in it.
+    function that is not computed any more goes, unless a user set something in it.
     `evidence` takes the name of a file in `sources` and returns what git and the inputs of the
     last run say about who wrote it; without it the lock alone decides.
 
@@ -151,7 +151,7 @@ def annotate_sources(
     merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
     edits = _in_the_way(merged, policy)
     if not edits and policy.edits == "accept":
-        # An edited rank is a person's by now, as one that was set by hand before.
+        # An edited rank is now the user's, like one that was set by hand before.
         sources = _with_free_ranks(sources, _by_function(merged))
         merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
         edits = _in_the_way(merged, policy)
@@ -191,7 +191,7 @@ def annotate_sources(
     return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
 
 
-def _in_the_way(merged: Mapping[str, _MergedSource], policy: MergePolicy) -> tuple[PersonEdit, ...]:
+def _in_the_way(merged: Mapping[str, _MergedSource], policy: MergePolicy) -> tuple[HandEdit, ...]:
     return in_the_way((edit for one in merged.values() for edit in one.edits), policy)
 
 
@@ -215,7 +215,7 @@ def _by_function(merged: Mapping[str, _MergedSource]) -> dict[FunctionRef, RiskB
 def _with_free_ranks(
     sources: Sequence[SourceBlocks], found: Mapping[FunctionRef, RiskBlock] | None = None
 ) -> list[SourceBlocks]:
-    """Replace computed ranks by those that a person set in the blocks `found`.
+    """Replace computed ranks by those that a user set in the blocks `found`.
 
     Those are what the sources hold where nothing else is given.
     """
@@ -250,7 +250,7 @@ def _merge_source(
     current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
     bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
     blocks: dict[QualifiedName, RiskBlock | None] = {}
-    edits: list[PersonEdit] = []
+    edits: list[HandEdit] = []
     for name in sorted({*current, *source.computed}):
         outcome = merge_with_bases(
             name,
@@ -282,7 +282,7 @@ def _with_digests(merged: Mapping[str, _MergedSource]) -> dict[str, _MergedSourc
 def _left_blocks_last(
     sources: Sequence[SourceBlocks], merged: Mapping[str, _MergedSource]
 ) -> dict[str, _MergedSource]:
-    """Put the blocks that stay only for a person's word behind those of the run.
+    """Put the blocks that stay only for a manual edit behind those of the run.
 
     Nothing is computed for them, so what the tool once wrote may contradict the run's blocks:
     their rank may be another's by now, and their `next` may name a function without a block.

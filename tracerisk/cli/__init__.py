@@ -98,7 +98,7 @@ def _guarded(given: list[str]) -> int:
         print("tracerisk: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of our output has gone; nobody is left to tell.
+        # The reader of our output has gone; there is nobody left to print for.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     trace = _read_trace(options, controller)
     if not trace.robot and settings.hardware is None:
         raise InputError(
-            "a log tells no robot, so there is no hardware description to go by; "
+            "a log names no robot, so no hardware description can be chosen; "
             "give one with --hardware FILE"
         )
     hardware = pipeline.load_hardware(settings, trace.robot)

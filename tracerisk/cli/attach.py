@@ -1,4 +1,4 @@
-"""`tracerisk attach`: listen to a real robot of ROS 1 and tell which hardware each step used."""
+"""`tracerisk attach`: listen to a real robot of ROS 1 and report which hardware each step used."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
     if not options.prime and not asked.tree.is_coherent:
         notes.append(
             "the tree is not coherent: its minimal cut sets leave out what must not happen; "
-            "--prime tells that too"
+            "--prime lists that too"
         )
     for text in notes:
         note(text, quiet=options.quiet or options.json)

@@ -1,4 +1,4 @@
-"""`tracerisk diff`: what a change does to the risk, told from the blocks of two git versions."""
+"""`tracerisk diff`: what a change does to the risk, by the blocks of two git versions."""
 
 from __future__ import annotations
 

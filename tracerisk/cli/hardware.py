@@ -260,7 +260,7 @@ def _update(options: argparse.Namespace) -> int:
     if field is not None:
         name = options.robot or field.robot or hardware.robot
         if name is None:
-            raise InputError("the field tells no robot; give --robot", Location(options.field))
+            raise InputError("the field file names no robot; give --robot", Location(options.field))
         bound = _bound(hardware, _robot(name))
         units = {each: bound[each].elements for each in bound}
     rows = read_failures(Path(options.failures))

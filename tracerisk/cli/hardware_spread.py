@@ -58,7 +58,7 @@ def spreads_of_files(
 
     Where they are not needed, for the description was given for something else, there may be none.
 
-    Where the trace of a controller's last run is kept, it tells the part of each figure, and
+    Where the trace of a controller's last run is kept, it gives the part of each figure, and
     evidence how well the share that ends the mission is known.
     Raises HardwareError where the description is malformed or does not fit that run, InputError
     where it has no error factor for the model.
@@ -116,7 +116,7 @@ def tell(spreads: HardwareSpreads | None, options: argparse.Namespace) -> None:
 
 
 def notes_data(spreads: HardwareSpreads | None) -> dict[str, Any]:
-    """Return the same for `--json`, only where there is something to tell."""
+    """Return the same for `--json`, only where there is something to report."""
     if spreads is None or not spreads.notes:
         return {}
     return {"uncertainty_assumptions": list(spreads.notes)}

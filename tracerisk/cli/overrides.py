@@ -1,4 +1,4 @@
-"""`tracerisk overrides`: what persons set in risk blocks, why, and how far it has drifted."""
+"""`tracerisk overrides`: what users set in risk blocks, why, and how far it has drifted."""
 
 from __future__ import annotations
 

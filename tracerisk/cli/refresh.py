@@ -51,9 +51,9 @@ def run(options: argparse.Namespace) -> int:
                 done = api.refresh(path, policy=policy, sandbox=options.sandbox, progress=progress)
             would_change = _settle(done, options)
         except DependencyError:
-            raise  # it is told once: no other controller would fare better
+            raise  # reported once: no other controller would fare better
         except TraceRiskError as error:
-            # The others are refreshed all the same; what failed is told and decides the code.
+            # The others are refreshed all the same; what failed is reported and decides the code.
             code = max(code, error.exit_code)
             outcomes.append({"controller": str(path), "error": str(error), "code": error.code})
             note(f"tracerisk: {error.with_code}")
@@ -97,7 +97,7 @@ def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str
 
 
 def _settle(done: Refreshed, options: argparse.Namespace) -> bool:
-    """Write or show what changed; say whether `--check` is to tell of it."""
+    """Write or show what changed; return whether `--check` is to report it."""
     if done.annotated is None or not done.is_changed:
         return False
     if options.diff:

@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
 def _write_page(
     options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
 ) -> dict[str, Any]:
-    """Write the page; return what `--json` tells of it."""
+    """Write the page; return what `--json` prints of it."""
     from tracerisk import pipeline
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 

@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
             print_diff(controller.source, after, str(controller.path))
     if not (options.check or options.diff):
         write_all(FileWrite(c.path, after, expected=c.source) for c, after in changed)
-        # The sources first: a lock that forgot blocks would make each of them a person's.
+        # The sources first: a lock that forgot blocks would make each of them a user's.
         forget_blocks([controller.path for controller, _ in stripped])
     code = ExitCode.WOULD_CHANGE if options.check and changed else ExitCode.FINE
     if options.json:
@@ -54,6 +54,6 @@ def _refuse_pins(found: tuple[str, ...]) -> None:
     if found:
         listed = "\n".join(f"  {each}" for each in found)
         raise EditInTheWayError(
-            f"values that a person set would be lost; nothing was written:\n{listed}\n"
+            f"values that a user set would be lost; nothing was written:\n{listed}\n"
             "Use --discard-edits to remove them all the same."
         )

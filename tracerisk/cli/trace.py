@@ -1,4 +1,4 @@
-"""`tracerisk trace`: run a controller and tell which hardware each function used."""
+"""`tracerisk trace`: run a controller and report which hardware each function used."""
 
 from __future__ import annotations
 

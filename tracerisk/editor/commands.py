@@ -33,7 +33,7 @@ def register_commands(server: RiskServer) -> None:
 
 
 async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
-    """Refresh a controller, tell the user how that ended, and return whether it ended well."""
+    """Refresh a controller, show the user how that ended, and return whether it ended well."""
     path = path_of(uri)
     if path is None or policy not in ("", *POLICIES):
         server.tell(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)

@@ -30,7 +30,7 @@ _SECTIONS = {
     "@Component := {": "a component that the tool does not compute, added by hand",
     "@Component := omit {": "a component that is no part of the function's risk",
     "@Component {": "a component as the tool writes it",
-    "@Function {": "the function that the block tells of",
+    "@Function {": "the function that the block describes",
 }
 _KEYS = {
     "name": "the component's, or the function's qualified name",

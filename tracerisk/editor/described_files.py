@@ -31,7 +31,7 @@ def kind_of(lines: Sequence[str]) -> FileKind | None:
     best: tuple[int, FileKind] | None = None
     for kind in _SCHEMAS:
         known = keys & set(schema_of(kind)["properties"])
-        # What all descriptions begin with tells nothing.
+        # What all descriptions begin with distinguishes nothing.
         score = len(known - {"robot", "source", "name"})
         if score and len(known) == len(keys) and (best is None or score > best[0]):
             best = score, kind

@@ -38,7 +38,7 @@ class UnitUse:
 
     @property
     def used_s(self) -> float:
-        """A time that tells which unit is most in use [s]."""
+        """A time that shows which unit is most in use [s]."""
         return self.moving_s + self.holding_s + self.grasping_s + self.reading_s
 
 

@@ -192,7 +192,7 @@ def _command(
 
 
 def reason_of(verdict: Verdict | None, message: str, function: str) -> Reason | None:
-    """Return the reason of a verdict that a finding tells of, if it may be accepted."""
+    """Return the reason of a verdict that a finding reports, if it may be accepted."""
     for each in () if verdict is None else verdict.open_reasons:
         if each.code in ACCEPTABLE and each.function == function and message.startswith(each.words):
             return each

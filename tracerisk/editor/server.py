@@ -1,4 +1,4 @@
-"""The language server: what an editor asks, and what it is told without asking."""
+"""The language server: what an editor asks, and what it is sent without asking."""
 
 from __future__ import annotations
 

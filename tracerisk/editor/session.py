@@ -125,7 +125,7 @@ class Session:
         return Lines(text, self.encoding)
 
     def outline(self, document: Document) -> Outline:
-        """Return the outline of a document: of one half typed what can be told of it."""
+        """Return the outline of a document: of one half typed what can be read of it."""
         found = outline_of(document.source, str(document.path))
         if found.is_code_read:
             self._whole[document.uri] = (document.source, found)
@@ -170,7 +170,7 @@ class Session:
     def parts(self, document: Document) -> tuple[Sequence[ControllerFigures], Sequence[str]]:
         """Return the figures of each controller of a document, and its name in each of them.
 
-        A controller that cannot be read is left out: its diagnostics tell why.
+        A controller that cannot be read is left out: its diagnostics say why.
         """
         figures, files = [], []
         opened = self.opened

@@ -16,10 +16,10 @@ T = TypeVar("T")
 class Field(Generic[T]):
     """One value of a block.
 
-    `=` is the tool's (`pinned` false), `:=` a person's (`pinned` true).
-    `text` is the value as written, a person's digits kept; for a pinned value `computed` is
+    `=` is the tool's (`pinned` false), `:=` the user's (`pinned` true).
+    `text` is the value as written, with the user's digits; for a pinned value `computed` is
     what the tool would write, as text (`none` where it computes nothing there any more), and
-    `reason` what the person wrote after `;`, in single spaces.
+    `reason` what the user wrote after `;`, in single spaces.
     An empty `text` is a value left out, which only an omitted component may do.
     Where a value stands is not part of what it says: `location` is not compared.
     """
@@ -51,8 +51,8 @@ class ComponentEntry:
 
     `redundancy` false: each of the quantity is needed; true: one suffices; see `Redundancy`.
     `probability` is that of one unit of the quantity failing during one visit.
-    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both a person's,
-    with the person's `reason`. An omitted component is no part of the function's risk; its
+    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both the user's,
+    with the user's `reason`. An omitted component is no part of the function's risk; its
     values may be left out.
     """
 
@@ -71,7 +71,7 @@ class RiskBlock:
     """The risk annotation of one function.
 
     `next` is one field over all its lines; `None` where a block (the published form) has none.
-    `added` marks a block given by hand (`@Function := {`), with the person's `reason`.
+    `added` marks a block given by hand (`@Function := {`), with the user's `reason`.
     `digest` is that of the values that the tool wrote (see `block_digest.py`), `None` for a block
     of an earlier version or in the published form. It is no part of what the block says.
     `has_evidence`: the computed values count only failures that ended the mission on the twin.

@@ -188,7 +188,7 @@ class _Parser:
         if rest and not rest.startswith("!"):
             raise self._error(line, f"unexpected `{rest}` after the brace; allowed: `! a reason`")
         if rest and not mark:
-            raise self._error(line, "a reason stands only at what a person set; write `:= {`")
+            raise self._error(line, "a reason may follow only what a user set; write `:= {`")
         comment = [rest[1:].strip()] if rest else []
         return _Section(kind, bool(mark), omitted, comment, line, [])
 

@@ -22,7 +22,7 @@ def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
     """Return each function's name in the model: its own, or with its module where that is taken.
 
     The module is the file's stem; where that is shared as well, as many folders are put before
-    it as tell the files apart.
+    it as distinguish the files.
     """
     files_of: dict[str, set[str]] = {}
     for ref in functions:
@@ -38,7 +38,7 @@ def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
 def _modules(files: Collection[str]) -> dict[str, str]:
     """Return a dotted name for each of several files, as short as keeps them apart.
 
-    What all have in common is left out, so that it does not matter from where a path is told.
+    What all have in common is left out, so that it does not matter where a path begins.
     """
     common = len(Path(commonpath(Path(file).resolve().parent for file in files)).parts)
     parts = {file: _parts(file)[common:] or _parts(file)[-1:] for file in files}

@@ -1,6 +1,6 @@
 """The values that a block holds, as text: how each kind is read and how the tool writes it.
 
-`next` keeps the counts of the run unreduced (`8/10`), for they tell how many visits stand
+`next` keeps the counts of the run unreduced (`8/10`), for they show how many visits stand
 behind the figure; a certain transition is written `1`, so that a run of more cycles does not
 change it.
 """
@@ -258,7 +258,7 @@ def computed_next(counts: Mapping[str, int]) -> Field[Transitions]:
 
 
 def profile_next(shares: Mapping[str, str], computed: str | None = None) -> Field[Transitions]:
-    """Return the pinned `next` field of an operational profile, in a person's own digits.
+    """Return the pinned `next` field of an operational profile, in the user's own digits.
 
     `shares` maps each target to its share as text (`{"init": "0.9", "done": "0.1"}`).
 

@@ -108,7 +108,7 @@ def _medians(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
         return ()
     return (
         f"{', '.join(names)}: the figures with an error factor are medians, and so the mission's "
-        "is about its median; its mean is higher, and `solve --hardware --uncertainty` tells it",
+        "is about its median; its mean is higher; `solve --hardware --uncertainty` prints it",
     )
 
 

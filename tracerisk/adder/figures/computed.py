@@ -43,7 +43,7 @@ from tracerisk.quantify.probability import failure_probability
 from tracerisk.trace import Cycle, FunctionRef, Trace
 
 ProfileText = Mapping[str, Mapping[str, str]]
-"""An operational profile: for each function the share of each target, as a person wrote it."""
+"""An operational profile: for each function the share of each target, as a user wrote it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ def compute_blocks(
     A profile pins the `next` of the functions it names. With `evidence` the values count what
     ends the mission, and the blocks say so.
     Raises HardwareError where the description does not fit the robot or describes nothing that
-    it has, or a figure needs an exposure that the trace does not tell; InputError where the
+    it has, or a figure needs an exposure that the trace does not hold; InputError where the
     profile names a function that the trace does not.
     """
     bound = bind(hardware, trace.elements)
@@ -195,7 +195,7 @@ def use_of(
 ) -> ComponentUse:
     """Return what the units of a component do over the run.
 
-    Raises HardwareError where the trace does not tell what a figure needs.
+    Raises HardwareError where the trace does not hold what a figure needs.
     """
     try:
         return component_use(bound, trace, active, evidence)
@@ -347,7 +347,7 @@ def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
 
 
 def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
-    """Raise HardwareError where it cannot be told what may be failed when a mission starts."""
+    """Raise HardwareError where it is unknown what may be failed when a mission starts."""
     for each in bound:
         component = each.component
         if component.test_interval_s is None:
@@ -356,7 +356,7 @@ def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
             continue
         raise HardwareError(
             f"component '{component.name}': its test interval of {component.test_interval_s:.4g} s "
-            "cannot be compared with the time of a mission, which this trace does not tell; test "
+            "cannot be compared with the time of a mission, which this trace does not hold; test "
             "the group before each mission and write 'detected: mission_start'",
             component.location,
         )

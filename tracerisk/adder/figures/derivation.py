@@ -13,7 +13,7 @@ from tracerisk.quantify.probability import Counted
 
 @dataclass(frozen=True, slots=True)
 class VisitOfFunction:
-    """One visit, by its number in the trace, from 1; times in [s], `None` where not told.
+    """One visit, by its number in the trace, from 1; times in [s], `None` where unknown.
 
     `weight` is how often it comes in a mission, relative to the function's other visits: 1 but
     where the function is visited before a cycle and in it.
@@ -51,7 +51,7 @@ class TermOfUnit:
 
     `rate` is the hazard per second, demand or visit; `amounts` are what the term counts, and
     `counted` the same by load. hazards[v] = rate x share x counted[v] x ends[v], of which `ends`
-    is the share that ends the mission; empty where no evidence tells it.
+    is the share that ends the mission; empty where no evidence gives it.
     """
 
     rate: float
@@ -168,7 +168,7 @@ class FunctionDerivation:
     """Everything behind one function's block, in the order of the block.
 
     `times` is how often a mission visits the function; `by_hand` names the components that a
-    person added to the block, of which nothing is computed.
+    user added to the block, of which nothing is computed.
     """
 
     function: str

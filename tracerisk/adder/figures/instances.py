@@ -38,7 +38,7 @@ class ComponentInstances:
 
     `figure_shares` are the parts of its hazard over the mission that go with each of its
     figures; empty where the component is not used. `ending` is the part of it that ends the
-    mission, `None` where no evidence tells it.
+    mission, `None` where no evidence gives it.
     """
 
     component: Component

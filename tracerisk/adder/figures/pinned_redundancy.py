@@ -17,7 +17,7 @@ def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
     """Raise BlockError where a redundancy set by hand stands over units that differ.
 
     The block's one value stands for unlike units by the gate of the hardware description: under
-    another gate it is the value of nothing. A person who sets it too says what it is.
+    another gate it is the value of nothing. A user who sets it too says what it is.
     """
     for each in unfounded_redundancies(block, instances):
         raise BlockError(each.message, each.location or block.location)
@@ -51,7 +51,7 @@ def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Itera
 
 
 def _is_set_alone(entry: ComponentEntry) -> bool:
-    """Whether a person set another redundancy than the tool's, and no probability."""
+    """Whether a user set another redundancy than the tool's, and no probability."""
     redundancy = entry.redundancy
     if entry.added or entry.omitted or not redundancy.pinned or entry.probability.pinned:
         return False

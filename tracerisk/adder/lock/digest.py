@@ -3,7 +3,7 @@
     # | RiskAnnotation 4kQ9xa-b7QxZ1
 
 One group of six characters for the function, one for each component that the tool computed.
-A group holds a short checksum of each value, so that each can be told by itself to be as the tool
+A group holds a short checksum of each value, so that each can be checked alone to be as the tool
 wrote it: also where a merge has put lines of two branches into one block, or the lock is gone.
 """
 

@@ -1,6 +1,6 @@
 """`tracerisk.lock`: what was last written into each controller's blocks, and from which trace.
 
-The values last written are the base of the three-way merge that tells a person's edit from a
+The values last written are the base of the three-way merge that distinguishes a user's edit from a
 change of the tool. The lock is written before the sources and names, until they are written
 too, the values that they held before: whichever of the two a source holds after a kill was
 written by the tool.
@@ -49,7 +49,7 @@ class LockError(InputError):
 class WrittenComponent:
     """The tool's values of one component as last written, as text by key.
 
-    `omitted`: a person had omitted the component then.
+    `omitted`: a user had omitted the component then.
     """
 
     values: Mapping[str, str]
@@ -106,7 +106,7 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
         components=tuple(
             _component_as_written(each, component)
             for each, component in written.components.items()
-            # Where a person's value outlives its component, nothing was computed there.
+            # Where a user's value outlives its component, nothing was computed there.
             if component.omitted or _COMPONENT_KEYS.keys() <= component.values.keys()
         ),
     )

@@ -1,7 +1,7 @@
-"""Who wrote what stands in a block: the tool, on whichever branch, or a person.
+"""Who wrote what stands in a block: the tool, on whichever branch, or a user.
 
 The block's own digest is asked first, then the lock, then the versions that git keeps. A value
-that none of them knows is a person's only if no branch can have brought it there; otherwise its
+that none of them knows is a user's only if no branch can have brought it there; otherwise its
 author is unknown.
 """
 
@@ -23,7 +23,7 @@ from tracerisk.adder.lock.digest import DigestReading, digest_of
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
 from tracerisk.records import dataclass, field
 
-Author = Literal["tool", "person", "unknown"]
+Author = Literal["tool", "user", "unknown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class KnownBlock:
         evidence: Callable[[], Evidence] = Evidence,
         names: Mapping[str, str] | None = None,
     ) -> None:
-        """`bases` are what the lock tells, the last first; `names` earlier names, by new ones."""
+        """`bases` are what the lock holds, the last first; `names` earlier names, by new ones."""
         self._current = current
         self._bases = bases
         self._digest = DigestReading(current, names)
@@ -151,7 +151,7 @@ class KnownBlock:
         """Return who took out a component that the tool had written."""
         entries = [{each.name: each for each in block.components} for block in self._standing()]
         if any(component in each and each[component].omitted for each in entries):
-            # A person had omitted it, and has taken that back.
+            # A user had omitted it, and has taken that back.
             return "tool"
         names = self._possible_names()
         if any(component not in each.components for each in self._written(names)):
@@ -194,8 +194,8 @@ class KnownBlock:
         """
         evidence = self._evidence()
         if evidence.is_complete and not stood_before and self._written():
-            return "person"
-        return "person" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"
+            return "user"
+        return "user" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"
 
     def _lock_is_that_of_the_block(self) -> bool:
         if self._current.digest is None:

@@ -1,4 +1,4 @@
-"""What a person's words in the blocks of one controller ask of its other blocks.
+"""What manual edits in the blocks of one controller ask of its other blocks.
 
 A rank set by hand stays, so the computed ones give way to it; a `next` set by hand has to lead to
 a function that there is.
@@ -19,7 +19,7 @@ Blocks = Mapping[FunctionRef, RiskBlock]
 
 
 def ranks_by_hand(blocks: Blocks) -> dict[FunctionRef, Field[int]]:
-    """Return the `callSequence` of each block in which it is a person's.
+    """Return the `callSequence` of each block in which a user set it.
 
     Raises:
         BlockError: if two are the same, with both places.
@@ -41,7 +41,7 @@ def ranks_by_hand(blocks: Blocks) -> dict[FunctionRef, Field[int]]:
 
 
 def give_way(computed: Blocks, by_hand: Mapping[FunctionRef, Field[int]]) -> Blocks:
-    """Return the computed blocks with ranks that no person took, in their order.
+    """Return the computed blocks with ranks that no user took, in their order.
 
     A block whose own rank is set by hand keeps the computed one, to stand beside it.
     """
@@ -80,7 +80,7 @@ def check_targets(blocks: Iterable[RiskBlock], names: Collection[str]) -> None:
 
 
 def is_next_by_hand(block: RiskBlock, base: Written | None) -> bool:
-    """Return whether the `next` of a block is a person's, and not as last written.
+    """Return whether a user changed the `next` of a block since it was last written.
 
     Where the function that the tool's own leads to has gone since, a run mends that. Without a
     `base`, what is not pinned is taken for the tool's.

@@ -1,8 +1,8 @@
 """The three-way merge of a block: what the tool wrote, what stands there, what it computes now.
 
 The base is known value by value, from the block's digest and the lock: see `authors.py`. A value
-that a person changed since is theirs and never lost; a value that only the tool changed, on any
-branch, is refreshed; where nobody can tell which of the two it is, it is left alone.
+that a user changed since is theirs and never lost; a value that only the tool changed, on any
+branch, is refreshed; where it is unknown which of the two it is, it is left alone.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NOISE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class MergePolicy:
-    """What becomes of a person's edits of `=` values, and of changes within the noise.
+    """What becomes of a user's edits of `=` values, and of changes within the noise.
 
     `edits`: "stop" reports them, "accept" pins them (`:=`), "discard" writes the tool's value.
     `fresh` writes every computed value anew.
@@ -42,14 +42,14 @@ class MergePolicy:
 
 
 @dataclass(frozen=True, slots=True)
-class PersonEdit:
-    """What a person changed among the values that the tool writes.
+class HandEdit:
+    """What a user changed among the values that the tool writes.
 
     `field` is its dotted path: `place.gripper.probability` for a value that is "changed",
     `place.gripper` or `place` for a component or a block that was "added" or "removed".
     `found` is what stands there, `written` what was last written and `computed` what the tool
     computes now, as text, where there is such a value.
-    `is_certain` is false where nobody can tell whether a person did it, or another branch.
+    `is_certain` is false where it is unknown whether a user did it, or another branch.
     """
 
     kind: Literal["changed", "added", "removed"]
@@ -78,24 +78,24 @@ class Merged:
     """
 
     block: RiskBlock | None
-    edits: tuple[PersonEdit, ...]
+    edits: tuple[HandEdit, ...]
 
 
-def edits_error(edits: Iterable[PersonEdit]) -> EditInTheWayError:
-    """Return the error that names every edited field, and those of which nobody can tell."""
+def edits_error(edits: Iterable[HandEdit]) -> EditInTheWayError:
+    """Return the error that names every edited field, and those of unknown author."""
     listed = sorted(edits, key=_edit_order)
     certain = [f"  {edit}" for edit in listed if edit.is_certain]
     doubtful = [f"  {edit}" for edit in listed if not edit.is_certain]
     parts = []
     if certain:
-        parts += ["a person changed what tracerisk computes; nothing was written:", *certain]
+        parts += ["a user changed what tracerisk computes; nothing was written:", *certain]
         parts += [
             "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
             "--discard-edits to drop them all."
         ]
     if doubtful:
         parts += [
-            "of these nobody can tell who wrote them, a person or tracerisk on another branch; "
+            "it is unknown who wrote these values, a user or tracerisk on another branch; "
             f"{'they were left alone' if certain else 'nothing was written'}:",
             *doubtful,
             "Use --discard-edits to have what is computed now in their place, or take the whole "
@@ -104,7 +104,7 @@ def edits_error(edits: Iterable[PersonEdit]) -> EditInTheWayError:
     return EditInTheWayError("\n".join(parts))
 
 
-def _edit_order(edit: PersonEdit) -> tuple[str, int, str]:
+def _edit_order(edit: HandEdit) -> tuple[str, int, str]:
     place = edit.location or Location("")
     return (place.file, place.line or 0, edit.field)
 
@@ -119,7 +119,7 @@ def merge_block(
     """Return the block to write; `None` where there is to be none.
 
     Raises:
-        EditInTheWayError: if a person edited a `=` value and the policy says "stop".
+        EditInTheWayError: if a user edited a `=` value and the policy says "stop".
     """
     merged = merge(base, current, computed, policy=policy)
     if in_the_way(merged.edits, policy):
@@ -127,10 +127,10 @@ def merge_block(
     return merged.block
 
 
-def in_the_way(edits: Iterable[PersonEdit], policy: MergePolicy) -> tuple[PersonEdit, ...]:
+def in_the_way(edits: Iterable[HandEdit], policy: MergePolicy) -> tuple[HandEdit, ...]:
     """Return the edits for which nothing may be written.
 
-    To accept edits is to accept a person's: not what a person may never have typed.
+    To accept edits is to accept a user's: not what a user may never have typed.
     """
     if policy.edits == "discard":
         return ()
@@ -147,13 +147,13 @@ def merge(
     evidence: Callable[[], Evidence] = Evidence,
     names: Mapping[str, str] | None = None,
 ) -> Merged:
-    """Return what becomes of a block and which edits of a person were found.
+    """Return what becomes of a block and which edits of a user were found.
 
     `base` is what the lock says was last written, `None` where it knows of nothing, `others` what
     else it says that the tool may have written there; `evidence` is asked only where these and
     the block's own digest do not suffice. `names` are earlier names of functions renamed since.
     `computed` is `None` for a function that is not relevant any more; a pinned field in it is
-    a person's word by another way (an operational profile), its tool value in `computed`.
+    set by the user in another way (an operational profile), its tool value in `computed`.
     """
     if current is None:
         return Merged(computed, ())
@@ -175,7 +175,7 @@ class _Merger:
         self._current = current
         self._computed = computed
         self._policy = policy
-        self.edits: list[PersonEdit] = []
+        self.edits: list[HandEdit] = []
 
     def block(self) -> RiskBlock | None:
         current, computed = self._current, self._computed
@@ -228,7 +228,7 @@ class _Merger:
         current = self._current.next
         computed = self._computed.next if self._computed else None
         if current is None:
-            # The published form, which has none; or lines taken away, with no word of a person
+            # The published form, which has none; or lines taken away, with nothing of a user
             # in them that could be kept.
             return computed
         if self._computed is None or computed is not None or current.pinned:
@@ -266,7 +266,7 @@ class _Merger:
         if current.added or current.omitted:
             return _component_beside(current, None)
         if self._computed is None:
-            # The block stays for something a person set in it, and stays whole.
+            # The block stays for something a user set in it, and stays whole.
             return self._fields(current, None)
         if not self._known.knows(current.name) and not is_component_pinned(current):
             author = self._known.author_of_component(current.name, current.probability.value)
@@ -303,7 +303,7 @@ class _Merger:
         if edited and self._policy.edits != "discard":
             return _pinned(current, tool)
         if computed is not None and computed.pinned:
-            # A pin from elsewhere is the newest word of a person.
+            # A pin from elsewhere is the newest value of a user.
             if current.pinned and kind.same(current.value, computed.value):
                 return _beside(current, tool)
             return _beside(computed, tool)
@@ -311,7 +311,7 @@ class _Merger:
             return _beside(current, tool)
         if tool is not None:
             return tool
-        # Nothing is computed: the value stays as last written beside what a person pinned.
+        # Nothing is computed: the value stays as last written beside what a user pinned.
         return current if written is None else Field(kind.read(written), written)
 
     def _tool_field(
@@ -337,7 +337,7 @@ class _Merger:
         if current.pinned or not current.is_stated:
             return False
         if tool is None:
-            # Kept as it stands beside something a person set: nothing is lost.
+            # Kept as it stands beside something a user set: nothing is lost.
             return written is not None or self._known.is_known
         return not kind.same(current.value, tool.value)
 
@@ -370,11 +370,11 @@ class _Merger:
         author: Author,
         **texts: str | None,
     ) -> None:
-        self.edits.append(PersonEdit(what, path, location, **texts, is_certain=author == "person"))
+        self.edits.append(HandEdit(what, path, location, **texts, is_certain=author == "user"))
 
 
 def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
-    """Return a value that a person edited as the person's own."""
+    """Return a value that a user edited as the user's own."""
     return replace(current, pinned=True, computed=NOTHING_COMPUTED if tool is None else tool.text)
 
 
@@ -384,7 +384,7 @@ def _tool_text(computed: Field[Any]) -> str | None:
 
 
 def _beside(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
-    """Return a person's value with what the tool computes now written beside it."""
+    """Return a user's value with what the tool computes now written beside it."""
     if not current.pinned:
         return current
     return replace(current, computed=NOTHING_COMPUTED if tool is None else _tool_text(tool))

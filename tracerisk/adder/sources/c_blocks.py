@@ -38,7 +38,7 @@ _BLANK = pattern(rb"\s*")
 def scan_c_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
     """Return the blocks of a C or C++ source in the order of the file.
 
-    A block that says `pick` may stand in `Robot::pick`, which it then tells of.
+    A block that says `pick` may stand in `Robot::pick`, which it then describes.
 
     Raises:
         BlockError: if a block is malformed, stands at no function, or at another than it names.
@@ -180,7 +180,7 @@ def _is_meant(name: str, function: QualifiedName) -> bool:
 
 
 def _owners(parsed: CSource, comment: CComment) -> list[CFunction]:
-    """Return the functions that a comment may tell of: the one around it, and the one below it."""
+    """Return the functions that a comment may describe: the one around it, and the one below it."""
     around = parsed.innermost(comment.start)
     found = [] if around is None else [around]
     below = _BLANK.match(parsed.source, comment.end)

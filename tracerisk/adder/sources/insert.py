@@ -86,7 +86,7 @@ def insert_blocks(
 def insert_everywhere(
     source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock | None], file: str
 ) -> bytes:
-    """Return the source with a block at each definition, told by name and line of the `def`.
+    """Return the source with a block at each definition, given by name and line of its `def`.
 
     Raises:
         As `insert_blocks`.
@@ -188,14 +188,14 @@ def _sites(
     for name, line in needed:
         if (name, line) not in sites:
             raise UnsafeRewriteError(
-                f"the place of {name} is told differently by libcst and by Python's own parser",
+                f"libcst and Python's own parser report different places for {name}",
                 Location(parsed.file, line),
             )
     return sites
 
 
 def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
-    """Return the sites as Python's own parser tells them, for a source beyond libcst."""
+    """Return the sites as Python's own parser reports them, for a source beyond libcst."""
     sites = {}
     for definition in definitions(source.tree):
         end = header_end(source, definition)

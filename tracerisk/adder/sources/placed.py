@@ -17,9 +17,9 @@ it begins, or at the top of a module's code."""
 
 
 class MisplacedBlockError(BlockError):
-    """A block stands at another function than its `name` says: `owners` are what it may tell of.
+    """A block stands at another function than its `name` says: `owners` are what it may describe.
 
-    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written` tells that the block
+    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written`: the block
     has a digest: the tool wrote it, under that name.
     """
 
@@ -42,9 +42,9 @@ class MisplacedBlockError(BlockError):
 
 @dataclass(frozen=True, slots=True)
 class PlacedBlock:
-    """A block in a source: the function it tells of and the lines it takes, from 1 on.
+    """A block in a source: the function it describes and the lines it takes, from 1 on.
 
-    Where it tells of one instance of several, `function` is the instance's name: `Pick (tray)`.
+    Where it describes one instance of several, `function` is the instance's name: `Pick (tray)`.
     `line` is that of the function's `def`; of the first statement for module-level code.
     """
 
@@ -57,7 +57,7 @@ class PlacedBlock:
 
 
 def only_one_each(placed: tuple[PlacedBlock, ...], file: str) -> tuple[PlacedBlock, ...]:
-    """Return the blocks; raise BlockError where two tell of one function."""
+    """Return the blocks; raise BlockError where two describe one function."""
     seen: dict[QualifiedName, PlacedBlock] = {}
     for block in placed:
         if block.function in seen:

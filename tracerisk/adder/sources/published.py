@@ -33,7 +33,7 @@ _C_LEAD = pattern(r"[ \t]*\*+[ \t]?|[ \t]+")
 # A frame on the right; the star of `operator*` is none.
 _C_TRAIL = pattern(r"(?:(?:\A|(?<=[ \t]))\*+)?[ \t]*\Z")
 _PLAIN = pattern(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
-# Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
+# Decided by the bytes: most sources have blocks behind the gutter only, and are not read twice.
 _PLAIN_BLOCK = pattern(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
 _BEGINS = pattern(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 

@@ -61,7 +61,7 @@ def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
 
     Raises:
         BlockError: if a block is malformed, misplaced or under another function than its
-            `name` says, or two blocks tell of one function.
+            `name` says, or two blocks describe one function.
         SourceError: if the source is not Python.
         DependencyError: if C or C++ is to be read and the extra `cpp` is not installed.
     """
@@ -158,7 +158,7 @@ def _runs(source: PythonSource) -> Iterator[_Run]:
 
 
 class _OwnerFinder:
-    """Tells which functions a block at some place may belong to."""
+    """Finds which functions a block at some place may belong to."""
 
     def __init__(self, source: PythonSource) -> None:
         self._source = source

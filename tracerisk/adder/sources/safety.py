@@ -43,7 +43,8 @@ def check_rewrite(
         placed_after = scan_blocks(after)
     except BlockError as error:
         raise UnsafeRewriteError(
-            "with the risk block in, its lines would not be told from a comment beside it: "
+            "with the risk block in, its lines could not be distinguished from a comment "
+            "beside it: "
             f"{error.message}",
             error.location,
         ) from error

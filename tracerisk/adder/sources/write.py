@@ -30,7 +30,7 @@ def write_all(writes: Iterable[FileWrite]) -> None:
 
     Raises:
         InputError: if a file cannot be written, or no longer holds what it was read as.
-            What can be told beforehand is told before the first write.
+            What can be known beforehand is reported before the first write.
     """
     planned = tuple(writes)
     for write in planned:

@@ -24,7 +24,7 @@ OWN = (ModelFormat.HYBRID, ModelFormat.LINKED)
 
 
 def format_of(files: Sequence[str]) -> ModelFormat | None:
-    """Return the format of model files, told by the first; `None` where they are sources.
+    """Return the format of model files, inferred from the first; `None` where they are sources.
 
     Raises InputError when the first cannot be read.
     """

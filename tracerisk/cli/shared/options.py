@@ -284,7 +284,7 @@ def add_write_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_edit_options(parser: argparse.ArgumentParser) -> None:
-    """Add what becomes of a person's edits."""
+    """Add what becomes of a user's edits."""
     group = parser.add_argument_group("values edited by hand")
     choice = group.add_mutually_exclusive_group()
     choice.add_argument(
@@ -354,7 +354,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def merge_policy(options: argparse.Namespace) -> MergePolicy:
-    """Return what becomes of a person's edits."""
+    """Return what becomes of a user's edits."""
     from tracerisk.adder.merge.merge import MergePolicy
 
     if options.accept_edits:

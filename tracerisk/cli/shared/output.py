@@ -71,7 +71,7 @@ def show(*lines: str, to_errors: bool = False) -> None:
 
 
 def note(message: str, *, quiet: bool = False) -> None:
-    """Print a line for the person at the terminal, on standard error."""
+    """Print a line for the user at the terminal, on standard error."""
     if not quiet:
         show(message, to_errors=True)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from tracerisk.report.html.repository.overview import OverviewRow
 
 _GENERATED = b'<meta name="generator" content="tracerisk">'
-_HEAD_BYTES = 4096  # within which a page tells what made it
+_HEAD_BYTES = 4096  # within which a page names what made it
 _NOT_WITH_IT = (
     *("against", "history", "trace", "png", "gif", "mp4", "recording"),
     *("hardware", "active", "profile"),

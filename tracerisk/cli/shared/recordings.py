@@ -1,4 +1,4 @@
-"""What a recording of a robot leaves open, as options; and the trace that it tells with them."""
+"""What a recording of a robot leaves open, as options; and the trace that it gives with them."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RunShown:
-    """What a report tells of a run: its trace, the hardware, and what the two give.
+    """What a report shows of a run: its trace, the hardware, and what the two give.
 
     `sections` show the run itself.
     """
@@ -62,7 +62,7 @@ def evidence_shown(
 
 
 def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> RunShown:
-    """Return what a report tells of a run whose trace is kept, `kept` where it is that one.
+    """Return what a report shows of a run whose trace is kept, `kept` where it is that one.
 
     Raises HardwareError where the hardware description does not fit it.
     """
@@ -133,7 +133,7 @@ def report_html(
 
 
 def history_shown(file: str) -> tuple[Section, ...]:
-    """Return the section that tells how the figure of a controller went over the commits.
+    """Return the section that shows the figure of a controller over the commits.
 
     Raises InputError outside a repository, and for a file that git does not know.
     """
@@ -168,7 +168,7 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
 
 
 def shown_pins(sources: Mapping[str, bytes]) -> tuple[Pin, ...]:
-    """Return what persons set in the blocks of the sources, with what is computed there."""
+    """Return what users set in the blocks of the sources, with what is computed there."""
     from tracerisk.pipeline.check.overrides import overrides_in
     from tracerisk.report.html.report_input import Pin
 

@@ -81,8 +81,8 @@ def write_report_pictures(
 ) -> tuple[ExitCode, tuple[str, ...]]:
     """Write the pictures and films; return the exit code, and the files written.
 
-    `given` is the trace that the command line names. A run that is done again may fail: then it
-    is told how, and nothing is written.
+    `given` is the trace that the command line names. A run that is done again may fail: then its
+    error is reported and nothing is written.
     """
     from tracerisk.pipeline.results.run_pictures import (
         kept_recording,

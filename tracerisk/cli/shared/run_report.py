@@ -1,4 +1,4 @@
-"""What a run showed, in a few lines for a person and as plain data."""
+"""What a run showed, in a few lines to read and as plain data."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def finding_line(finding: Finding) -> str:
 
 
 def finding_lines(trace: Trace) -> list[str]:
-    """Return the findings of a run, and the functions of which it tells nothing."""
+    """Return the findings of a run, and the functions of which it shows nothing."""
     lines = [finding_line(finding) for finding in trace.findings]
     lines += [
         f"{each.ref.file}:{each.line}: {each.ref.name} can move the arm and never ran: no risk data"
@@ -94,7 +94,7 @@ def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
 
 
 def trace_lines(trace: Trace) -> list[str]:
-    """Return what the trace tells of each relevant function, a line each."""
+    """Return what the trace holds of each relevant function, a line each."""
     lines = []
     names = model_names([function.ref for function in trace.functions])
     sensors = {each.name: each for each in trace.elements if each.kind == "sensor"}

@@ -18,7 +18,7 @@ Render = Callable[..., str]
 class Solved:
     """A solved model file: its figures by name, all of it as data, and what shows it.
 
-    `risks` are the figures that a limit is for, `None` where only a person knows; `broken` are
+    `risks` are the figures that a limit is for, `None` where only a user knows; `broken` are
     the limits of its own that do not hold.
     """
 

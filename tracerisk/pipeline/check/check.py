@@ -53,7 +53,7 @@ from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.bases import SourceEvidence
-    from tracerisk.adder.merge.merge import PersonEdit
+    from tracerisk.adder.merge.merge import HandEdit
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -309,7 +309,7 @@ def _edits(
             yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
 
 
-def _edit_finding(edit: PersonEdit, place: Location) -> CheckFinding:
+def _edit_finding(edit: HandEdit, place: Location) -> CheckFinding:
     what = (
         f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
         if edit.kind == "changed"

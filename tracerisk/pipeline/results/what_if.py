@@ -1,7 +1,7 @@
 """What a page may change of a model, from its blocks alone, and what comes of it.
 
 Every change is one of `tracerisk solve --set`, or of a component's redundancy. What blocks and
-hardware data do not tell is not offered, and the page says why.
+hardware data do not hold is not offered, and the page says why.
 """
 
 from __future__ import annotations
