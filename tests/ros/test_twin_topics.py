@@ -36,6 +36,59 @@ def test_joint_states_are_published_while_somebody_listens(example):
     assert outcome.json["trace"]["end"]["cause"] == "quiescent"
 
 
+OF_A_CONTROLLER = """\
+import rospy
+from control_msgs.msg import JointTrajectoryControllerState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+rospy.init_node("listener")
+seen = []
+rospy.Subscriber("/my_arm/state", JointTrajectoryControllerState, seen.append)
+publisher = rospy.Publisher("/my_arm/command", JointTrajectory, queue_size=1)
+while not seen:
+    rospy.sleep(0.02)
+names, began = list(seen[0].joint_names), list(seen[0].actual.positions)
+goal = JointTrajectory(joint_names=names)
+goal.points = [JointTrajectoryPoint(positions=[began[0] + 0.2, *began[1:]],
+                                    time_from_start=rospy.Duration(1))]
+publisher.publish(goal)
+while abs(seen[-1].actual.positions[0] - began[0] - 0.2) > 0.01:
+    rospy.sleep(0.02)
+errors = list(seen[-1].error.positions)
+lasted = rospy.get_time()
+"""
+
+
+def test_the_state_of_a_trajectory_controller_is_published_below_its_name(run_on_twin):
+    ran = run_on_twin(OF_A_CONTROLLER)
+    assert ran["names"] == [f"panda_joint{i}" for i in range(1, 8)]
+    assert len(ran["errors"]) == 7
+
+
+OF_A_CONTROLLER_IN_ROS_2 = """\
+import rclpy
+from control_msgs.msg import JointTrajectoryControllerState
+
+rclpy.init()
+node = rclpy.create_node("listener")
+seen = []
+node.create_subscription(
+    JointTrajectoryControllerState, "/panda_arm_controller/controller_state", seen.append, 10
+)
+while not seen:
+    rclpy.spin_once(node)
+assert len(seen[0].feedback.positions) == 7, seen[0]
+assert seen[0].reference.positions == seen[0].feedback.positions
+print("positions", len(seen[0].joint_names))
+"""
+
+
+def test_the_state_of_a_trajectory_controller_of_ros_2_is_published(example):
+    example.write("listener.py", OF_A_CONTROLLER_IN_ROS_2)
+    outcome = example.run("trace", "listener.py", "--robot", "panda", "--json")
+    assert "positions 7" in outcome.err + outcome.out
+
+
 IN_A_NAMESPACE = """\
 import actionlib, rospy
 from control_msgs.msg import FollowJointTrajectoryAction

@@ -23,6 +23,7 @@ from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
+from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change
 from tracerisk.pipeline.review.history import history, history_rows
 from tracerisk.pipeline.review.overview import KnownController, overview
 from tracerisk.pipeline.stages import load_hardware

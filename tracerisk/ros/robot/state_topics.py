@@ -1,4 +1,4 @@
-"""What the twin publishes of itself, as the drivers of a real robot do: joint states, the clock.
+"""What the twin publishes as a real robot's drivers do: states of joints and controllers, time.
 
 A driver that runs in a namespace publishes its joint states there: so does the twin, in those in
 which the controller uses an interface of the robot.
@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
+from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ, SensorReading
@@ -19,6 +20,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2, Message2
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.twin.robots.robot import Robot
 
 JOINT_STATES = "/joint_states"
 
@@ -26,6 +28,10 @@ CLOCK = "/clock"
 CLOCK_TYPE = "rosgraph_msgs/Clock"
 CLOCK_HZ = 100.0
 """How often the simulated time is published while somebody listens."""
+
+CONTROLLER_STATE_TYPE = "control_msgs/JointTrajectoryControllerState"
+_CONTROLLER_STATE = re.compile(r"(?:^|/)([^/]+)/(?:state|controller_state)$")
+"""The topic of a trajectory controller's state, below its name: of ROS 1 and of ROS 2."""
 
 _PUBLISHER = "/joint_state_publisher"
 _CLOCK_PUBLISHER = "/clock_publisher"
@@ -37,7 +43,7 @@ _DRIVERS = ("control_msgs/", "moveit_msgs/")
 
 
 class TwinTopics:
-    """Publishes the twin's joint states, and the clock, while anybody subscribes to them.
+    """Publishes states of joints and of trajectory controllers, and the clock, to who subscribes.
 
     `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
     states come, `order` the joints in the order in which a driver tells them: first these, then
@@ -71,6 +77,11 @@ class TwinTopics:
         if change == "subscribed" and type_name == JOINT_STATE_TYPE:
             if name.endswith(JOINT_STATES):
                 self._asked.add(name)
+        elif change == "subscribed" and type_name == CONTROLLER_STATE_TYPE:
+            controller = _CONTROLLER_STATE.search(name)
+            if controller is not None and name not in self._published:
+                self._publish_controller(name, controller[1])
+            return
         elif change == "advertised" and is_command_topic(name, type_name):
             self._used.add(name)
         elif change == "served":
@@ -102,6 +113,53 @@ class TwinTopics:
         TopicStream(
             self._runtime, joints, self._rate_hz, self._joint_state, yields=topic != JOINT_STATES
         )
+
+    def _publish_controller(self, topic: str, controller: str) -> None:
+        """Publish the state of a trajectory controller, unless somebody else does."""
+        self._published.add(topic)
+        publication = self._runtime.graph.advertise(
+            topic, CONTROLLER_STATE_TYPE, node=_PUBLISHER, by_controller=False
+        )
+        self._runtime.client(SensorReading).tells_joints(publication, self._rate_hz)
+        TopicStream(
+            self._runtime,
+            publication,
+            self._rate_hz,
+            lambda: self._controller_state(self._joints_of(controller)),
+            yields=True,
+        )
+
+    def _joints_of(self, controller: str) -> tuple[str, ...]:
+        """Return the joints of a controller; all of the arm for one that nobody describes."""
+        robot: Robot = self._runtime.twin.robot
+        for each in robot.controllers:
+            if each.name == controller:
+                return each.joints
+        names = [joint.name for joint in robot.joints]
+        declared = self._runtime.client(DeclaredControllers).of_robot(names).get(controller)
+        if declared is not None and declared.joints:
+            return declared.joints
+        return tuple(joint.name for joint in robot.arm_joints)
+
+    def _controller_state(self, joints: Sequence[str]) -> Any:
+        """Return the state of a controller of joints, whose set points are where they are.
+
+        A real one follows its set points closely too, from the start of a motion to its end.
+        """
+        state = self._runtime.twin.joint_state()
+        message: Any = self._interfaces.message(CONTROLLER_STATE_TYPE)()
+        set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
+        places = [state.names.index(joint) for joint in joints if joint not in state.absent]
+        message.joint_names = [state.names[i] for i in places]
+        # ROS 2 has renamed them.
+        is_renamed = hasattr(message, "reference")
+        wanted, measured = ("reference", "feedback") if is_renamed else ("desired", "actual")
+        for name in (wanted, measured):
+            getattr(message, name).positions = [state.position[i] for i in places]
+            getattr(message, name).velocities = [state.velocity[i] for i in places]
+        message.error.positions = [0.0] * len(places)
+        message.error.velocities = [0.0] * len(places)
+        return message
 
     def _joint_state(self) -> Any:
         state = self._runtime.twin.joint_state()
