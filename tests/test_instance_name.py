@@ -11,7 +11,6 @@ from tracerisk.adder.sources.definitions import normal_name
 from tracerisk.instance_name import (
     instance_name,
     is_name_at,
-    label_of,
     name_at,
     places,
     plain_label,
@@ -28,7 +27,6 @@ def test_a_block_holds_every_label_and_gives_it_back(text: str) -> None:
         assert is_function_name(name)
         assert read_transition(f"{name} 1/2").target == name
         assert normal_name(name) == name
-        assert label_of(name) == label
         assert is_name_at(name, "Pick.execute")
         assert not is_name_at(name, "Place.execute")
 

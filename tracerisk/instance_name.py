@@ -38,12 +38,6 @@ def instance_name(function: str, label: str, *, is_only_method: bool) -> Qualifi
     return QualifiedName(f"{of or function} ({label})")
 
 
-def label_of(name: str) -> str | None:
-    """Return the label in the name of an instance, `None` in the name of a function."""
-    found = _INSTANCE.fullmatch(name)
-    return None if found is None else found["label"]
-
-
 def is_name_at(name: str, function: str) -> bool:
     """Return whether a block of this name may stand in a function: its own, or an instance's."""
     found = _INSTANCE.fullmatch(name)

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from tracerisk.errors import InputError, Location, SourceError
-from tracerisk.instrument.hidden_frames import format_visible
+from tracerisk.instrument.hidden_frames import hidden_frames
 from tracerisk.instrument.loader import prepared_controller, run_controller
 from tracerisk.instrument.tracer import Tracer
 
@@ -82,7 +82,8 @@ def test_traceback_reads_as_that_of_the_plain_program(tmp_path: Path) -> None:
     plain = subprocess.run([sys.executable, str(path)], capture_output=True, text=True)
     with pytest.raises(ValueError, match="bad") as caught:
         run_controller(path, Tracer())
-    shown = format_visible(caught.value)
+    with hidden_frames():
+        shown = "".join(traceback.format_exception(caught.value))
     # The frames of this test come first; the program's own end the text, line for line.
     causes, _, own = shown.rpartition("Traceback (most recent call last):\n")
     plain_causes, _, plain_own = plain.stderr.rpartition("Traceback (most recent call last):\n")

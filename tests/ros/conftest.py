@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import sys
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -9,9 +8,6 @@ from typing import Any
 import pytest
 
 from tests.ran import Ran
-from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.recording import Recorder, read_recording
-from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
@@ -20,7 +16,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.time.baton import Baton, ThreadBaton
 from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
-from tracerisk.ros.time.scheduler import RunOver, Scheduler
+from tracerisk.ros.time.scheduler import Scheduler
 
 SECOND = 1_000_000_000
 ON_BOTH = ("test_actionlib", "test_patches_asyncio", "test_patches_threads", "test_virtual_time")
@@ -107,48 +103,12 @@ def run_node(scheduler: Scheduler, graph: Graph) -> Callable[..., Any]:
 @pytest.fixture
 def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
     """Run a program of ROS 1 on the Panda, traced and in virtual time, as the command does."""
-    from tracerisk.ros.robot.state_topics import TwinTopics
-    from tracerisk.ros.twin_interfaces import TwinInterfaces
-    from tracerisk.twin.physics.scene import load_scene
-    from tracerisk.twin.robots.robot import load_robot
-    from tracerisk.twin.simulation.twin import Twin
-    from tracerisk.vendors.serving import serve_vendors
+    from tests.traced_run import quiet_end, run_traced
 
     def run_program(program: str, *, duration_s: float = 60.0) -> Ran:
         script = tmp_path / "program.py"
         script.write_text(textwrap.dedent(program))
-        robot = load_robot("panda")
-        twin = Twin.build(robot, load_scene("tube_racks"))
-        events = tmp_path / "events.jsonl"
-        with events.open("wb", buffering=0) as stream:
-            recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
-            tracer = Tracer(recorder.function_ran)
-            duration_ns = round(duration_s * SECOND)
-            scheduler = Scheduler(twin, duration_ns=duration_ns, tracer=tracer)
-            runtime = Runtime(
-                scheduler,
-                Graph(scheduler, tracer),
-                twin,
-                tracer,
-                recorder,
-                argv=(str(script),),
-            )
-            interfaces = Interfaces()
-            TwinTopics(runtime, interfaces)
-            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
-            with (
-                activate(runtime),
-                StandInFinder(interfaces),
-                virtual_time(scheduler),
-                prepared_controller(script, tracer, (), root=tmp_path) as run,
-            ):
-                namespace = sys.modules["__main__"].__dict__
-                try:
-                    scheduler.run_main(run)
-                except RunOver as over:
-                    if over.cause not in ("quiescent", "duration"):
-                        raise
-            return Ran(dict(namespace), read_recording(events), twin)
+        return quiet_end(*run_traced(script, Interfaces(), duration_s=duration_s))
 
     return run_program
 

@@ -67,12 +67,6 @@ def visible_traceback(entry: TracebackType | None) -> TracebackType | None:
     return visible
 
 
-def format_visible(error: BaseException) -> str:
-    """Format an exception with its causes as Python would, without tracerisk's frames."""
-    with hidden_frames():
-        return "".join(traceback.format_exception(error))
-
-
 @contextlib.contextmanager
 def hidden_frames() -> Iterator[None]:
     """Leave tracerisk's frames out of what the standard library shows, until closed.

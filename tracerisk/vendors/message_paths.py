@@ -15,7 +15,6 @@ from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.fields import (
     DURATIONS,
     FLOATS,
-    INTEGER_BITS,
     TIMES,
     MessageField,
     fields_of,
@@ -278,8 +277,3 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) or (
         hasattr(value, "dtype") and getattr(value, "shape", None) == ()
     )
-
-
-def holds_numbers(field: MessageField) -> bool:
-    """Return whether a field is a number or a list of numbers."""
-    return field.message is None and (field.base in FLOATS or field.base in INTEGER_BITS)

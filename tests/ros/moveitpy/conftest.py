@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import sys
 import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,20 +9,9 @@ from types import MappingProxyType
 import pytest
 
 from tests.ran import Ran
-from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.recording import Recorder, read_recording
-from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.graph.graph import Graph
-from tracerisk.ros.graph.runtime import Runtime, activate
-from tracerisk.ros.imports.finder import StandInFinder
+from tests.traced_run import run_traced
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.time.patches import virtual_time
-from tracerisk.ros.time.scheduler import RunOver, Scheduler
-from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import load_robot
-from tracerisk.twin.simulation.twin import Twin
-from tracerisk.vendors.serving import serve_vendors
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 PREAMBLE = """\
@@ -51,7 +39,6 @@ def box(name, position, size, frame="panda_link0"):
     made.primitive_poses.append(pose)
     return made
 """
-PREAMBLE_LINES = PREAMBLE.count("\n")
 
 
 @dataclass
@@ -70,31 +57,9 @@ def run(tmp_path: Path) -> Callable[..., RanAndOver]:
     ) -> RanAndOver:
         script = tmp_path / "program.py"
         script.write_text(PREAMBLE + textwrap.dedent(program))
-        robot = load_robot("panda")
-        twin = Twin.build(robot, load_scene("tube_racks"))
-        events = tmp_path / "events.jsonl"
-        over = None
-        with events.open("wb", buffering=0) as stream:
-            recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
-            tracer = Tracer(recorder.function_ran)
-            scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
-            graph = Graph(scheduler, tracer)
-            runtime = Runtime(
-                scheduler, graph, twin, tracer, recorder, argv=(str(script),), packages=packages
-            )
-            interfaces = Interfaces2()
-            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
-            with (
-                activate(runtime),
-                StandInFinder(interfaces),
-                virtual_time(scheduler),
-                prepared_controller(script, tracer, (), root=tmp_path) as main,
-            ):
-                namespace = sys.modules["__main__"].__dict__
-                try:
-                    scheduler.run_main(main)
-                except RunOver as ended:
-                    over = ended
-            return RanAndOver(dict(namespace), read_recording(events), twin, over)
+        ran, over = run_traced(
+            script, Interfaces2(), duration_s=100.0, packages=packages, has_topics=False
+        )
+        return RanAndOver(**vars(ran), over=over)
 
     return run_program

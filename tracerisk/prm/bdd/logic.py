@@ -40,10 +40,6 @@ class LogicGraph:
         """The number of the first node that is an AND."""
         return FIRST_EVENT + len(self.events)
 
-    def is_event(self, literal: int) -> bool:
-        """Whether a literal is of an event, or of its complement."""
-        return FIRST_EVENT <= abs(literal) < self.first_gate
-
     def event(self, literal: int) -> str:
         """Return the name of the event of a literal."""
         return self.events[abs(literal) - FIRST_EVENT]

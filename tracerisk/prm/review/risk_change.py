@@ -332,7 +332,3 @@ def ratio_of(before: float, after: float) -> float | None:
 
 def _figure(mission: MissionFigures | None) -> float:
     return 0.0 if mission is None else mission.failure_probability
-
-
-Renamed = Mapping[str, str]
-"""The later name of each function that was renamed, by its earlier one."""

@@ -15,7 +15,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.grippers import gripper_ends
 from tracerisk.ros.robot.motion_profiles import Ramp, ramped
 from tracerisk.ros.robot.velocity_motion import at_velocities
-from tracerisk.ros.transforms.poses import angle_between, compose, inverse
+from tracerisk.ros.transforms.poses import angle_between, compose
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
@@ -368,8 +368,3 @@ def moved(
     way = compose(at_origin, shift).position if linear_in_tool else shift.position
     px, py, pz = (p + w for p, w in zip(here.position, way, strict=True))
     return Pose((px, py, pz), turned_pose.orientation)
-
-
-def in_frame(pose: Pose, frame: Pose) -> Pose:
-    """Return a pose of the base frame as seen from `frame`."""
-    return compose(inverse(frame), pose)

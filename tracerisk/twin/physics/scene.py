@@ -14,7 +14,6 @@ from tracerisk.text.yaml_reader import YamlMap, read_yaml
 
 SHIPPED_SCENES = Path(__file__).parent / "scenes"
 """Where the files of the shipped scenes are."""
-EMPTY_SCENE = "empty"
 
 Triple = tuple[float, float, float]
 
