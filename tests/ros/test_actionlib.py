@@ -408,3 +408,22 @@ def test_the_topics_of_actions_are_published_by_client_and_server(run_node):
     goal, cancel = ["/count/goal", "actionlib/TestActionGoal"], "actionlib_msgs/GoalID"
     assert asked == [["/count/cancel", cancel], goal]
     assert both == [f"/count/{leaf}" for leaf in ("cancel", "feedback", "goal", "result", "status")]
+
+
+def test_the_status_of_a_goal_begins_with_its_identifier_or_with_a_new_one(run_node):
+    def main():
+        import rospy
+        from actionlib.status_tracker import StatusTracker
+        from actionlib_msgs.msg import GoalID, GoalStatus
+        from control_msgs.msg import FollowJointTrajectoryActionGoal
+
+        rospy.init_node("server")
+        given = StatusTracker(GoalID(id="one"), GoalStatus.ACTIVE)
+        made = StatusTracker(goal=FollowJointTrajectoryActionGoal())
+        return given.status, made.status
+
+    given, made = run_node(main)
+    assert (given.goal_id.id, given.status) == ("one", 1)
+    assert made.status == 0
+    assert made.goal_id.id.startswith("/server-1-")
+    assert made.goal_id.stamp.to_sec() > 0.0

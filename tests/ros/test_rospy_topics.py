@@ -594,6 +594,30 @@ def test_rosout_can_be_listened_to(run_node):
     assert run_node(main) == [(4, "/arm", "careful")]
 
 
+def test_a_line_on_rosout_says_where_it_comes_from_and_which_topics_its_node_has(run_node):
+    class Arm:
+        def move(self, rospy):
+            rospy.loginfo("moving")
+
+    def main():
+        import rospy
+        from rosgraph_msgs.msg import Log
+        from std_msgs.msg import Int32
+
+        rospy.init_node("arm")
+        rospy.Publisher("speed", Int32, queue_size=1)
+        seen = []
+        rospy.Subscriber("/rosout", Log, seen.append)
+        Arm().move(rospy)
+        rospy.sleep(0.1)
+        return seen
+
+    (line,) = run_node(main)
+    assert (line.file, line.function) == ("test_rospy_topics.py", "Arm.move")
+    assert line.line == Arm.move.__code__.co_firstlineno + 1
+    assert line.topics == ["/rosout", "/speed"]
+
+
 def test_the_master_tells_the_state_of_the_graph(run_node):
     def main():
         import rospy

@@ -5,6 +5,8 @@ Source: ros/ros_comm `tools/rosgraph/src/rosgraph/{__init__,masterapi,names,rose
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 
@@ -58,3 +60,25 @@ def test_the_command_line_says_where_the_master_is(run_node):
         return rosgraph.get_master_uri(), rosgraph.myargv(["x", "a:=b", "c"])
 
     assert run_node(main, "__master:=http://cell:1") == ("http://cell:1", ["x", "c"])
+
+
+def test_records_of_logging_are_written_as_ros_writes_them(run_node):
+    def main():
+        import io
+        import logging
+
+        from rosgraph.roslogging import RosStreamHandler
+
+        out, err = io.StringIO(), io.StringIO()
+        handler = RosStreamHandler(stdout=out, stderr=err)
+        for level, text in ((logging.INFO, "ready"), (logging.CRITICAL, "lost")):
+            handler.handle(
+                logging.makeLogRecord(
+                    {"levelname": logging.getLevelName(level), "levelno": level, "msg": text}
+                )
+            )
+        return out.getvalue(), err.getvalue()
+
+    out, err = run_node(main)
+    assert re.fullmatch(r"\[INFO\] \[\d+\.\d{6}\]: ready\n", out)
+    assert re.fullmatch(r"\[FATAL\] \[\d+\.\d{6}\]: lost\n", err)

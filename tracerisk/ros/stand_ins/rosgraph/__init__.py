@@ -6,10 +6,14 @@ from .masterapi import Error as MasterError
 from .masterapi import Failure as MasterFailure
 from .masterapi import Master, MasterException, is_online
 from .names import myargv
-from .rosenv import ROS_MASTER_URI, get_master_uri
+from .rosenv import ROS_HOSTNAME, ROS_IP, ROS_IPV6, ROS_MASTER_URI, ROS_NAMESPACE, get_master_uri
 
 __all__ = [
+    "ROS_HOSTNAME",
+    "ROS_IP",
+    "ROS_IPV6",
     "ROS_MASTER_URI",
+    "ROS_NAMESPACE",
     "Master",
     "MasterError",
     "MasterException",

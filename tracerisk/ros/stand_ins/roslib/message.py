@@ -5,9 +5,15 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from genpy import Message
+from genpy import DeserializationError, Message, SerializationError
 
-__all__ = ["Message", "get_message_class", "get_service_class"]
+__all__ = [
+    "DeserializationError",
+    "Message",
+    "SerializationError",
+    "get_message_class",
+    "get_service_class",
+]
 
 
 def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:

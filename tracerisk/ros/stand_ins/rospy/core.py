@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -121,9 +122,30 @@ def _publish_to_rosout(state: NodeState, level: int, text: str) -> None:
         state.rosout = state.graph.advertise(
             "/rosout", Log._type, node=state.name, copy=lambda message: sent_copy(message, Log)
         )
-    log = Log(level=level, name=state.name, msg=text)
+    frame = controller_frame()
+    log = Log(level=level, name=state.name, msg=text, topics=_topics_of(state))
+    if frame is not None:
+        log.file = Path(frame.f_code.co_filename).name
+        log.line = frame.f_lineno
+        owner = frame.f_locals.get("self")
+        log.function = frame.f_code.co_name
+        if owner is not None:
+            log.function = f"{type(owner).__name__}.{log.function}"
     log.header.stamp = Time(0, EPOCH_NS + state.scheduler.now_ns)
     state.rosout.publish(log)
+
+
+def _topics_of(state: NodeState) -> list[str]:
+    """Return the topics that a node publishes or subscribes to, sorted."""
+    graph = state.graph
+    return [
+        topic
+        for topic in graph.topic_names()
+        if any(
+            each.node == state.name
+            for each in (*graph.publications(topic), *graph.subscriptions(topic))
+        )
+    ]
 
 
 def _caller() -> tuple[str, int, int]:
