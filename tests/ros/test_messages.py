@@ -339,3 +339,17 @@ def test_a_text_that_makes_no_class_is_an_input_error(tmp_path, text, told):
     (tmp_path / "msg" / "Loop.msg").write_text(text)
     with pytest.raises(InputError, match=told):
         Interfaces({"odd": tmp_path}).message("odd/Loop")
+
+
+def test_a_constant_of_text_is_all_that_follows_its_sign(tmp_path):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Words.msg").write_text(
+        "string NOTHING= \n"
+        "string QUOTED=\"hello\" 'there'\n"
+        "string MARKED=#no comment, stripped  \n"
+        "int32 count # string NONE=1\n"
+    )
+    words = Interfaces({"lab_msgs": tmp_path}).message("lab_msgs/Words")
+    assert (words.NOTHING, words.QUOTED) == ("", "\"hello\" 'there'")
+    assert words.MARKED == "#no comment, stripped"
+    assert words.__slots__ == ["count"]

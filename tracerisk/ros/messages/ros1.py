@@ -7,6 +7,7 @@ A class is made when it is first asked for, with the classes of its fields.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from hashlib import md5
@@ -41,6 +42,7 @@ __all__ = [
 
 INTERFACES = Path(__file__).parent / "interfaces"
 _PLACEHOLDER = "structure_needs_at_least_one_member"
+_TEXT_CONSTANT = re.compile(r"^[ \t]*string[ \t]+(\w+)[ \t]*=(.*)$", re.MULTILINE)
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
 # Of an action X, ROS 1 makes seven messages; the first three are the parts of its text.
 _ACTION_PARTS = ("Goal", "Result", "Feedback")
@@ -327,11 +329,17 @@ class Interfaces:
     def _parse(self, package: str, short: str, text: str, path: Path) -> None:
         from rosbags.typesys import TypesysError, get_types_from_msg
 
+        name = f"{package}/msg/{short}"
+        # All that follows the sign is the text: quotes, `#` and nothing, which rosbags refuses.
+        texts = {key: value.strip() for key, value in _TEXT_CONSTANT.findall(text)}
         try:
-            self._definitions.update(get_types_from_msg(text, f"{package}/msg/{short}"))
+            found = get_types_from_msg(_TEXT_CONSTANT.sub(r"string \1=text", text), name)
+            constants, fields = found[name]
+            own = [(key, kind, texts.get(key, value)) for key, kind, value in constants]
+            self._definitions.update({name: (own, fields)})
         except TypesysError as error:
-            found = str(error).splitlines()[-1]
-            raise InputError(f"not a message definition: {found}", Location(str(path))) from error
+            line = str(error).splitlines()[-1]
+            raise InputError(f"not a message definition: {line}", Location(str(path))) from error
 
     def _full_text(self, name: str) -> str:
         from rosbags.typesys.store import Typestore
