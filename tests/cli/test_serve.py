@@ -420,6 +420,32 @@ def test_two_that_ask_at_once_while_files_are_saved_all_get_an_answer(server, fo
     assert found["ratio"] > 1.9
 
 
+def test_no_page_waits_for_a_slow_what_if(server, monkeypatch):
+    asked, shown = threading.Event(), threading.Event()
+    path = "/what-if/pick.py?rate.motor=3"
+    expected = solved(server, path)
+
+    def late(*arguments):
+        asked.set()
+        assert shown.wait(10)
+        return answer(*arguments)
+
+    monkeypatch.setattr("tracerisk.cli.serving.site.answer", late)
+    answers = []
+    threads = [
+        threading.Thread(target=lambda: answers.append(get(server, path).json)) for _ in range(2)
+    ]
+    for each in threads:
+        each.start()
+    assert asked.wait(10)
+    for page in ("/", "/controller/pick.py", "/report/pick.py", "/state"):
+        assert get(server, page).status == 200
+    shown.set()
+    for each in threads:
+        each.join()
+    assert answers == [expected, expected]
+
+
 def test_it_listens_to_this_machine_alone(server):
     assert server.server_address[0] == "127.0.0.1"
     addresses = {

@@ -62,6 +62,7 @@ class Site:
 
     def __init__(self) -> None:
         self._root = Path.cwd()
+        # What follows is read and made anew by one request at a time.
         self._one_at_a_time = threading.Lock()
         self._seen: State = {}
         self._known: tuple[KnownController, ...] = ()
@@ -87,6 +88,8 @@ class Site:
                 "There is no such page", "The links of this page lead to all there are.", 404
             )
         try:
+            if kind == "what-if":
+                return self._what_if(name, query)
             with self._one_at_a_time:
                 return asked[kind](name, query)
         except _UnknownNameError as error:
@@ -164,9 +167,11 @@ class Site:
         return _shown(f"History of {known.name}", html, [history_section(known.name, rows)])
 
     def _what_if(self, name: str, query: str) -> Reply:
-        known = self._named(name)
-        choices = self._choices.get(name) or choices_of(known, _hardware(_kept(known)))
-        self._choices[name] = choices
+        with self._one_at_a_time:
+            known = self._named(name)
+            choices = self._choices.get(name) or choices_of(known, _hardware(_kept(known)))
+            self._choices[name] = choices
+        # The rest touches nothing that others do: no page waits until it is solved.
         change = read_change(_values(query), choices)
         files = " ".join(known.sources)
         return _json(_answer_data(answer(known, choices, change, files)))
