@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, NoReturn, cast
 
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
-from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
+from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.source.language import is_c
 from tracerisk.trace import verdict_line
 
