@@ -22,6 +22,10 @@ CUT_SHORT = frozenset({"preempt", "replaced_goal"})
 SPEED = 5.0
 STEP_S = 0.002
 """Between two samples of the twin [s]."""
+LOST_TRANSITION = "Got a transition callback on a goal handle that we're not tracking"
+"""What actionlib logs where it has lost its race: `send_goal` of its SimpleActionClient sends the
+goal before it notes the handle, and a status that arrives in between is dropped for good."""
+MOST_RACES = 4
 
 
 def _programs() -> list[object]:
@@ -40,8 +44,9 @@ def test_a_program_does_the_same_under_real_rospy(
     script = tmp_path / f"{name}.py"
     script.write_bytes((PROGRAMS / f"{name}.py").read_bytes())
 
-    live, live_log = _traced(script, capfd, live_speed=1.0 if name in ON_THE_WALL_CLOCK else SPEED)
-    twin, twin_log = _traced(script, capfd, live_speed=None)
+    live, live_log = _without_race(script, capfd, 1.0 if name in ON_THE_WALL_CLOCK else SPEED)
+    twin, printed = _traced(script, capfd, live_speed=None)
+    twin_log = _logged(printed)
 
     assert live.is_measured
     assert not twin.is_measured
@@ -69,14 +74,28 @@ def test_a_program_does_the_same_under_real_rospy(
         assert abs(theirs.active_s - ours.active_s) <= most_s, element
 
 
+def _without_race(
+    script: Path, capfd: pytest.CaptureFixture[str], live_speed: float
+) -> tuple[Trace, list[str]]:
+    """Run under real rospy, again only where actionlib itself says that it dropped a status."""
+    for _ in range(MOST_RACES):
+        trace, printed = _traced(script, capfd, live_speed)
+        if LOST_TRANSITION not in printed:
+            break
+    return trace, _logged(printed)
+
+
+def _logged(printed: str) -> list[str]:
+    return re.findall(r"^> .*$", printed, re.MULTILINE)
+
+
 def _traced(
     script: Path, capfd: pytest.CaptureFixture[str], live_speed: float | None
-) -> tuple[Trace, list[str]]:
+) -> tuple[Trace, str]:
     controller = pipeline.load_controller(script)
     settings = pipeline.load_settings(controller, {"robot": "panda", "draft": False})
     trace = pipeline.trace_controller(controller, settings, live_speed=live_speed)
-    printed = "".join(capfd.readouterr())
-    return trace, re.findall(r"^> .*$", printed, re.MULTILINE)
+    return trace, "".join(capfd.readouterr())
 
 
 def _steps(trace: Trace) -> list[tuple[str, str]]:
