@@ -126,7 +126,8 @@ class Message:
         except WRITE_FAILURES as error:
             self._check_types(error)
             raise  # not reached: _check_types raises for an error
-        buff.write(data)
+        if data:
+            buff.write(data)
 
     def serialize_numpy(self, buff: _Writer, numpy: object) -> None:
         """Write the message to `buff`; arrays of numpy are taken as lists are."""
