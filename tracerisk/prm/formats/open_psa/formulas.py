@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa.stochastic import read_bool, read_int
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.logic.model import ALWAYS, NEVER
 from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
+from tracerisk.records import dataclass
 
 CONNECTIVES = {
     kind.value: kind
@@ -110,41 +110,42 @@ def read_formula(element: Element, name: str) -> list[Unresolved]:
         if all(child.tag in EVENTS for child in flat):
             return [Unresolved(name, connective, flat, element)]
     found: list[Unresolved | None] = []
-
-    def visit(node: Element) -> str:
-        tag = node.tag
-        place = len(found)
-        own = f"{name}#{place}" if place else name
-        found.append(None)
-        if tag in EVENTS:
-            found[place] = Unresolved(own, GateKind.TRANSFER, (node,), node)
-            return own
-        if tag == "constant":
-            found[place] = Unresolved(own, GateKind.TRANSFER, (constant(node),), node)
-            return own
-        kind = CONNECTIVES.get(tag)
-        if kind is None:
-            node.unexpected(TAGS)
-        inputs: list[Element | str] = []
-        for child in node.children:
-            if child.tag in EVENTS:
-                inputs.append(child)
-            elif child.tag == "constant":
-                inputs.append(constant(child))
-            else:
-                inputs.append(visit(child))
-        if not inputs:
-            node.fail(f"<{tag}> has no arguments; give it at least one")
-        k = most = None
-        if kind is GateKind.ATLEAST:
-            k = read_int(node, "min")
-        elif kind is GateKind.CARDINALITY:
-            k, most = read_int(node, "min"), read_int(node, "max")
-        found[place] = Unresolved(own, kind, tuple(inputs), node, k, most)
-        return own
-
-    visit(element)
+    _visit(element, name, found)
     return [gate for gate in found if gate is not None]
+
+
+def _visit(node: Element, name: str, found: list[Unresolved | None]) -> str:
+    """Put the gate of a formula, and those nested in it, among those found; return its name."""
+    tag = node.tag
+    place = len(found)
+    own = f"{name}#{place}" if place else name
+    found.append(None)
+    if tag in EVENTS:
+        found[place] = Unresolved(own, GateKind.TRANSFER, (node,), node)
+        return own
+    if tag == "constant":
+        found[place] = Unresolved(own, GateKind.TRANSFER, (constant(node),), node)
+        return own
+    kind = CONNECTIVES.get(tag)
+    if kind is None:
+        node.unexpected(TAGS)
+    inputs: list[Element | str] = []
+    for child in node.children:
+        if child.tag in EVENTS:
+            inputs.append(child)
+        elif child.tag == "constant":
+            inputs.append(constant(child))
+        else:
+            inputs.append(_visit(child, name, found))
+    if not inputs:
+        node.fail(f"<{tag}> has no arguments; give it at least one")
+    k = most = None
+    if kind is GateKind.ATLEAST:
+        k = read_int(node, "min")
+    elif kind is GateKind.CARDINALITY:
+        k, most = read_int(node, "min"), read_int(node, "max")
+    found[place] = Unresolved(own, kind, tuple(inputs), node, k, most)
+    return own
 
 
 def constant(element: Element) -> str:

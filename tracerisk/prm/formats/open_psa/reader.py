@@ -34,22 +34,28 @@ def loads_open_psa(text: str | bytes, file: str) -> LogicModel:
 
 def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
     collector = Collector()
+    try:
+        with collection_paused():
+            return _collected(sources, collector)
+    finally:
+        # What is old when a pause ends is not looked through for what refers back.
+        collector.release()
+
+
+def _collected(sources: list[tuple[Path | bytes, str]], collector: Collector) -> LogicModel:
     # Each with the files that include it, the outermost first.
     waiting: list[tuple[Path | bytes, str, tuple[Path, ...]]] = [(*each, ()) for each in sources]
-    with collection_paused():
-        for count, (source, file, above) in enumerate(waiting, start=1):
-            includes: list[Element] = []
-            root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
-            if root.tag != ROOT:
-                root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
-            if count > _MOST_FILES:
-                root.fail(f"more than {_MOST_FILES} files make up the model; join some")
-            collector.finish_file(root)
-            chain = above if isinstance(source, bytes) else (*above, source.resolve())
-            waiting += [(*_included(each, source, chain), chain) for each in includes]
-        model = Linker(collector).model()
-        collector.release()
-        return model
+    for count, (source, file, above) in enumerate(waiting, start=1):
+        includes: list[Element] = []
+        root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
+        if root.tag != ROOT:
+            root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
+        if count > _MOST_FILES:
+            root.fail(f"more than {_MOST_FILES} files make up the model; join some")
+        collector.finish_file(root)
+        chain = above if isinstance(source, bytes) else (*above, source.resolve())
+        waiting += [(*_included(each, source, chain), chain) for each in includes]
+    return Linker(collector).model()
 
 
 def _included(element: Element, source: Path | bytes, above: tuple[Path, ...]) -> tuple[Path, str]:

@@ -151,6 +151,7 @@ def parse(
     finally:
         # The handlers refer to the parser, and the parser to them.
         parser.StartElementHandler = parser.EndElementHandler = None
+        parser.CharacterDataHandler = None
         parser.EntityDeclHandler = parser.SkippedEntityHandler = None
     return roots[0]
 
