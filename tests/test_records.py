@@ -63,7 +63,19 @@ def classes_by(library: types.ModuleType) -> types.SimpleNamespace:
         def __repr__(self) -> str:
             return "checked"
 
-    return types.SimpleNamespace(Point=Point, Kept=Kept, Open=Open, Single=Single, Checked=Checked)
+    @library.dataclass(frozen=True, slots=True)
+    class Summed:
+        name: str
+        numbers: tuple[int, ...] = ()
+        total: int = library.field(init=False, repr=False, compare=False)
+        solver: object = library.field(init=False, repr=False, compare=False, default=None)
+
+        def __post_init__(self) -> None:
+            object.__setattr__(self, "total", sum(self.numbers))
+
+    return types.SimpleNamespace(
+        Point=Point, Kept=Kept, Open=Open, Single=Single, Checked=Checked, Summed=Summed
+    )
 
 
 OURS, LIBRARYS = classes_by(records), classes_by(dataclasses)
@@ -113,6 +125,25 @@ def test_a_class_of_many_values_makes_the_last_as_the_first():
         with pytest.raises(ValueError, match="a bad name"):
             OURS.Checked("bad")
     assert str(inspect.signature(OURS.Kept)) == str(inspect.signature(LIBRARYS.Kept))
+
+
+@BOTH
+def test_a_field_that_no_call_gives_is_made_from_the_others(of, library):
+    for _ in range(250):
+        summed = of.Summed("a", (1, 2))
+        assert (summed.total, summed.solver) == (3, None)
+    assert repr(summed).endswith("Summed(name='a', numbers=(1, 2))")
+    assert library.replace(summed, numbers=(4,)).total == 4
+    object.__setattr__(summed, "solver", 1)
+    assert summed == of.Summed("a", (1, 2))
+    assert copy.copy(summed).solver == 1
+    assert library.asdict(summed) == {"name": "a", "numbers": (1, 2), "total": 3, "solver": 1}
+    with pytest.raises(TypeError):
+        of.Summed("a", (), 1)
+    with pytest.raises(TypeError):
+        of.Summed("a", total=1)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        summed.total = 5
 
 
 @BOTH
@@ -183,6 +214,14 @@ def test_what_knows_dataclasses_knows_these(name):
         assert dataclasses.asdict(value) == records.asdict(value)
 
 
+def test_functions_over_values_take_those_of_the_library():
+    kept = LIBRARYS.Kept("a", {"b": 1}, LIBRARYS.Point(1))
+    assert records.is_dataclass(kept)
+    assert records.asdict(kept) == dataclasses.asdict(kept)
+    assert records.replace(kept, name="b") == LIBRARYS.Kept("b")
+    assert [each.name for each in records.fields(kept)] == ["name", "values", "place"]
+
+
 def test_values_go_to_other_processes():
     value = Copied(1, 2.0)
     for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
@@ -224,9 +263,11 @@ def test_the_library_can_read_every_one_of_the_package():
         for each in gc.get_objects()
         if isinstance(each, type)
         and str(getattr(each, "__module__", "")).startswith("tracerisk.")
-        and records.is_dataclass(each)
+        and "__tracerisk_fields__" in vars(each)
     ]
     assert len(found) > 50
     for each in found:
-        names = [field.name for field in dataclasses.fields(each)]
-        assert names == list(each.__annotations__) == list(inspect.signature(each).parameters)
+        fields = dataclasses.fields(each)
+        assert [field.name for field in fields] == list(each.__annotations__)
+        given = [field.name for field in fields if field.init]
+        assert given == list(inspect.signature(each).parameters)

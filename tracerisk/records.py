@@ -28,20 +28,24 @@ _MISSING: Any = _Missing()
 
 
 class _Field:
-    """A field: its name, and what `dataclasses.field` takes of its default and its comparison."""
+    """A field: its name, and what `dataclasses.field` takes of it."""
 
-    __slots__ = ("compare", "default", "default_factory", "name")
+    __slots__ = ("compare", "default", "default_factory", "init", "name", "repr")
 
     def __init__(
         self,
         *,
         default: Any = _MISSING,
         default_factory: Callable[[], Any] = _MISSING,
+        init: bool = True,
+        repr: bool = True,  # noqa: A002 - the library's name
         compare: bool = True,
     ) -> None:
         self.name = ""
         self.default = default
         self.default_factory = default_factory
+        self.init = init
+        self.repr = repr
         self.compare = compare
 
     @property
@@ -49,7 +53,13 @@ class _Field:
         """What the library's own function is to be called with."""
         given = {"default": self.default, "default_factory": self.default_factory}
         stated = {name: value for name, value in given.items() if value is not _MISSING}
-        return {**stated, "compare": self.compare}
+        return {**stated, "init": self.init, "repr": self.repr, "compare": self.compare}
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its default, if any, is all that was said of it."""
+        plain = self.init and self.repr and self.compare
+        return plain and self.default_factory is _MISSING
 
 
 class _Made:
@@ -109,7 +119,9 @@ def _methods(fields: Mapping[str, _Field], options: Mapping[str, bool]) -> dict[
     """Return the methods that `dataclasses` would give to a class."""
     names = tuple(fields)
     compared = _values_of([name for name, each in fields.items() if each.compare])
-    methods: dict[str, Any] = {"__repr__": _repr_of(names), "__match_args__": names}
+    shown = tuple(name for name, each in fields.items() if each.repr)
+    given = tuple(name for name, each in fields.items() if each.init)
+    methods: dict[str, Any] = {"__repr__": _repr_of(shown), "__match_args__": given}
     if options["eq"]:
 
         def equal(self: object, other: object) -> Any:
@@ -122,7 +134,7 @@ def _methods(fields: Mapping[str, _Field], options: Mapping[str, bool]) -> dict[
     if options["order"]:
         methods |= {f"__{each.__name__}__": _order_of(compared, each) for each in _ORDERS}
     if options["frozen"]:
-        methods |= _methods_of_frozen(names)
+        methods |= _methods_of_frozen(names, given)
     return methods
 
 
@@ -152,11 +164,14 @@ def _order_of(
     return ordered
 
 
-def _methods_of_frozen(names: tuple[str, ...]) -> dict[str, Any]:
-    """Return what keeps values as they were made, and lets them be copied and pickled."""
+def _methods_of_frozen(names: tuple[str, ...], given: tuple[str, ...]) -> dict[str, Any]:
+    """Return what keeps values as they were made, and lets them be copied and pickled.
+
+    `given` are the names that a call gives, which mark the class itself, not one derived from it.
+    """
 
     def refuse(self: object, name: str, doing: str) -> None:
-        if name in names or vars(type(self)).get("__match_args__") is names:
+        if name in names or vars(type(self)).get("__match_args__") is given:
             from dataclasses import FrozenInstanceError
 
             raise FrozenInstanceError(f"cannot {doing} field {name!r}")
@@ -189,11 +204,17 @@ def _init_of(kind: type) -> Callable[..., None]:
 
     To compile it takes as long as it saves in a hundred calls.
     """
-    fields: Mapping[str, _Field] = getattr(kind, _FIELDS)
+    every: Mapping[str, _Field] = getattr(kind, _FIELDS)
+    fields = {name: each for name, each in every.items() if each.init}
     puts = [vars(kind)[name].__set__ for name in fields]
     defaults = tuple(each.default for each in fields.values())
     required = sum(each.default is _MISSING for each in fields.values())
     has_factories = any(each.default_factory is not _MISSING for each in fields.values())
+    constants = [
+        (vars(kind)[name].__set__, each.default)
+        for name, each in every.items()
+        if not each.init and each.default is not _MISSING
+    ]
     has_more = hasattr(kind, "__post_init__")
     count = len(puts)
     calls = 0
@@ -210,6 +231,8 @@ def _init_of(kind: type) -> Callable[..., None]:
                 _arguments(self, fields, values, named)  # it says what is missing
             values += defaults[len(values) :]
         for put, value in zip(puts, values, strict=False):
+            put(self, value)
+        for put, value in constants:
             put(self, value)
         if has_more:
             self.__post_init__()
@@ -232,7 +255,12 @@ def _compiled_init(kind: type) -> Callable[..., None]:
             known[f"_make_{name}"] = each.default_factory
             parameter = f"{name}=_missing"
             value = f"_make_{name}() if {name} is _missing else {name}"
-        parameters.append(parameter)
+        if each.init:
+            parameters.append(parameter)
+        elif each.default is _MISSING:
+            continue
+        else:
+            value = f"_default_{name}"
         lines.append(f"_put_{name}(self, {value})")
     if hasattr(kind, "__post_init__"):
         lines.append("self.__post_init__()")
@@ -271,7 +299,7 @@ def _of_library(kind: type) -> Any:
 
     body: dict[str, Any] = {
         name: each.default
-        if each.default is not _MISSING and each.compare
+        if each.default is not _MISSING and each.is_plain
         else dataclasses.field(**each.arguments)
         for name, each in getattr(kind, _FIELDS).items()
     }
@@ -281,8 +309,8 @@ def _of_library(kind: type) -> Any:
 
 
 def _is_dataclass(of: Any) -> bool:
-    """Return whether something is such a class or a value of one."""
-    return hasattr(of, _FIELDS)
+    """Return whether something is a dataclass, of here or of the library, or a value of one."""
+    return hasattr(of, _FIELDS) or hasattr(of, "__dataclass_fields__")
 
 
 def _signature_of(kind: type) -> Any:
@@ -302,22 +330,31 @@ _MADE: Mapping[str, _Made] = {
 }
 
 
-def _fields(of: Any) -> tuple[_Field, ...]:
+def _fields(of: Any) -> tuple[Any, ...]:
     """Return the fields of a class or a value of it."""
-    return tuple(getattr(of, _FIELDS).values())
+    found = getattr(of, _FIELDS, None)
+    if found is None:
+        from dataclasses import fields
+
+        return fields(of)
+    return tuple(found.values())
 
 
 def _replace(value: Any, /, **changes: Any) -> Any:
     """Return a value like another, some fields but changed."""
-    kept = {name: getattr(value, name) for name in getattr(value, _FIELDS) if name not in changes}
-    return value.__class__(**kept, **changes)
+    found: Mapping[str, _Field] | None = getattr(value, _FIELDS, None)
+    if found is None:
+        from dataclasses import replace
+
+        return replace(value, **changes)
+    given = [name for name, each in found.items() if each.init and name not in changes]
+    return value.__class__(**{name: getattr(value, name) for name in given}, **changes)
 
 
 def _asdict(value: Any) -> Any:
     """Return the values of all fields by their names, and so on within them."""
-    fields = getattr(value, _FIELDS, None)
-    if fields is not None:
-        return {name: _asdict(getattr(value, name)) for name in fields}
+    if _is_dataclass(value) and not isinstance(value, type):
+        return {each.name: _asdict(getattr(value, each.name)) for each in _fields(value)}
     if isinstance(value, (list, tuple)):
         return type(value)(map(_asdict, value))
     if isinstance(value, dict):

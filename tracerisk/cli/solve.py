@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
@@ -12,8 +11,8 @@ from tracerisk.cli.shared.assessment import print_assessment, risk_exit
 from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.output import print_json, show
 from tracerisk.cli.shared.sources import linked_model, model_of_files
-from tracerisk.cli.verdict import sources_verdict
 from tracerisk.errors import InputError
+from tracerisk.records import asdict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -74,6 +73,8 @@ def run(options: argparse.Namespace) -> int:
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     code = risk_exit(assessment, options.max_failure_probability)
+    from tracerisk.cli.verdict import sources_verdict
+
     verdicts = sources_verdict(options.files)
     if options.json:
         print_json(

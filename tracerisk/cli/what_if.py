@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.hardware_spread import add_hardware_spread
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_text, terminal_width, use_color
 from tracerisk.errors import InputError, one_of
+from tracerisk.records import asdict
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.report.tables import WIDE, plain, render_parts, table_of
+from tracerisk.report.tables import WIDE, Column, plain, render_parts, render_table, table_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.solution import DynamicImportance
@@ -23,17 +23,16 @@ def render_tops(
 ) -> str:
     """Return the probability of each top; of a likely one its complement too."""
     likely = any(p > 0.5 for p, _ in tops.values())
-    title, table = name, table_of("")
-    table.add_column("top", overflow="fold")
-    table.add_column("probability", justify="right", no_wrap=True)
+    columns = [Column("top"), Column("probability", is_number=True)]
     if likely:
-        table.add_column("1 - probability", justify="right", no_wrap=True)
+        columns.append(Column("1 - probability", is_number=True))
+    rows = []
     for top, (p, q) in tops.items():
         cells = [top, f"{p:.6e}"]
         if likely:
             cells.append(f"{q:.6e}" if p > 0.5 else "")
-        table.add_row(*plain(cells))
-    return render_parts([*plain([title]), table], width=width, color=color)
+        rows.append(cells)
+    return render_table(name, columns, rows, width=width, color=color)
 
 
 def render_top_importance(
@@ -45,8 +44,7 @@ def render_top_importance(
 ) -> str:
     """Return the importance of each parameter, or of each event of a dynamic tree, for a top."""
     kept = rows[:MOST_ROWS]
-    title, table = f"Importance for {top}{_cut(len(rows))}", table_of("")
-    table.add_column("event", overflow="fold")
+    title = f"Importance for {top}{_cut(len(rows))}"
     headings = {
         "probability": "probability",
         "birnbaum": "Birnbaum",
@@ -60,12 +58,9 @@ def render_top_importance(
     if width < WIDE:
         del headings["diagnostic_importance"]
     used = [name for name in headings if kept and hasattr(kept[0], name)]
-    for name in used:
-        table.add_column(headings[name], justify="right", no_wrap=True)
-    for row in kept:
-        cells = [f"{getattr(row, name):.4g}" for name in used]
-        table.add_row(*plain([row.name, *cells]))
-    return render_parts([*plain([title]), table], width=width, color=color)
+    columns = [Column("event"), *(Column(headings[name], is_number=True) for name in used)]
+    cells = [[row.name, *(f"{getattr(row, name):.4g}" for name in used)] for row in kept]
+    return render_table(title, columns, cells, width=width, color=color)
 
 
 def render_event_tree(found: EventTreeSolution, *, width: int = 80, color: bool = False) -> str:
@@ -103,12 +98,9 @@ def render_states(
     shown = list(values.items())
     if len(shown) > MOST_ROWS:
         shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
-    title, table = f"{name}{_cut(len(values))}", table_of("")
-    table.add_column("state", overflow="fold")
-    table.add_column(heading, justify="right", no_wrap=True)
-    for state, value in shown:
-        table.add_row(*plain([state, f"{value:.6e}"]))
-    return render_parts([*plain([title]), table], width=width, color=color)
+    columns = [Column("state"), Column(heading, is_number=True)]
+    rows = [[state, f"{value:.6e}"] for state, value in shown]
+    return render_table(f"{name}{_cut(len(values))}", columns, rows, width=width, color=color)
 
 
 def render_answers(

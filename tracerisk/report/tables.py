@@ -6,6 +6,8 @@ import io
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from tracerisk.records import dataclass
+
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
@@ -21,6 +23,7 @@ MOST_WIDTH = 160
 """Columns beyond which lines would only become harder to follow."""
 
 _BAR_WIDTH = 12
+_GAP = "  "
 
 
 def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool = False) -> str:
@@ -57,6 +60,65 @@ def render_parts(parts: Sequence[RenderableType], *, width: int = 80, color: boo
             console.print(part)
 
     return rendered(write, width=width, color=color)
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table of text."""
+
+    heading: str
+    is_number: bool = False
+    """To the right, and never broken; else a cell that is too long goes on below."""
+
+
+def render_table(
+    title: str,
+    columns: Sequence[Column],
+    rows: Sequence[Sequence[str]],
+    *,
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return a line of text and a table below it; `width` and `color` as of `rendered`.
+
+    What fits as it is needs no library, which takes longer to load than a small model to solve.
+    """
+    if not color:
+        text = _plain_table(title, columns, rows, min(max(width, LEAST_WIDTH), MOST_WIDTH))
+        if text is not None:
+            return text
+    table = table_of("")
+    for column in columns:
+        if column.is_number:
+            table.add_column(column.heading, justify="right", no_wrap=True)
+        else:
+            table.add_column(column.heading, overflow="fold")
+    for row in rows:
+        table.add_row(*plain(row))
+    return render_parts([*plain([title]), table], width=width, color=color)
+
+
+def _plain_table(
+    title: str, columns: Sequence[Column], rows: Sequence[Sequence[str]], width: int
+) -> str | None:
+    """Return the text of a table; `None` where it is too wide, or signs differ in width."""
+    headings = [column.heading for column in columns]
+    cells = [title, *headings, *(cell for row in rows for cell in row)]
+    if not all(cell.isascii() and cell.isprintable() and cell == cell.strip() for cell in cells):
+        return None
+    widths = [max(map(len, each)) for each in zip(headings, *rows, strict=True)]
+    total = sum(widths) + len(_GAP) * (len(widths) - 1)
+    if max(total, len(title)) > width or not title or not all(widths):
+        return None
+    lines = [title, "", "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * total]
+    for row in (headings, *rows):
+        parts = (
+            cell.rjust(room) if column.is_number else cell.ljust(room)
+            for cell, room, column in zip(row, widths, columns, strict=True)
+        )
+        lines.append(_GAP.join(parts).rstrip())
+    lines[1] = lines.pop(3)
+    return "\n".join([*lines, "", ""])
 
 
 def table_of(title: str, *, style: str = "bold") -> Table:

@@ -6,6 +6,8 @@ import enum
 import re
 from pathlib import PurePath
 
+from tracerisk.text.patterns import pattern
+
 
 class ModelFormat(enum.Enum):
     """A format of model files; the values are the names on the command line."""
@@ -32,21 +34,21 @@ SUFFIXES = {
 """What the endings of names stand for."""
 
 _HEAD = 65_536
-_SCHEMA = re.compile(rb'"schema"\s*:\s*"tracerisk-(hybrid|linked)-model"')
-_OPENPRA = re.compile(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
-_SKIPPED = re.compile(rb"(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*", re.DOTALL)
+_SCHEMA = pattern(rb'"schema"\s*:\s*"tracerisk-(hybrid|linked)-model"')
+_OPENPRA = pattern(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
+_SKIPPED = pattern(rb"(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*", re.DOTALL)
 _TEXTS = (
-    (re.compile(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
+    (pattern(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
     (
-        re.compile(
+        pattern(
             rb'"[^"\n]+"\s+(?:(?:and|or|\d+of\d+|[whc]sp|pand)(?:\s+"[^"\n]+")+\s*;|(?:prob|lambda)\s*=)'
         ),
         ModelFormat.GALILEO,
     ),
-    (re.compile(rb"(?:dtmc|ctmc)\s+\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
-    (re.compile(rb"\d+[ \t]+\d+[ \t]*\r?\n\s*\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
+    (pattern(rb"(?:dtmc|ctmc)\s+\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
+    (pattern(rb"\d+[ \t]+\d+[ \t]*\r?\n\s*\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
     (
-        re.compile(
+        pattern(
             rb"(?:dtmc|ctmc|mdp|probabilistic|stochastic|nondeterministic)\s+"
             rb"(?:const|module|formula|global|label|rewards|init|//|/\*)"
         ),
@@ -67,8 +69,8 @@ def detected(data: bytes, name: str) -> ModelFormat | None:
         return _json_format(text)
     start = _SKIPPED.match(text, 0, _HEAD)
     place = start.end() if start else 0
-    for pattern, found in _TEXTS:
-        if pattern.match(text, place, place + _HEAD):
+    for start_of, found in _TEXTS:
+        if start_of.match(text, place, place + _HEAD):
             return found
     return SUFFIXES.get(PurePath(name).suffix.lower())
 

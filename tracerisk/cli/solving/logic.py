@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.errors import InputError
 from tracerisk.prm.logic.model import LogicModel
+from tracerisk.records import asdict, dataclass, replace
 
 if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
@@ -13,6 +12,7 @@ from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
+from tracerisk.records import asdict
 
 if TYPE_CHECKING:
     from tracerisk.prm.linked.what_if import FigureSweep

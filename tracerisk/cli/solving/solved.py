@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.errors import InputError, one_of
+from tracerisk.records import dataclass
 
 if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty

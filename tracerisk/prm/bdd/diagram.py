@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import TooLargeError
@@ -13,6 +12,7 @@ from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
+from tracerisk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

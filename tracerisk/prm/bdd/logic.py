@@ -10,10 +10,10 @@ An OR is the complement of an AND of complements, so that the graph needs one ki
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.records import dataclass
 
 if TYPE_CHECKING:
     from tracerisk.prm.trees.fault_tree import FaultTree

@@ -8,9 +8,9 @@ IEEE Transactions on Reliability 45 (1996).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from tracerisk.prm.bdd.logic import LogicBuilder, LogicGraph
+from tracerisk.records import dataclass
 
 _MOST_MASK_BITS = 2_000_000_000
 

@@ -10,10 +10,10 @@ fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
+from tracerisk.records import dataclass
 
 _ROUNDS = 30
 """With 30 rounds the diagrams were up to half as large as with 12."""

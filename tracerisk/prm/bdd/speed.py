@@ -6,11 +6,11 @@ Both give the same numbers to the last bit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from tracerisk.prm.compiled import library
+from tracerisk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

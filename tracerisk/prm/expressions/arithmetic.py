@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions.node import Expression
+from tracerisk.records import dataclass
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions.node import Expression, MissionTime, Reference
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.records import dataclass, field
 
 Names = Mapping[str, Expression | float]
 """What each name stands for: a number, or an expression over other names."""
@@ -148,7 +148,7 @@ class Definitions:
     """
 
     entries: tuple[tuple[str, Expression], ...] = ()
-    by_name: Mapping[str, Expression] = field(init=False, repr=False, compare=False, hash=False)
+    by_name: Mapping[str, Expression] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         by_name: dict[str, Expression] = {}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.records import dataclass
 
 if TYPE_CHECKING:
     import numpy as np

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
@@ -15,6 +13,7 @@ from tracerisk.prm.expressions import (
     references,
 )
 from tracerisk.prm.trees.gates import check_gate
+from tracerisk.records import fields, is_dataclass
 
 if TYPE_CHECKING:
     from tracerisk.prm.logic.model import LogicModel
@@ -65,6 +64,8 @@ def suggestion(names: Iterable[str], found: str) -> str:
     shown = [name for name in names if not name.startswith("#")]
     if len(shown) <= 30:
         return one_of(shown, found)
+    from difflib import get_close_matches
+
     near = get_close_matches(found, shown, n=1) if len(shown) <= 20_000 else []
     return f"did you mean '{near[0]}'?" if near else "define it"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import Location, ModelError, one_of
@@ -14,6 +13,7 @@ from tracerisk.prm.logic.checks import ElementError as ElementError
 from tracerisk.prm.logic.checks import check_model
 from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate
+from tracerisk.records import dataclass, field, replace
 
 if TYPE_CHECKING:
     from tracerisk.prm.event_trees.elements import InitiatingEvent

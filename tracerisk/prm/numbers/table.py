@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.records import dataclass, fields
 
 if TYPE_CHECKING:
     import numpy as np
@@ -118,4 +117,6 @@ def _texts(table: Table[Any]) -> list[list[str]]:
 
 
 def _html_row(tag: str, texts: list[str]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{html.escape(text)}</{tag}>' for text in texts)}</tr>"
+    from html import escape
+
+    return f"<tr>{''.join(f'<{tag}>{escape(text)}</{tag}>' for text in texts)}</tr>"

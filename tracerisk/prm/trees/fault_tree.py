@@ -7,7 +7,6 @@ gate by gate; any other goes to `tracerisk.prm.bdd`, which is imported only then
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from operator import mul
 from typing import TYPE_CHECKING, Protocol
 
@@ -18,6 +17,7 @@ from tracerisk.prm.numbers.probability import Probability, pair_of, total, value
 from tracerisk.prm.numbers.quantities import check_mission_time
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
+from tracerisk.records import dataclass, field
 
 if TYPE_CHECKING:
     import numpy as np

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Literal
 
 from tracerisk.errors import ModelError, one_of
@@ -12,6 +11,7 @@ from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.records import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)

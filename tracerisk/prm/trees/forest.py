@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.records import dataclass
 
 Settings = tuple[tuple[str, bool], ...]
 """States of house events that differ from their own, in the order of their names."""

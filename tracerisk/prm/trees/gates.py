@@ -11,11 +11,11 @@ from __future__ import annotations
 import enum
 import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability, at_least, counted, deciding
+from tracerisk.records import dataclass
 
 
 class GateKind(enum.Enum):

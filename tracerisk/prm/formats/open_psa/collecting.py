@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from tracerisk.errors import one_of
@@ -32,6 +31,7 @@ from tracerisk.prm.logic.model import (
     Place,
 )
 from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.records import dataclass, replace
 
 ROOT = "opsa-mef"
 CONTAINERS = frozenset((ROOT, "model-data", "define-fault-tree", "define-component"))

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from typing import Literal
 
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.records import dataclass, replace
+from tracerisk.text.patterns import pattern
 
 NAMES_MARK = "tracerisk-names"
 GATE_MARK = "tracerisk-gate"
@@ -27,9 +28,9 @@ NameForm = Literal["readable", "escaped", ""]
 """How a file's names are written, as its mark says: see `written_name`; `escaped` is that of
 earlier versions, without spaces and indices; empty where they are as they are."""
 
-_ESCAPE = re.compile(r"_x([0-9A-F]{4,6})_")
+_ESCAPE = pattern(r"_x([0-9A-F]{4,6})_")
 # A space between two words is `-_`, `[2]` at the end `__2`.
-_FORBIDDEN = re.compile(
+_FORBIDDEN = pattern(
     r"(?P<space>(?<=[0-9A-Za-z_]) (?=[0-9A-Za-z_]))"
     r"|_(?=x[0-9A-F])"  # Would be read as an escape.
     r"|(?<!.)[^A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
@@ -37,8 +38,8 @@ _FORBIDDEN = re.compile(
     r"|-(?![0-9A-Za-z\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF])",
     re.DOTALL,
 )
-_INDEX = re.compile(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
-_WRITTEN_INDEX = re.compile(r"__([0-9A-Za-z]+)\Z")
+_INDEX = pattern(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
+_WRITTEN_INDEX = pattern(r"__([0-9A-Za-z]+)\Z")
 
 
 def written_name(name: str) -> str:
