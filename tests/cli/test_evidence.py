@@ -336,8 +336,11 @@ def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, 
     assert not (example.folder / "junk").exists()
 
 
+@pytest.mark.parametrize(
+    ("number", "left"), [(signal.SIGKILL, 1), (signal.SIGTERM, 0), (signal.SIGINT, 0)]
+)
 def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
-    example, quick, tmp_path_factory
+    number, left, example, quick, tmp_path_factory
 ):
     kept = tmp_path_factory.mktemp("kept")
     example.write("controller.py", quick())
@@ -365,11 +368,11 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
     while len(list(kept.glob("tracerisk-cells-*"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
     assert len(ours()) >= 3
-    begun.send_signal(signal.SIGKILL)
+    begun.send_signal(number)
     begun.wait()
     while ours() and time.monotonic() < deadline:
         time.sleep(0.2)
     assert not ours()
-    # That of the process which was killed is all that is left.
-    assert len(list(kept.glob("tracerisk-evidence-*"))) == 1
+    # That of the process which was killed outright is all that is left.
+    assert len(list(kept.glob("tracerisk-evidence-*"))) == left
     assert not list(kept.glob("tracerisk-cells-*"))

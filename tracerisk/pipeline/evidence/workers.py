@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import multiprocessing
 import os
 import threading
@@ -11,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from tracerisk.errors import ControllerFailedError
@@ -21,7 +23,8 @@ R = TypeVar("R")
 Told = Callable[[int, int, float], None]
 """Told how many are done, of how many, and the seconds left."""
 
-_LOOK_S = 1.0
+# Forked processes would share the threads and files of this one.
+_CONTEXT = multiprocessing.get_context("spawn")
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
 
@@ -49,7 +52,8 @@ class Workers:
         left, done = list(todo), 0
         for attempt in range(_POOLS):
             workers = min(self.jobs or os.cpu_count() or 1, max(1, len(left)))
-            pool = self.executor or _pool(workers)
+            alive, end = _CONTEXT.Pipe(duplex=False)
+            pool = self.executor or _pool(workers, alive)
             pending: dict[Future[R], J] = {}
             try:
                 while left or pending:
@@ -77,24 +81,23 @@ class Workers:
             finally:
                 if self.executor is None:
                     pool.shutdown(wait=False, cancel_futures=True)
+                # Whoever interrupts this waits for no job: workers end in the middle of theirs.
+                end.close()
+                alive.close()
 
 
-def _pool(workers: int) -> ProcessPoolExecutor:
-    # Forked processes would share the threads and files of this one.
+def _pool(workers: int, alive: Connection) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
-        workers,
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_end_with,
-        initargs=(os.getpid(),),
+        workers, mp_context=_CONTEXT, initializer=_end_with, initargs=(alive,)
     )
 
 
-def _end_with(parent: int) -> None:
-    """End this process where its parent ends, however that does."""
+def _end_with(alive: Connection) -> None:
+    """End this process where its parent closes the other end, or ends, however that does."""
 
     def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(_LOOK_S)
+        with contextlib.suppress(OSError, EOFError):
+            alive.recv_bytes()
         # The folders that this process was to remove at its end.
         atexit._run_exitfuncs()
         os._exit(1)
