@@ -77,6 +77,9 @@ class Cell:
     """What the run without the failure reached and this one did not, in words."""
     contact: str = ""
     """The hardest touch that was not to be expected, in words with its force."""
+    followed_s: float | None = None
+    """For how long after the failure the run was followed, where it ended early [s]; `None`: to its
+    end. What came later is not known: it may be worse."""
 
     @property
     def key(self) -> tuple[str, str, float]:
@@ -155,4 +158,5 @@ class Evidence:
 
 _OUTCOME = (
     *("fails", "effect", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
+    "followed_s",
 )

@@ -6,7 +6,6 @@ It is JSON with a cell a line, so that git merges and shows it line by line.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast, get_args
@@ -138,6 +137,7 @@ _DEFAULTS: dict[str, Any] = {
     "effect_after_s": None,
     "lost": (),
     "contact": "",
+    "followed_s": None,
 }
 
 
@@ -223,19 +223,24 @@ def _cell(data: Any, where: Location) -> Cell:
     for key in ("drawn", "fails"):
         if not isinstance(given[key], bool):
             raise InputError(f"a cell: {key}: expected true or false", where)
-    for key in ("told_after_s", "effect_after_s"):
+    lost = given["lost"]
+    if not isinstance(lost, list | tuple) or not all(isinstance(each, str) for each in lost):
+        raise InputError(f"a cell: lost: expected a list of texts, not {lost!r:.60}", where)
+    for key in _TEXTS:
+        if not isinstance(given[key], str):
+            raise InputError(f"a cell: {key}: expected a text, not {given[key]!r:.60}", where)
+    for key in ("told_after_s", "effect_after_s", "followed_s"):
         if given[key] is not None:
             given[key] = _seconds(given[key], key, where)
     return Cell(
         **{
             **given,
-            **{key: str(given[key]) for key in _TEXTS},
             "time_s": _seconds(given["time_s"], "time_s", where),
             "active_s": _seconds(given["active_s"], "active_s", where),
             "states_s": _three(given["states_s"], where),
             "stretch": _exposure(given["stretch"], where),
             "idle_s": _seconds(given["idle_s"], "idle_s", where),
-            "lost": tuple(map(str, given["lost"])),
+            "lost": tuple(lost),
             "use": cast(Use, given["use"]),
             "effect": cast(Effect, given["effect"]),
         }
@@ -269,7 +274,7 @@ def _exposure(data: Any, where: Location) -> Exposure:
 
 def _seconds(value: Any, name: str, where: Location) -> float:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not 0.0 <= value <= 1e9:
+    if not is_number or not 0.0 <= value <= 1e9:
         raise InputError(f"{name}: expected seconds from 0 to 1e9, not {value!r}", where)
     return float(value)
 

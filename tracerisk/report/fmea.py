@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -28,11 +29,13 @@ HEADINGS = (
     "c 95 %",
     "failed",
     "cells",
+    "ended early",
     "severity",
     "occurrence",
     "hardest contact",
 )
-"""The columns of the table that is written; those of occurrence and severity are the engineer's."""
+"""The columns of the table that is written; those of occurrence and severity are the engineer's.
+`ended early` counts the cells whose run was not followed to its end."""
 WORDS: dict[Effect, str] = {
     "collision": "collision",
     "dropped": "object dropped",
@@ -44,6 +47,24 @@ WORDS: dict[Effect, str] = {
     "nothing": "no effect",
 }
 """The effects in words."""
+
+
+def end_effect(cells: Iterable[Cell]) -> str:
+    """Return the worst effect of some cells in words, and that it may be worse where one of them
+    was not followed to its end."""
+    cells = list(cells)
+    worst = min((each.effect for each in cells), key=EFFECTS.index)
+    is_open = worst != EFFECTS[0] and any(each.followed_s is not None for each in cells)
+    return f"{WORDS[worst]} or worse" if is_open else WORDS[worst]
+
+
+def untold_for(cells: Iterable[Cell]) -> int | None:
+    """Return for how long the controller was not told, of cells of which it was not [s].
+
+    `None` where all runs were followed to their ends.
+    """
+    followed = [each.followed_s for each in cells if each.followed_s is not None]
+    return math.floor(min(followed)) if followed else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +103,20 @@ class FmeaRow:
         return statistics.median(told) if told else None
 
     @property
+    def told(self) -> str:
+        """The same in words, also where it was not told of any."""
+        told, untold_s = self.told_after_s, untold_for(self.cells)
+        if told is not None:
+            return f"{told:.2f}"
+        return "never" if untold_s is None else f"> {untold_s}"
+
+    @property
     def detection(self) -> str:
         """By what the failure was reported, and in how many of the cells."""
         told = [each.told_by for each in self.cells if each.told_by]
         if not told:
-            return "nothing"
+            untold_s = untold_for(self.cells)
+            return "nothing" if untold_s is None else f"nothing within {untold_s} s"
         kinds = ", ".join(sorted({each.replace("_", " ") for each in told}))
         return f"{kinds} ({len(told)} of {len(self.cells)})"
 
@@ -106,7 +136,7 @@ class FmeaRow:
             self.mode,
             self.function,
             self.worst.local,
-            WORDS[self.worst.effect],
+            end_effect(self.cells),
             self.detection,
             "" if told is None else f"{told:.3g}",
             f"{self.share:.4g}",
@@ -114,6 +144,7 @@ class FmeaRow:
             f"{high:.4g}",
             str(self.failed),
             str(len(self.cells)),
+            str(sum(1 for each in self.cells if each.followed_s is not None)),
             "",
             "",
             self.hardest,
@@ -148,14 +179,13 @@ def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str
     of = None
     for row in fmea_rows(found):
         low, high = row.interval
-        told = row.told_after_s
         if of != (row.component, row.mode):
             of = row.component, row.mode
             table.add_row(f"{row.component} {row.mode.replace('_', ' ')}")
         table.add_row(
             f"  {row.function}",
-            WORDS[row.worst.effect],
-            "never" if told is None else f"{told:.2f}",
+            end_effect(row.cells),
+            row.told,
             f"{row.failed} of {len(row.cells)}",
             f"{low:.2f}..{high:.2f}",
         )

@@ -36,6 +36,7 @@ CELL = Cell(
     effect_after_s=0.25,
     lost=("tube not at slot",),
     contact="link_4 on table, 31 N",
+    followed_s=21.5,
 )
 EVIDENCE = Evidence(
     fingerprint="abc",
@@ -130,6 +131,11 @@ def with_cell(**values):
         (with_cell(time_s=-1.0), "time_s: expected seconds"),
         (with_cell(states_s=[1.0]), "expected three times"),
         (with_cell(fails="yes"), "fails: expected true or false"),
+        (with_cell(lost=None), "lost: expected a list of texts"),
+        (with_cell(lost="all"), "lost: expected a list of texts"),
+        (with_cell(unit=7), "unit: expected a text"),
+        (with_cell(followed_s="long"), "followed_s: expected seconds"),
+        (with_cell(time_s=10**400), "time_s: expected seconds"),
         ("[" * 100_000, "is no evidence"),
     ],
 )

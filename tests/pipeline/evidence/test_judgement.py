@@ -187,3 +187,10 @@ def test_a_declared_mission_fails_by_a_collision():
     touch = Contact("link_4", "table", 2.5, 0.2, 31.0, expected=False)
     failed = run(visits=(visit(PICK, 0.0), visit(PLACE, 2.0, contacts=[touch])))
     assert judged(failed, [Condition("object", "tube", within=0.01)]).fails
+
+
+def test_of_a_run_that_ended_early_it_is_kept_how_long_it_was_followed():
+    good = run()
+    failed = run(end=RunEnd("duration", "decided", 23.5))
+    assert judge(good, failed, CELL).followed_s is None
+    assert judge(good, replace(failed, is_decided=True), CELL).followed_s == 21.5

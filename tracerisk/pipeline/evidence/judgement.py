@@ -80,7 +80,15 @@ def judge(
         effect_after_s=round(max(0.0, min(times) - cell.time_s), 6) if times else None,
         lost=tuple(dict.fromkeys(lost)),
         contact="" if contact is None else _told_contact(contact),
+        followed_s=_followed_s(failed, cell),
     )
+
+
+def _followed_s(failed: MissionRun, cell: Cell) -> float | None:
+    """Return how long after the failure the run ended early [s]; `None` where it did not."""
+    if not failed.is_decided:
+        return None
+    return round(max(0.0, (failed.trace.end.simulated_s or 0.0) - cell.time_s), 6)
 
 
 # What happened

@@ -21,7 +21,7 @@ from tracerisk.pipeline.evidence.workers import Told
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.stages import load_hardware
-from tracerisk.report.fmea import WORDS, fmea_rows
+from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
 from tracerisk.report.html.evidence import render_evidence
 from tracerisk.report.html.fault_report import render_fault_report
 from tracerisk.trace import Trace
@@ -118,12 +118,15 @@ def _page(
 
 def _lines(cell: Cell) -> list[str]:
     """Return what became of a failure, a line each."""
+    untold_s = untold_for((cell,))
     told = "the controller was never told"
+    if untold_s is not None:
+        told = f"the controller was not told within {untold_s} s"
     if cell.told_after_s is not None:
         by = cell.told_by.replace("_", " ")
         told = f"the controller was told after {cell.told_after_s:.2f} s, by {by}"
     return [
-        f"{cell.component}: {WORDS[cell.effect]}",
+        f"{cell.component}: {end_effect((cell,))}",
         *([f"the unit itself: {cell.local}"] if cell.local else []),
         told,
         *(f"lost: {each}" for each in cell.lost),

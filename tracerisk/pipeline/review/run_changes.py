@@ -40,9 +40,11 @@ def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
         what = f"a failure of {key[0]} ({key[1].replace('_', ' ')})"
         told = _told_after(was), _told_after(now)
         if told[0] != told[1] and _is_other_delay(*told):
-            verb = "never reported" if told[1] is None else f"reported after {told[1]:.1f} s"
-            earlier = "never" if told[0] is None else f"after {told[0]:.1f} s"
-            yield f"{what} is now {verb}, before: {earlier}"
+            verb, earlier = (
+                _rarely(cells) if after_s is None else f"after {after_s:.1f} s"
+                for cells, after_s in ((now, told[1]), (was, told[0]))
+            )
+            yield f"{what} is now reported {verb}, before: {earlier}"
         if _differ(was, now):
             yield (
                 f"{what} now ends the mission in {_failed(now)} of {len(now)} tries, "
@@ -65,6 +67,14 @@ def _told_after(cells: Sequence[Cell]) -> float | None:
     """Return the median time until the controller was told [s]; `None` where it mostly was not."""
     told = [each.told_after_s for each in cells if each.told_after_s is not None]
     return statistics.median(told) if 2 * len(told) > len(cells) else None
+
+
+def _rarely(cells: Sequence[Cell]) -> str:
+    """Return how often a failure is reported that mostly is not."""
+    told = sum(1 for each in cells if each.told_after_s is not None)
+    if told or any(each.followed_s is not None for each in cells):
+        return f"in {told} of {len(cells)} tries"
+    return "never"
 
 
 def _is_other_delay(before: float | None, after: float | None) -> bool:

@@ -7,7 +7,7 @@ from typing import TypeVar
 from xml.etree.ElementTree import SubElement
 
 from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
-from tracerisk.report.fmea import WORDS, fmea_rows, summary_lines
+from tracerisk.report.fmea import WORDS, end_effect, fmea_rows, summary_lines
 from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, number
@@ -87,7 +87,7 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
             worst = min((each.effect for each in cells), key=EFFECTS.index)
             failed = sum(1 for each in cells if each.fails)
             link = next((pages[each.key] for each in cells if each.key in pages), "")
-            entries.append((worst, WORDS[worst], f"{failed} of {len(cells)}", link))
+            entries.append((worst, end_effect(cells), f"{failed} of {len(cells)}", link))
         rows.append((component, mode.replace("_", " "), entries))
     return {"functions": functions, "rows": rows}
 
@@ -103,7 +103,7 @@ def _delays(cells: Sequence[Cell]) -> object:
         "evidence-delays",
         "When the controller was told",
         "A dot for each failure that was reported, by component and mode, over the seconds after "
-        "it; beside them how many were never reported.",
+        "it; beside them how many were not reported while the run was followed.",
     )
     for index, (component, mode) in enumerate(kinds):
         y = (index + 0.5) * _ROW
@@ -122,7 +122,7 @@ def _delays(cells: Sequence[Cell]) -> object:
         never = sum(1 for each in mine if each.told_after_s is None)
         if never:
             note = SubElement(group, "text", {"x": number(_WIDTH + 12.0), "y": number(y + 4.0)})
-            note.text = f"{never} never"
+            note.text = f"{never} not told"
     bottom = len(kinds) * _ROW + 16.0
     axis = drawing.group("axis")
     for tick in range(_TICKS):
@@ -150,7 +150,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
                 TableCell(f"{each.component} {each.mode.replace('_', ' ')}", note=each.unit),
                 TableCell(each.function),
                 TableCell(f"{each.time_s:.3f}"),
-                TableCell(WORDS[each.effect], note="; ".join(each.lost)),
+                TableCell(end_effect((each,)), note="; ".join(each.lost)),
                 TableCell(
                     f"--fault {each.unit}:{each.mode}@{each.time_s:g}",
                     link=pages.get(each.key, ""),
@@ -176,15 +176,14 @@ def _table(found: Evidence, pages: Pages) -> Table:
     rows = []
     for row in fmea_rows(found):
         low, high = row.interval
-        told = row.told_after_s
         shown = (pages[each.key] for each in row.cells if each.key in pages)
         rows.append(
             Row(
                 (
                     TableCell(f"{row.component} {row.mode.replace('_', ' ')}"),
                     TableCell(row.function),
-                    TableCell(WORDS[row.worst.effect], link=next(shown, ""), note=row.hardest),
-                    TableCell("never" if told is None else f"{told:.2f}"),
+                    TableCell(end_effect(row.cells), link=next(shown, ""), note=row.hardest),
+                    TableCell(row.told),
                     TableCell(row.detection),
                     TableCell(f"{row.failed} of {len(row.cells)}"),
                     TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),
