@@ -140,9 +140,14 @@ def controller_root(path: Path) -> Path:
     """
     folder = path.resolve().parent
     for each in (folder, *folder.parents):
-        if any((each / mark).exists() for mark in _ROOT_MARKS):
+        if is_root(each):
             return each
     return folder
+
+
+def is_root(folder: Path) -> bool:
+    """Return whether a folder has a file that makes it the root of the controllers below it."""
+    return any((folder / mark).exists() for mark in _ROOT_MARKS)
 
 
 def read_settings(root: Path, file: str | None = None) -> Settings:

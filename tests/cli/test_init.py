@@ -96,6 +96,17 @@ def test_controllers_of_several_robots_have_a_description_each(cell):
     assert cell.run("hardware", "show", "hardware_ur5e.yaml").code == 0
 
 
+def test_a_package_of_a_workspace_has_its_own_settings_and_they_count(cell):
+    cell.write("src/package.xml", "<package format='3'><name>cell</name></package>")
+    outcome = cell.run("init", "--yes")
+    assert outcome.code == 0, outcome.err
+    assert "src/pyproject.toml: settings of all controllers of src" in outcome.out
+    assert not (cell.folder / "pyproject.toml").exists()
+    assert 'hardware = "../hardware.yaml"' in cell.read("src/pyproject.toml").decode()
+    assert "../hardware.yaml" in cell.run("doctor", "src/pick.py").out
+    assert "Everything is there already" in cell.run("init").out
+
+
 def test_a_robot_that_is_given_counts(cell):
     outcome = cell.run("init", "--robot", "ur5e", "--json")
     assert outcome.json["robots"] == {"ur5e": ["src/pick.py"]}

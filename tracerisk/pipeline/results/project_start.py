@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -60,7 +60,8 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
     """Return what a repository lacks to begin with tracerisk; nothing is written.
 
     Files that are there stay as they are, but for `pyproject.toml`, which gets the table
-    `[tool.tracerisk]` at its end where it has none.
+    `[tool.tracerisk]` at its end where it has none. Settings are those of a controller's root:
+    in a ROS workspace each package has its own `pyproject.toml`.
     Raises RobotError for an unknown robot, SettingsError for a malformed `pyproject.toml`.
     """
     controllers = tuple(_controllers(root))
@@ -75,13 +76,13 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             files.append(StartFile(path, text.encode(), told))
         if text is not None or (root / path).exists():
             described[name] = path
-    files += _settings(root, robots, described)
+    files += _settings(root, controllers, robots, described)
     if not (root / ".pre-commit-config.yaml").exists():
         files.append(
             StartFile(
                 ".pre-commit-config.yaml",
                 _template("pre-commit.yaml"),
-                "the hook: no commit with risk blocks that cannot be trusted",
+                "the hook: refuses commits with stale risk blocks",
             )
         )
     places = {
@@ -172,34 +173,65 @@ def _hardware(robot: str) -> str | None:
 
 
 def _settings(
-    root: Path, robots: Mapping[str, tuple[str, ...]], described: Mapping[str, str]
+    root: Path,
+    controllers: Sequence[str],
+    robots: Mapping[str, Sequence[str]],
+    described: Mapping[str, str],
 ) -> Iterator[StartFile]:
+    """Yield the settings of each root of controllers: a package of a workspace has its own."""
+    from tracerisk.config import controller_root, is_root
+
+    root = root.resolve()
+    names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
+    robot_of = {file: name for name, files in robots.items() for file in files}
+    for each in controllers:
+        path = root / each
+        folder = controller_root(path)
+        if not is_root(folder):
+            folder = root  # the settings written there will make it the root
+        name = Path(os.path.relpath(path, folder)).as_posix()
+        names.setdefault(folder, {})[name] = robot_of.get(each, "")
+    for folder, found in names.items():
+        paths = {
+            robot: Path(os.path.relpath(root / file, folder)).as_posix()
+            for robot, file in described.items()
+        }
+        yield from _settings_of(root, folder, found, paths)
+
+
+def _settings_of(
+    root: Path, folder: Path, robot_of: Mapping[str, str], described: Mapping[str, str]
+) -> Iterator[StartFile]:
+    """Yield the settings of a folder, whose controllers have these robots, if it has none."""
     from tracerisk.config import read_settings
 
-    path = root / "pyproject.toml"
+    path = folder / "pyproject.toml"
     before = path.read_bytes() if path.exists() else b""
-    read_settings(root)
+    read_settings(folder)
     if b"[tool.tracerisk" in before:
         return
+    used = set(filter(None, robot_of.values())) or set(described)
     lines = ["[tool.tracerisk]"]
-    if len(robots) == 1:
-        lines += [f'hardware = "{each}"' for each in described.values()]
+    if len(used) == 1:
+        lines += [f"hardware = {json.dumps(described[each])}" for each in used & set(described)]
     lines += [
         "# The mission is not trusted where less of the code that can move the arm has run.",
         "# min_coverage = 0.8",
         "# No commit may make a mission fail more often than this.",
         "# max_failure_probability = 1e-5",
     ]
-    if len(robots) > 1:
-        for name, files in robots.items():
-            for each in files if name in described else ():
-                table = f"[tool.tracerisk.controllers.{json.dumps(each)}]"
-                lines += ["", table, f'hardware = "{described[name]}"']
+    if len(used) > 1:
+        for name, robot in robot_of.items():
+            if robot in described:
+                table = f"[tool.tracerisk.controllers.{json.dumps(name)}]"
+                lines += ["", table, f"hardware = {json.dumps(described[robot])}"]
     newline = "\r\n" if b"\r\n" in before else "\n"
     gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
     text = gap + newline.join(lines) + newline
-    told = "settings of all controllers"
-    yield StartFile("pyproject.toml", before + text.encode(), told, is_new=not before)
+    shown = Path(os.path.relpath(path, root)).as_posix()
+    inside = Path(shown).parent.as_posix()
+    told = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
+    yield StartFile(shown, before + text.encode(), told, is_new=not before)
 
 
 def _template(name: str) -> bytes:
