@@ -186,7 +186,7 @@ def test_a_figure_of_a_branch_that_did_not_rename_the_function_is_nobodys_edit(r
     checked = repository.run("check", "c.py")
     assert checked.code == 3, checked.out
     assert "rest.motor.probability is 5e-08" in checked.out
-    assert "nobody can tell" in checked.out
+    assert "it is unknown" in checked.out
     assert ":=" not in checked.out
     assert ": edited" not in checked.out
 

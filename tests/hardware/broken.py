@@ -393,7 +393,7 @@ BROKEN = (
             "modes:",
             "  drop: {fraction: 0.4, when: [grasping]}",
         ),
-        "h.yaml:6:29: a.modes.drop.when: 'grasping' is nothing that the twin tells of what the component is bound to; allowed: holding, moving, start",
+        "h.yaml:6:29: a.modes.drop.when: the twin does not report 'grasping' of what the component is bound to; allowed: holding, moving, start",
         False,
     ),
     Broken(
@@ -516,7 +516,7 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "modes: {jam: {fraction: 1, when: [moving]}}",
         ),
-        "h.yaml:5:32: a.modes.jam.when: 'moving' is nothing that the twin tells of what the component is bound to; allowed: grasp, grasping, release",
+        "h.yaml:5:32: a.modes.jam.when: the twin does not report 'moving' of what the component is bound to; allowed: grasp, grasping, release",
         False,
     ),
     Broken(
@@ -525,7 +525,7 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "modes: {blind: {fraction: 1, when: [holding]}}",
         ),
-        "h.yaml:5:34: a.modes.blind.when: 'holding' is nothing that the twin tells of what the component is bound to; leave 'modes' out",
+        "h.yaml:5:34: a.modes.blind.when: the twin does not report 'holding' of what the component is bound to; leave 'modes' out",
         False,
     ),
     Broken(

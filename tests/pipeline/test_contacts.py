@@ -86,7 +86,7 @@ def test_a_project_can_settle_what_a_run_fails_on(raised, example):
     told = [each["message"] for each in checked.json["findings"]]
     assert (
         "panda_rightfinger and table touched in pick, which was not to be expected; `tracerisk "
-        "run` tells when and how hard"
+        "run` reports when and how hard"
     ) in told
 
 

@@ -105,7 +105,7 @@ def test_without_a_run_all_of_several_figures_is_off_by_the_widest_factor(modell
     (figure,) = spreads.figures["motor"]
     assert (figure.share, figure.distribution) == (1.0, Lognormal(10.0, "mean"))
     assert spreads.notes == (
-        "motor: which part each of its 2 figures has, a run tells; here all of it is off by the "
+        "motor: only a run shows which part each of its 2 figures has; here all of it is off by the "
         "widest error factor, 10",
     )
 

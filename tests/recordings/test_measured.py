@@ -345,7 +345,7 @@ def test_set_points_tell_when_but_no_function(recorder, panda, kind):
     assert [(function_of(each), each.outcome) for each in trace.visits] == [
         ("arm_controller", "succeeded")
     ] * 2
-    assert any("a goal tells its action alone" in each for each in trace.lost)
+    assert any("a goal names its action alone" in each for each in trace.lost)
     assert "the goals on /arm_controller/command" in trace.assumptions[0]
 
 

@@ -82,7 +82,7 @@ class Unchanged:
 class Changed:
     """What is to be written. `sources` may be empty where only the lock changes.
 
-    `pending` is the lock while the sources are being written: it still holds what they held.
+    `pending` is the lock while the sources are being written: until then it holds the old values.
     """
 
     sources: tuple[AnnotatedSource, ...]

@@ -68,7 +68,7 @@ class Cell:
     local: str = ""
     """What the unit itself did, in words: `sagged by 0.31 rad`."""
     told_after_s: float | None = None
-    """How long after the failure the controller was told of one [s]; `None`: never."""
+    """How long after the failure the controller was notified of one [s]; `None`: never."""
     told_by: str = ""
     """The kind of the first report."""
     effect_after_s: float | None = None
@@ -83,7 +83,7 @@ class Cell:
 
     @property
     def key(self) -> tuple[str, str, float]:
-        """What tells it from others: unit, mode and instant."""
+        """What distinguishes it from others: unit, mode and instant."""
         return self.unit, self.mode, self.time_s
 
     def with_outcome(self, of: Cell) -> Cell:

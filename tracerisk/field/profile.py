@@ -54,7 +54,7 @@ class FieldStep:
     per_mission: Estimate
     """Visits per mission."""
     duration_s: Estimate | None
-    """The time of a visit [s]; `None` where the recordings do not tell it."""
+    """The time of a visit [s]; `None` where the recordings do not hold it."""
     uses: Mapping[str, Mapping[str, Estimate]]
     """For each element of the robot what it does in a visit, by `QUANTITIES`."""
     following: Mapping[str, Following]
@@ -73,7 +73,7 @@ class FieldProfile:
     totals: Mapping[str, Mapping[str, float]]
     """What each element did in all missions together, by `QUANTITIES`."""
     duration_s: float | None
-    """The time of all missions together [s]; `None` where the recordings do not tell it."""
+    """The time of all missions together [s]; `None` where the recordings do not hold it."""
 
     def shares(self) -> dict[str, dict[str, str]]:
         """Return the operational profile as fractions in words, as `--profile` takes them."""

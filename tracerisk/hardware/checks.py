@@ -27,11 +27,11 @@ MOST_UNITS = 10_000
 """The most units of one component: each is followed through every visit."""
 LEAST_REFERENCE = 1e-3
 """The least load or speed, of the rated one, at which a figure may hold (own choice): the wear
-of a run is told in terms of it, to the ninth power at most."""
+of a run is given in terms of it, to the ninth power at most."""
 
 
 class Place(Protocol):
-    """Tells where a field of the component stands: `place("modes", "jam", "when")`.
+    """Finds where a field of the component stands: `place("modes", "jam", "when")`.
 
     Where there is no such field it gives the nearest that there is, up to the component itself.
     """
@@ -98,7 +98,7 @@ def _check_figures(component: Component, place: Place) -> None:
 
 
 def _seen(twin: TwinBinding) -> frozenset[str]:
-    """Return the states and demands that the twin can tell of what is bound."""
+    """Return the states and demands that the twin can report of what is bound."""
     if twin.gripper:
         return _USES
     seen: set[str] = set()
@@ -297,7 +297,7 @@ def _check_mode(component: Component, mode: FailureMode, place: Place) -> None:
                 component,
                 place,
                 keys,
-                f"'{word}' is nothing that the twin tells of what the component is bound to; "
+                f"the twin does not report '{word}' of what the component is bound to; "
                 + (one_of(_seen(twin)) if _seen(twin) else "leave 'modes' out"),
             )
 

@@ -1,4 +1,4 @@
-"""The formats of a hardware description, told apart by the names of files."""
+"""The formats of a hardware description, distinguished by the names of files."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class UnitLoad:
 def wear_s(law: LoadLaw, exposure: Exposure) -> float:
     """Return the integral of |v| L^k over the moving time of an exposure [s].
 
-    Raises UnknownUseError where something moved and the trace tells no wear, or none for k.
+    Raises UnknownUseError where something moved and the trace holds no wear, or none for k.
     """
     if not exposure.wear:
         if exposure.moving_s > 0.0:

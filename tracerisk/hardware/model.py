@@ -133,7 +133,7 @@ class TwinBinding:
 
     @property
     def named_units(self) -> int | None:
-        """How many elements it names, one a gripper; `None` where only the robot can tell."""
+        """How many elements it names, one a gripper; `None` where only the robot gives it."""
         if self.joints == "*" or isinstance(self.sensors, str):
             return None
         named = (self.joints, self.actuators, self.sensors, self.contacts)
@@ -174,7 +174,7 @@ class Component:
     def modes_by_use(self) -> tuple[FailureMode, ...]:
         """The failure modes that each count for uses of their own; empty where all count for all.
 
-        Modes that say nothing of uses move no figure: they share out what evidence tells.
+        Modes that say nothing of uses move no figure: they share out what evidence gives.
         """
         return self.modes if any(each.when for each in self.modes) else ()
 
@@ -212,7 +212,7 @@ class Hardware:
     """A hardware description; `components` in the order of the file.
 
     Two descriptions of the same are equal, whatever their files and formats.
-    `warnings` tell, with their places, what of the file was left out.
+    `warnings` list, with their places, what of the file was left out.
     """
 
     file: str = field(compare=False)

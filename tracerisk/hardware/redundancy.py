@@ -20,7 +20,7 @@ class Redundancy:
     The units beyond those required may be spares, which fail at `dormancy` times the rate of a
     working unit: 1 of one that runs along (hot), 0 of one that cannot fail before it is needed
     (cold). `switch` is the probability that a spare fails to take over.
-    `detected` tells how long a first failure stays hidden: until the next mission starts, or the
+    `detected` says how long a first failure stays hidden: until the next mission starts, or the
     next visit, as the published method has it.
     """
 

@@ -1,4 +1,4 @@
-"""A first hardware description of a robot, for a person to go on from."""
+"""A first hardware description of a robot, for a user to complete."""
 
 from __future__ import annotations
 

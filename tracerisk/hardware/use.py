@@ -20,7 +20,7 @@ Seconds = Callable[[Exposure], float]
 
 
 class UnknownUseError(ValueError):
-    """The source of a trace does not tell what a figure needs; `advice` is what to do."""
+    """The source of a trace does not hold what a figure needs; `advice` is what to do."""
 
     def __init__(
         self,
@@ -35,7 +35,7 @@ class UnknownUseError(ValueError):
 class Use:
     """What one unit does during one visit.
 
-    `exposure` is `None` where the source of the trace does not tell it. `standby_s` is the time
+    `exposure` is `None` where the source of the trace does not hold it. `standby_s` is the time
     of the visit in which the unit is not in use [s], `None` where it is not known.
     `is_active`: the component counts as active in the visit, for figures per visit. `visit` is
     its number in the trace.
@@ -48,7 +48,7 @@ class Use:
 
     @property
     def known_exposure(self) -> Exposure:
-        """The exposure; raises UnknownUseError where the trace does not tell it."""
+        """The exposure; raises UnknownUseError where the trace does not hold it."""
         if self.exposure is None:
             raise UnknownUseError("the exposure")
         return self.exposure

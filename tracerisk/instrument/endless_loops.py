@@ -36,7 +36,7 @@ def endless_loops(tree: ast.AST) -> Iterator[ast.While]:
 def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
     """Insert a call of the marker, imported from `module`, at each begin of an iteration.
 
-    It is told `file` and the loop's line. Positions are those of what follows.
+    It is called with `file` and the loop's line. Positions are those of what follows.
     """
     loops = list(endless_loops(tree))
     for loop in loops:

@@ -40,10 +40,10 @@ from tracerisk.trace import FunctionRef
 
 @dataclass(frozen=True, slots=True)
 class HelperRule:
-    """Which functions help in a run; `states` are those that a person named as steps.
+    """Which functions help in a run; `states` are those that a user named as steps.
 
     `enters_states`: a state machine or behaviour tree entered several states; `named_helpers` are
-    those of the helpers that a person named.
+    those of the helpers that a user named.
     """
 
     helpers: frozenset[FunctionRef]
@@ -55,7 +55,7 @@ class HelperRule:
         """Return where on a command's stack its owner stands.
 
         The owner is the deepest function above the first helper, counted from the root; where
-        the root itself is a helper, the root. A function that a person named as a state owns
+        the root itself is a helper, the root. A function that a user named as a state owns
         what is issued below it, even where a helper called it. A state of a state machine owns
         all that is issued in it.
         """
@@ -82,7 +82,7 @@ def helper_rule(
 ) -> HelperRule:
     """Apply the rules to the stacks of a run's commands.
 
-    `states` and `helpers` are qualified names that a person decided; a name holds in every file.
+    `states` and `helpers` are qualified names that a user decided; a name holds in every file.
 
     Raises:
         InputError: a name is in both.

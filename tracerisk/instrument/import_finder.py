@@ -31,7 +31,7 @@ class ControllerFinder(MetaPathFinder):
     Top names in `reserved` are another finder's; those in `shared` too, but where the controller
     has a whole Python package of that name (a script may be called as the messages it uses are).
     `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
-    `is_library` tells of a file below the root whether it is library code.
+    `is_library` returns whether a file below the root is library code.
     """
 
     def __init__(

@@ -26,7 +26,7 @@ def compile_file(
 ) -> tuple[CodeType, str]:
     """Instrument and compile the file at `path`; return the code and its name below `root`.
 
-    `on_source` is told that name and the bytes that were compiled.
+    `on_source` is called with that name and the bytes that were compiled.
 
     Raises:
         InputError: there is no such file, or it cannot be read.

@@ -20,7 +20,7 @@ _COMMON = frozenset({"publish", "call", "call_async", "send_request"})
 
 
 def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
-    """Return the names of the calls at some places of a source, as a call graph tells them.
+    """Return the names of the calls at some places of a source, as a call graph names them.
 
     Each is listed as it is written (`self.pub.publish`), and by its last name too where that is
     not one that other calls have as well. A call of what is not a plain name is left out.
@@ -122,6 +122,6 @@ def _same(call: ast.Call, scope: ast.AST | None) -> tuple[str | None, int]:
 def _is_made(node: ast.Call, made: Collection[Site]) -> bool:
     if (node.lineno, node.col_offset + 1) in made:
         return True
-    # Where no column is known, its lines tell.
+    # Where no column is known, its lines decide.
     last = node.end_lineno or node.lineno
     return any(column == 0 and node.lineno <= line <= last for line, column in made)

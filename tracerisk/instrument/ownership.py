@@ -17,7 +17,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import Finding, FunctionRef, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
-_MOST_INSTANCES = 50  # of one function that are told apart: more are named as they are made
+_MOST_INSTANCES = 50  # of one function that are distinguished: more are named as they are made
 _OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
 
 

@@ -85,23 +85,23 @@ class Recording:
 
 
 class CommandWatch(Protocol):
-    """Who is told of commands as they are recorded."""
+    """What is notified of commands as they are recorded."""
 
     def before_command(self, stack: Sequence[Frame]) -> None:
-        """Be told that a command is about to be issued; may end the run."""
+        """Note that a command is about to be issued; may end the run."""
 
     def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
-        """Be told that a command was issued, and the positions to which it leads."""
+        """Note that a command was issued, and the positions to which it leads."""
 
     def ended(self, command_id: int, outcome: str) -> None:
-        """Be told that a command ended."""
+        """Note that a command ended."""
 
 
 class Recorder:
     """Writes the events of one run to `stream`, each line at once, until it is closed.
 
-    `stream` is a file open for writing; only its descriptor is used. `clock` tells the simulated
-    time [ns]. `watch` (an attribute) is told of each command, `on_event` of each event with its
+    `stream` is a file open for writing; only its descriptor is used. `clock` returns the simulated
+    time [ns]. `watch` (an attribute) is notified of each command; `on_event` gets each event, its
     time [ns] and its data.
     """
 

@@ -23,7 +23,7 @@ _MACHINE_WITHIN = 12  # frames above a state's own, the machine's frame among th
 
 
 class StateEntries:
-    """The states on one stack, told from the innermost frame to the outermost."""
+    """The states on one stack, noted from the innermost frame to the outermost."""
 
     def __init__(self) -> None:
         self._found: list[tuple[Any, str] | None] = []

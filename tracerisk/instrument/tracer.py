@@ -112,10 +112,10 @@ class _Entered:
 class Tracer:
     """Follows the functions of one run of a controller.
 
-    `on_first_run` is told of each function the first time that it runs; `on_iteration` (an
+    `on_first_run` is called with each function the first time that it runs; `on_iteration` (an
     attribute) of file and line of an endless loop at the begin of each iteration; `on_source` (an
     attribute) of each file of the controller and the bytes that were compiled. `on_behalf` (an
-    attribute) tells the stack of another function for whose sake the running code runs, if any.
+    attribute) returns the stack of another function for whose sake the running code runs, if any.
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
@@ -130,7 +130,7 @@ class Tracer:
         self._libraries: set[str] = set()
         self._main_file = "<controller>"
 
-    # --- what the loader tells
+    # --- what the loader reports
 
     def add_file(self, filename: str, file: str, *, is_library: bool = False) -> None:
         """Know `filename`, as code objects name it, for the controller's file `file`.

@@ -156,7 +156,7 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
 
 
 def check_blocks(controller: Controller) -> None:
-    """Read what is there of blocks and lock, so that a fault in them is told before a run.
+    """Read what is there of blocks and lock, so that a fault in them is reported before a run.
 
     Raises BlockError, SourceError or InputError at what is malformed.
     """
@@ -234,7 +234,7 @@ def annotate(
     """Put the blocks of a trace into the controller's source; nothing is written yet.
 
     `given` are those of the settings that came from the command line: a refresh uses them again.
-    Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
+    Raises EditInTheWayError when a user edited a computed value and the policy says to stop,
     HardwareError when the description does not fit, SettingsError when `states` or `helpers` name
     what is not a function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
     holds a redundancy set by hand over units that differ.
@@ -420,7 +420,7 @@ def strip(controller: Controller) -> bytes:
 
 
 def hand_set(controller: Controller) -> tuple[str, ...]:
-    """Return what a person set in the blocks of a source, each with its place.
+    """Return what a user set in the blocks of a source, each with its place.
 
     Raises BlockError when a block cannot be read.
     """
@@ -450,7 +450,7 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
 def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
     """Return the trace with the lines of the annotated source: those the file has once written.
 
-    So a second run, of the annotated source, tells the same lines.
+    So a second run, of the annotated source, reports the same lines.
     """
     shown = {file: str(annotated.controller.path_of(file)) for file in annotated.before}
     return trace.with_lines(line_maps(annotated.before, annotated.sources, shown))

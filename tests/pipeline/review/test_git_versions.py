@@ -335,7 +335,9 @@ def test_a_git_that_ends_early_is_an_error(committed, monkeypatch, tmp_path):
     stub.write_text(f'#!/bin/sh\ncase "$*" in *cat-file*) exit 1;; esac\nexec {git} "$@"\n')
     stub.chmod(0o755)
     monkeypatch.setenv("PATH", f"{stub.parent}:{os.environ['PATH']}")
-    with pytest.raises(InputError, match=r"git cat-file ended while it read .*; `git fsck` tells"):
+    with pytest.raises(
+        InputError, match=r"git cat-file ended while it read .*; `git fsck` reports"
+    ):
         told(committed)
 
 

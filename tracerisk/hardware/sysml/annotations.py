@@ -1,4 +1,4 @@
-"""The metadata on an element that tell of hardware, its own or inherited, with their values."""
+"""The metadata on an element that describe hardware, its own or inherited, with their values."""
 
 from __future__ import annotations
 
@@ -266,7 +266,7 @@ class Annotations:
 
 
 def _has_number(risk: Metadata) -> bool:
-    """Whether a `@Risk` may tell a probability, and not only a level such as `high`."""
+    """Whether a `@Risk` may give a probability, and not only a level such as `high`."""
     total = risk.values().get("totalRisk")
     if total is None:
         return False

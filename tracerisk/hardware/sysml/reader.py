@@ -26,7 +26,7 @@ def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:
     """Read the hardware description at `path`, which is SysML v2 textual notation.
 
     `shown` is the name of the file for messages, the path by default. What is left out, because
-    it cannot tell of failures, is told in the hardware's `warnings`.
+    it cannot describe failures, is listed in the hardware's `warnings`.
     Raises HardwareError with file, line and column where the file is no SysML v2, uses what is
     outside the declared subset (docs/sysml.md), or contradicts itself.
     """
@@ -300,7 +300,7 @@ def _check_one_group(place: Place, group: Fields) -> None:
 
 
 def _quantity(place: Place, twin: TwinBinding | None) -> int | None:
-    """Return the number of units, `None` where the robot tells it."""
+    """Return the number of units, `None` where the robot gives it."""
     if place.own is None and place.outer == (1, 1):
         return 1 if twin is None else twin.named_units
     low, high = product(place.outer, place.own or (1, 1))

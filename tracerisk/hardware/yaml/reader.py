@@ -14,7 +14,7 @@ from tracerisk.hardware.yaml.use import read_load_law, read_modes
 from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 
 ROBOTS_NUMBER = "*"
-"""What `quantity` says where the robot tells how many there are."""
+"""What `quantity` says where the robot gives how many there are."""
 
 _TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = (

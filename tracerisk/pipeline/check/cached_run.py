@@ -1,4 +1,4 @@
-"""The run behind a controller's blocks, as it is kept: told without a simulation."""
+"""The run behind a controller's blocks, as it is cached: no simulation is needed."""
 
 from __future__ import annotations
 

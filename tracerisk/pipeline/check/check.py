@@ -1,4 +1,4 @@
-"""Whether the blocks of controllers can be trusted as they stand, told without a simulation."""
+"""Whether the blocks of controllers can be trusted as they stand, without a simulation."""
 
 from __future__ import annotations
 
@@ -319,7 +319,7 @@ def _edit_finding(edit: HandEdit, place: Location) -> CheckFinding:
         advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
         return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
     advice = (
-        "nobody can tell whether a person did that or another branch: refresh with "
+        "it is unknown whether a user or another branch did that: refresh with "
         "--discard-edits, or take the block from a version that you trust"
     )
     return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
@@ -396,7 +396,7 @@ def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[Che
 
 
 def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckFinding]:
-    """Yield a finding for each thing that a person set without a reason in a file's blocks."""
+    """Yield a finding for each thing that a user set without a reason in a file's blocks."""
     for placed in blocks:
         for path, place in _values_without_reason(placed.block):
             message = f"{path} is set by hand without a reason; write `; why` behind it"

@@ -27,8 +27,8 @@ FindingKind = Literal[
     "partial",
     "coverage",
 ]
-"""Why blocks are not to be trusted: what they depend on has changed; a person changed a value
-that is the tool's; nobody can tell who changed one; a block is gone; its function is gone or
+"""Why blocks are not to be trusted: what they depend on has changed; a user changed a value
+that is the tool's; it is unknown who changed one; a block is gone; its function is gone or
 renamed; a mission's failure probability is above `max_failure_probability`; a value is set by
 hand without a reason; a redundancy is set by hand over units that differed in the last run; the
 lock knows nothing; the lock knows a controller that is gone or renamed; the blocks make no model

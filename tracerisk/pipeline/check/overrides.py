@@ -1,4 +1,4 @@
-"""What persons set by hand in risk blocks, beside what the tool computes there now."""
+"""What users set by hand in risk blocks, beside what the tool computes there now."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ OverrideKind = Literal["value", "added", "omitted", "block"]
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """One thing that a person set.
+    """One thing that a user set.
 
-    `field` is its dotted path, such as `place.gripper.probability`; `value` what the person
+    `field` is its dotted path, such as `place.gripper.probability`; `value` what the user
     wrote, `computed` what the tool computes now, both as text: `None` where the tool computes
     nothing there, or nothing is known of it.
-    `drift` is how far the person's value lies from the computed one [%], `None` where there is
+    `drift` is how far the user's value lies from the computed one [%], `None` where there is
     nothing to compare: see `drift_of`.
     """
 
@@ -60,10 +60,10 @@ class Override:
 def overrides_in(
     files: Sequence[Path | str], *, contents: Mapping[str, bytes] | None = None
 ) -> tuple[Override, ...]:
-    """Return what persons set in the blocks of the files, sorted by place.
+    """Return what users set in the blocks of the files, sorted by place.
 
     `contents` is what files are to hold that are not written yet, by their paths.
-    What is computed now the lock tells, where there is one that knows the value; else the comment
+    What is computed now is from the lock, where there is one that knows the value; else the comment
     beside the value.
     Raises InputError for a file that cannot be read, BlockError for a malformed block.
     """
@@ -197,8 +197,8 @@ def _omitted(component: ComponentEntry, written: Mapping[str, str]) -> str | Non
 def drift_of(kind: FieldKind, value: Any, computed: Any) -> float:
     """Return how far a value set by hand lies from the computed one [%].
 
-    Of a number: the difference relative to the computed one, below zero where the person's is
-    the smaller; infinite where zero is computed and the person's is another.
+    Of a number: the difference relative to the computed one, below zero where the user's is
+    the smaller; infinite where zero is computed and the user's is another.
     Of `next`: the share of visits that the two send elsewhere (half the sum of the differences).
     Of `redundancy` and `callSequence`, which have no size: 0 if the same, else 100.
     """

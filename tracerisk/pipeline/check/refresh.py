@@ -27,7 +27,7 @@ from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.trace import Trace, Verdict
 
-# What a refresh mends; the rest is for a person to mend.
+# What a refresh mends; the rest is for a user to mend.
 _MENDED = frozenset(
     {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
 )
@@ -62,7 +62,7 @@ def refresh_controller(
 
     It is run as it was run last, with the options of then, where its trace is stale or not kept.
     `sandbox` goes before the setting of that name.
-    Raises EditInTheWayError where a person edited a computed value and the policy says to stop,
+    Raises EditInTheWayError where a user edited a computed value and the policy says to stop,
     ControllerFailedError where the run fails, and what `run` raises else.
     """
     controller = load_controller(path)

@@ -272,7 +272,7 @@ def batch_sizes(number: int, workers: int) -> list[int]:
 
 
 def _of_cells(told: Told, sizes: Sequence[int]) -> Told:
-    """Return what is told of batches as what is told of cells."""
+    """Return a callback for batches that calls `told` with cells."""
     number = sum(sizes)
 
     def of_batches(done: int, of: int, left_s: float) -> None:

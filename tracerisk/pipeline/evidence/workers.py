@@ -21,7 +21,7 @@ J = TypeVar("J")
 R = TypeVar("R")
 
 Told = Callable[[int, int, float], None]
-"""Told how many are done, of how many, and the seconds left."""
+"""Called with how many are done, of how many, and the seconds left."""
 
 # Forked processes would share the threads and files of this one.
 _CONTEXT = multiprocessing.get_context("spawn")

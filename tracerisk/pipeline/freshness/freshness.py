@@ -1,4 +1,4 @@
-"""Whether what a trace depended on is still as it was, told without a run.
+"""Whether what a trace depended on is still as it was, checked without a run.
 
 The lock keeps, for each controller, the settings of its run and a digest of each file it depended
 on: of its sources without comments and blank lines, of other files byte for byte.
@@ -117,7 +117,7 @@ def run_inputs(
     `given` are those of the settings that came from the command line.
     Raises InputError for a file that cannot be read.
     """
-    # Not needed to tell whether a trace is fresh, which must be quick.
+    # Not needed to check whether a trace is fresh, which must be quick.
     from tracerisk.pipeline.robot.choice import robot_files
     from tracerisk.pipeline.workspace.driver_files import driver_files
 
@@ -270,7 +270,7 @@ def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
 
 
 def _plain(name: str, value: Any, root: Path) -> Any:
-    """Return a setting as JSON; a file that it names is told from the root."""
+    """Return a setting as JSON; a file that it names is given from the root."""
     if name in ("params", "drivers"):
         return [_from(root, Path(file)) for file in value]
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:

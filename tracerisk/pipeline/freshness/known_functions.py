@@ -81,7 +81,7 @@ def check_steps(
     *,
     before_run: bool,
 ) -> None:
-    """Refuse a `next` of a person that leads to no function with a block.
+    """Refuse a `next` of a user that leads to no function with a block.
 
     `placed` are the controller's blocks, each with what was last written in its file; `others`
     are functions whose blocks were there and are not now. Before a run any function of the
@@ -124,7 +124,7 @@ def _sources_below(root: Path) -> Iterator[Path]:
 
 
 @lru_cache(maxsize=4096)
-def _functions_of(path: Path, mtime_ns: int) -> frozenset[str]:  # noqa: ARG001 - tells versions
+def _functions_of(path: Path, mtime_ns: int) -> frozenset[str]:  # noqa: ARG001 - key of the cache
     try:
         functions = functions_in(path.read_bytes(), str(path))
     except (OSError, TraceRiskError):

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def evidence_for(
     controller: Controller, entry: ControllerLock | None, settings: Settings
 ) -> SourceEvidence:
-    """Return what tells, of a file of a controller, who wrote what the lock does not know."""
+    """Return a function that finds, file by file, who wrote what the lock does not know."""
 
     @cache
     def is_fresh() -> bool:

@@ -119,7 +119,7 @@ class Repository:
 
     def _died(self, name: str) -> InputError:
         return InputError(
-            f"git cat-file ended while it read {name}; `git fsck` tells what is wrong with it",
+            f"git cat-file ended while it read {name}; `git fsck` reports what is wrong with it",
             Location(str(self.top)),
         )
 
@@ -156,14 +156,14 @@ class Repository:
         return self.output("hash-object", "-t", "tree", "--stdin").decode().strip()
 
     def changed(self, before: str, after: str | None) -> list[ChangedFile]:
-        """Return the tracked files that differ, renames not yet told.
+        """Return the tracked files that differ, renames not yet found.
 
         `after` is a commit, `None` for the working tree.
         """
         return _files(self.output(*_difference(before, after)))
 
     def renamed(self, before: str, after: str | None, paths: list[str]) -> list[ChangedFile]:
-        """Return the files that differ among the paths, renames told."""
+        """Return the files that differ among the paths, with renames."""
         short = paths if sum(map(len, paths)) + len(paths) < _MOST_PATHS else []
         return _files(self.output(*_difference(before, after), "-M", "--", *short))
 
@@ -187,7 +187,7 @@ def _difference(before: str, after: str | None) -> tuple[str, ...]:
 
 
 def _files(raw: bytes) -> list[ChangedFile]:
-    """Read what `--raw -z` tells: `:mode mode blob blob status`, then one path or two."""
+    """Read what `--raw -z` prints: `:mode mode blob blob status`, then one path or two."""
     parts = iter(raw.decode(errors="surrogateescape").split("\0"))
     found: dict[tuple[str | None, str | None], ChangedFile] = {}
     for head in parts:
@@ -198,7 +198,7 @@ def _files(raw: bytes) -> list[ChangedFile]:
         if status[0] in "RC":
             new = next(parts)
         if status == "U":
-            # An unmerged file is told a second time, as what the working tree holds.
+            # An unmerged file is listed a second time, as what the working tree holds.
             continue
         before = None if before_mode == _ABSENT or status[0] == "C" else old
         after = None if after_mode == _ABSENT else new

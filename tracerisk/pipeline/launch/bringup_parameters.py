@@ -27,7 +27,7 @@ from tracerisk.twin.workspace.description_files import distance
 _MOST_READ = 100
 
 OnGiven = Callable[[str, tuple[Path, ...]], None]
-"""Is told of the name of a parameter that was given, and of the files that it is from."""
+"""Called with the name of a parameter that was given, and the files that it is from."""
 
 
 class ParametersAround:

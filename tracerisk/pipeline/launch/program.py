@@ -85,7 +85,7 @@ def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
 
 
 def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:
-    """Return paths as they are told: from the controller's root, each once, in their order."""
+    """Return paths as messages name them: from the controller's root, each once, in their order."""
     return tuple(
         dict.fromkeys(Path(os.path.relpath(path.resolve(), root)).as_posix() for path in paths)
     )

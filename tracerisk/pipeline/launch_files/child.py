@@ -1,8 +1,8 @@
 """Read one ROS 2 launch file, in a process of its own: `python -m ...launch.launch_child`.
 
 On standard input comes JSON: `path`, `packages` (names and folders), `import_paths`; what the
-file starts goes to standard output, as JSON. A launch file is a program: it may not end, may
-print, and may do whatever it is told to. So the process has limits, and it writes nothing but in
+file starts goes to standard output, as JSON. A launch file is a program: it may never end, may
+print, and may do anything. So the process has limits, and it writes nothing but in
 its own temporary folder, starts no other program and speaks to nobody.
 """
 

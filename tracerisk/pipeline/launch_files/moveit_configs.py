@@ -19,7 +19,7 @@ def moveit_configs_modules(
 ) -> dict[str, ModuleType]:
     """Return the modules by their names.
 
-    `on_read` is told of each file that is read, `on_robot` of each that describes a robot.
+    `on_read` is called with each file that is read, `on_robot` with each that describes a robot.
     """
     files = _Files(packages, on_read, on_robot)
 

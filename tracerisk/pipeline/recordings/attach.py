@@ -39,7 +39,7 @@ def record_robot(
     """Write to `path` what joint states, trajectories, their actions and `topics` bring.
 
     It ends after `seconds` of wall time, at an interrupt, or when the master of the environment's
-    `ROS_MASTER_URI` is gone. `on_message` is told how many messages have come.
+    `ROS_MASTER_URI` is gone. `on_message` is called with the number of messages that have come.
 
     Raises:
         InputError: no master answers.

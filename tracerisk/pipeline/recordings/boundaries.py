@@ -1,4 +1,4 @@
-"""Which function of the controller was at work when: from what a recording, or a file, tells.
+"""Which function of the controller was at work when: by what a recording, or a file, holds.
 
 In this order: a file that is named, the probe's topic, a topic of function names that is named,
 goals of actions and set-points. The last know no function, and each is called by its action.
@@ -50,7 +50,7 @@ def boundaries(
 
     `commands` is a file of the probe, `functions` a CSV file of times, `names` a topic of function
     names; `controller` is the file that the functions of the last two are of.
-    Raises LogError where they are malformed, or nothing tells a function.
+    Raises LogError where they are malformed, or nothing names a function.
     """
     if commands is not None:
         texts = enumerate(lines_of(commands), 1)
@@ -67,7 +67,7 @@ def boundaries(
     found = _goals(file, robot, controller)
     if not found.commands:
         raise LogError(
-            f"tells no function of a controller: it has no topic {COMMANDS} of the probe, and no "
+            f"names no function of a controller: it has no topic {COMMANDS} of the probe, and no "
             "goal of FollowJointTrajectory or JointTrajectory. Give --commands FILE of the probe, "
             "--functions FILE.csv with times, or --names TOPIC of function names; its topics of "
             f"text are {', '.join(file.of_type(TEXT)) or 'none'}",
@@ -110,7 +110,7 @@ def _named(file: RecordingFile, topic: str, controller: str, last_ns: int) -> Bo
             raise LogError(
                 f"{topic} has {each.value.data[:40]!r}, which is no name of a function", file.place
             )
-        # A logger that repeats a name while its function runs tells of one visit.
+        # A logger that repeats a name while its function runs reports one visit.
         if not begins or begins[-1][2] != found[1]:
             begins.append((each.time_ns, None, found[1]))
     if not begins:
@@ -227,7 +227,7 @@ def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:
         )
         for number, goal in enumerate(found, 1)
     )
-    lost = ("the functions of the controller: a goal tells its action alone",)
+    lost = ("the functions of the controller: a goal names its action alone",)
     return Boundaries(commands, f"the goals on {', '.join(told_by)}", controller, lost)
 
 

@@ -75,7 +75,7 @@ def read_joint_states(
     `topic` is theirs (default: `/joint_states`, or the only one with its joints); `unit` that of
     effort, `None` where it is not known; `encoder_step` the least difference of two positions
     [rad or m].
-    Raises LogError where the recording has none of this robot, its clock jumps back, or it tells
+    Raises LogError where the recording has none of this robot, its clock jumps back, or it holds
     no velocity.
     """
     tables = _read(file, topic)

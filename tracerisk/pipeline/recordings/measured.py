@@ -1,6 +1,6 @@
 """The trace of a real robot from a recording: what its joints did, function by function.
 
-What a recording cannot tell is listed in the trace, and counted nowhere. The trace has no verdict:
+What a recording does not hold is listed in the trace and not counted. The trace has no verdict:
 nobody knows what the controller would have done else.
 """
 
@@ -61,10 +61,10 @@ class Declared:
 
 
 def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
-    """Return the trace of a robot that a recording of any tool tells.
+    """Return the trace of a robot from a recording of any tool.
 
     Its clock starts with the first command, and stops with the last motion or command.
-    Raises LogError where the recording is damaged, of another robot, or tells no function.
+    Raises LogError where the recording is damaged, of another robot, or names no function.
     """
     with open_recording(path) as file:
         states = read_joint_states(
@@ -236,7 +236,7 @@ def _is_encoder(element: Element, known: Mapping[str, Element]) -> bool:
 def _without_wear(
     exposures: Mapping[str, Exposure | None], without: frozenset[str]
 ) -> dict[str, Exposure | None]:
-    """Return exposures that tell no wear where no torque is known: it is not that of no load."""
+    """Return exposures that hold no wear where no torque is known: it is not that of no load."""
     return {
         name: replace(each, wear=()) if each is not None and name in without else each
         for name, each in exposures.items()

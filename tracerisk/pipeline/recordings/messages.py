@@ -207,7 +207,7 @@ def _open_rosbags(path: Path, stack: ExitStack) -> RecordingFile:
 
 
 def _check_pages(path: Path) -> None:
-    """Raise EOFError for a database that lacks pages, which SQLite tells only where it reads them.
+    """Raise EOFError for a database that lacks pages, which SQLite finds only where it reads them.
 
     Source: https://sqlite.org/fileformat.html, offsets 16 and 28.
     """

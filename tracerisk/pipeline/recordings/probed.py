@@ -35,12 +35,12 @@ _POINTS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Boundaries:
-    """The commands of a mission, by the clock of the recorder [ns], and what told them."""
+    """The commands of a mission, by the clock of the recorder [ns], and their source."""
 
     commands: tuple[Command, ...]
     told_by: str
     controller: str = ""
-    """The file of the controller; empty where nothing tells."""
+    """The file of the controller; empty where unknown."""
     lost: tuple[str, ...] = ()
 
 
@@ -113,7 +113,7 @@ def _shift(pairs: Sequence[tuple[int, int]]) -> int:
     """Return by how much the recorder's clock is ahead of the controller's [ns].
 
     `pairs` are when objects were received, and when they were recorded. The least difference
-    counts: what waited for a subscriber came late. Where all waited nothing tells the clocks.
+    counts: what waited for a subscriber came late. Where all waited nothing relates the clocks.
     """
     if not pairs:
         return 0

@@ -103,7 +103,7 @@ def load_writer() -> None:
         raise missing_extra("sim", "--record")
 
     def load() -> None:
-        with suppress(ImportError):  # told where it is used
+        with suppress(ImportError):  # reported where it is used
             import mcap.records  # noqa: F401
 
             _store()

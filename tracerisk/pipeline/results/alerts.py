@@ -64,8 +64,8 @@ def check_alerts(
 ) -> tuple[Alert, ...]:
     """Return the alerts of checked controllers: what `check_controllers` found for `paths`.
 
-    Beside what a check does not let pass they tell of single points of failure, of values set by
-    hand without a reason, whether or not the settings demand one, and of what the lock keeps of
+    Beside what a check does not let pass they name single points of failure, values set by
+    hand without a reason, whether or not the settings demand one, and what the lock keeps of
     the last run: motions that never ran, and unexpected contacts.
     """
     alerts: list[Alert] = []
@@ -121,7 +121,7 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
 
 
 def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
-    """Return the alerts of a run: its findings, and motions of which it tells nothing.
+    """Return the alerts of a run: its findings, and motions of which it shows nothing.
 
     `root` is the controller's root, from which the trace names files.
     """

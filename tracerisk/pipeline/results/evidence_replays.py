@@ -118,13 +118,10 @@ def _page(
 
 def _lines(cell: Cell) -> list[str]:
     """Return what became of a failure, a line each."""
-    untold_s = untold_for((cell,))
-    told = "the controller was never told"
-    if untold_s is not None:
-        told = f"the controller was not told within {untold_s} s"
+    told = "the controller was never notified"
     if cell.told_after_s is not None:
         by = cell.told_by.replace("_", " ")
-        told = f"the controller was told after {cell.told_after_s:.2f} s, by {by}"
+        told = f"the controller was notified after {cell.told_after_s:.2f} s, by {by}"
     return [
         f"{cell.component}: {end_effect((cell,))}",
         *([f"the unit itself: {cell.local}"] if cell.local else []),

@@ -33,7 +33,7 @@ def hardware_spreads(
 ) -> HardwareSpreads:
     """Return how far the figures of the model's components may be off.
 
-    `instances` are those of a run, which tell the part that each of several figures has and how
+    `instances` are those of a run, which give the part that each of several figures has and how
     well evidence knows the share that ends the mission; without one, the figures of a component
     are taken to be off together, by the widest factor of them.
     Components that `by_hand` names have no figure of the description.
@@ -72,8 +72,8 @@ def hardware_spreads(
             widest = max(factors, key=_factor)
             found[name] = (FigureSpread("", 1.0, _lognormal(widest)), *shown)
             notes.append(
-                f"{name}: which part each of its {len(component.figures)} figures has, a run "
-                f"tells; here all of it is off by the widest error factor, {_factor(widest):g}"
+                f"{name}: only a run shows which part each of its {len(component.figures)} figures "
+                f"has; here all of it is off by the widest error factor, {_factor(widest):g}"
             )
     return HardwareSpreads(found, tuple(notes))
 
@@ -106,7 +106,7 @@ def with_distributions(
 
 
 def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
-    """Return how far the share that ends the mission may be off, as the drawn failures tell it.
+    """Return how far the share that ends the mission may be off, as the drawn failures show it.
 
     It is beta-distributed with half a failure and half a success added to those that were seen
     (H. Jeffreys, Proceedings of the Royal Society A 186 (1946) 453).

@@ -1,1 +1,1 @@
-"""Review: what a change of sources, told by git, does to the risk."""
+"""Review: what a change of sources, as git reports it, does to the risk."""

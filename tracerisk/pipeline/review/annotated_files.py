@@ -19,7 +19,7 @@ class AnnotatedFiles:
 
     `pairs` are their paths from the top in both versions, `None` where a version lacks the file;
     `renames` the later path of each that moved, by its earlier one.
-    `notes` tell what was left out. `lock_folders` are those of the locks that changed.
+    `notes` say what was left out. `lock_folders` are those of the locks that changed.
     """
 
     pairs: tuple[tuple[str | None, str | None], ...]
@@ -56,7 +56,7 @@ def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
 
 
 def is_annotated(path: str, content: bytes | None) -> bool:
-    """Return whether a file holds risk blocks, as far as its bytes and its name tell."""
+    """Return whether a file holds risk blocks, as far as its bytes and its name show."""
     if content is None or (b"RiskAnnotation" not in content and b"@Function" not in content):
         return False
     return bool(PurePosixPath(path).suffix) or content.startswith(b"#!")
@@ -95,7 +95,7 @@ def _content(version: GitVersion, path: str, blob: str | None) -> bytes | None:
     content = version.repository.blob(blob)
     if content is None:
         raise InputError(
-            f"in {version.name}: git cannot read its content, {blob}; `git fsck` tells what is "
+            f"in {version.name}: git cannot read its content, {blob}; `git fsck` reports what is "
             "wrong, in a partial clone `git fetch` may bring it",
             Location(f"{version.prefix}{path}"),
         )
@@ -126,7 +126,7 @@ def _is_within(file: ChangedFile, paths: tuple[str, ...] | None) -> bool:
 
 
 def _named(what: Compared, known: set[str]) -> Iterator[tuple[str | None, str | None]]:
-    """Yield the named files that git does not tell as changed: untracked or unchanged ones."""
+    """Yield the named files that git does not report as changed: untracked or unchanged ones."""
     for path in what.paths or ():
         contents = [version.file(path) for version in (what.before, what.after)]
         if path in known or not any(is_annotated(path, content) for content in contents):

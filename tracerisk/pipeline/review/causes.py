@@ -1,4 +1,4 @@
-"""Why a value of a block changed, told from the lock and the sources of both versions."""
+"""Why a value of a block changed, by the lock and the sources of both versions."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _OF_HARDWARE = frozenset({"hardware", "active"})
 def cause_finder(
     before: ControllerVersion, after: ControllerVersion, refs: Mapping[str, FunctionRef]
 ) -> Callable[[ChangedField], tuple[Cause, ...]]:
-    """Return what tells the cause of a change that no pin explains.
+    """Return a function that finds the cause of a change that no pin explains.
 
-    A value that neither its block's digest nor the later lock knows is a person's edit. Else it is
+    A value that neither its block's digest nor the later lock knows is a user's edit. Else it is
     what the run depended on that differs: the controller's code, the hardware description,
-    settings, other files. Where a version has no lock, its code tells.
+    settings, other files. Where a version has no lock, its code decides.
     `refs` are the functions of the later version by their names in the model.
     """
     of_run = _run_causes(before, after)

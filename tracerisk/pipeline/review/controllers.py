@@ -113,8 +113,8 @@ def reviewed_controllers(
 ) -> list[ReviewedController]:
     """Return the controllers that the files belong to, with all of their annotated sources.
 
-    A file that no lock knows is a controller of its own. `shown` tells what messages call a path.
-    Raises InputError, telling the version, where a lock cannot be read.
+    A file that no lock knows is a controller of its own. `shown` returns how messages name a path.
+    Raises InputError, naming the version, where a lock cannot be read.
     """
     locks = _Locks(before, shown), _Locks(after, shown)
     was = {new: old for old, new in files.renames.items()}
@@ -159,7 +159,7 @@ def _reviewed(
 def version_of(version: GitVersion, controller: str) -> ControllerVersion:
     """Return a controller as one version has it, by its path from the top.
 
-    Raises InputError, telling the version, where a lock cannot be read.
+    Raises InputError, naming the version, where a lock cannot be read.
     """
     locks = _Locks(version, lambda path: path)
     return _version(locks, locks.known(controller), [], controller)

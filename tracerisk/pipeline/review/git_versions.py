@@ -125,7 +125,7 @@ def _versions(repository: Repository, spec: str | None) -> tuple[GitVersion, Git
 def _version(repository: Repository, revision: str) -> GitVersion:
     commit = _commit(repository, revision)
     if commit is not None:
-        # What nobody can tell apart by eye, as a CI job gives it, needs no 40 digits.
+        # What nobody can distinguish by eye, as a CI job gives it, needs no 40 digits.
         name = revision[:10] if revision == commit else revision
         return GitVersion(repository, name, f"{name}:", commit)
     if revision == "HEAD":

@@ -43,7 +43,7 @@ class KnownController:
 def overview(root: Path) -> tuple[KnownController, ...]:
     """Return every controller of every lock in and below a folder, sorted by name.
 
-    What cannot be read of one controller is in its `error`, and keeps no other from being told.
+    What cannot be read of one controller is in its `error`, and keeps no other from being listed.
     Raises InputError where no lock below the folder knows a controller, or a lock is malformed.
     """
     found = [

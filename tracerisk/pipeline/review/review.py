@@ -37,7 +37,7 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
     `words` are `[REV[..REV]] [FILE...]`, as `tracerisk diff` takes them; without a revision HEAD
     is compared with the working tree. `folder` is where they are meant, else the current one.
     Nothing is written.
-    Raises InputError for what git does not know, and, telling the version, where blocks are
+    Raises InputError for what git does not know, and, naming the version, where blocks are
     malformed or make no model.
     """
     here = Path.cwd() if folder is None else folder
@@ -72,7 +72,7 @@ def diff(
     """Return the difference in risk between two versions of one controller's annotated sources.
 
     Both map the names of files to their bytes, as `build` takes them; a version without blocks
-    has no risk to tell.
+    has no risk to report.
     Raises BlockError, SourceError or ModelError where the blocks are malformed or make no model.
     """
     before = ControllerVersion(before_sources, None, ".")
@@ -102,7 +102,7 @@ class _Shown:
 
     def name(self, path: str) -> str:
         shown = os.path.relpath(self._top / path, self._folder)
-        # A name that is not UTF-8 has no characters; it is told as nearly as can be.
+        # A name that is not UTF-8 has no characters; it is shown as nearly as can be.
         return shown.encode(errors="surrogateescape").decode(errors="replace")
 
     def version(self, version: ControllerVersion) -> ControllerVersion:

@@ -20,7 +20,7 @@ def run_changes(
 ) -> tuple[str, ...]:
     """Return in words which contacts and motions without risk data are new, and what failures do.
 
-    `renamed` gives the later name of functions by their earlier one. Nothing is told where the
+    `renamed` gives the later name of functions by their earlier one. Nothing is returned where the
     later version has no lock; without an earlier lock all of the later one is new.
     """
     if after.entry is None:
@@ -33,7 +33,7 @@ def run_changes(
 
 
 def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
-    """Yield of which failures the controller is now told sooner or later, or that end more."""
+    """Yield the failures that are now reported sooner or later, or that end more missions."""
     old, new = _by_mode(before), _by_mode(after)
     for key in sorted(old.keys() & new.keys()):
         was, now = old[key], new[key]
@@ -64,7 +64,7 @@ def _failed(cells: Sequence[Cell]) -> int:
 
 
 def _told_after(cells: Sequence[Cell]) -> float | None:
-    """Return the median time until the controller was told [s]; `None` where it mostly was not."""
+    """Return the median time until the controller was notified [s]; `None` if it mostly was not."""
     told = [each.told_after_s for each in cells if each.told_after_s is not None]
     return statistics.median(told) if 2 * len(told) > len(cells) else None
 

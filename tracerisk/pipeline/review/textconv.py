@@ -17,7 +17,7 @@ def textconv(source: bytes, file: str) -> bytes:
 
     The lines of the source stay where they are, so that the places in a diff are right.
     The text depends on the bytes alone, for git gives versions under names of its own; what
-    cannot be read is told in it, for git takes no failure.
+    cannot be read is reported in it, for git takes no failure.
     """
     lines = list(_model(source, file))
     if not lines:

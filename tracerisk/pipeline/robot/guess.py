@@ -1,4 +1,4 @@
-"""With which robot a controller may be tried whose own cannot be told."""
+"""With which robot a controller may be tried whose own is unknown."""
 
 from __future__ import annotations
 

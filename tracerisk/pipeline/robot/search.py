@@ -183,7 +183,7 @@ class _Search:
             joint.name for joint in robot.joints
         }:
             return None
-        told = f"{robot.name} is told by the names in {file} beside it"
+        told = f"{robot.name} is inferred from the names in {file} beside it"
         return self._shipped(replace(robot, chosen_by=told, assumes_names=True))
 
     def _names_another(self, robot: Robot) -> bool:

@@ -44,14 +44,15 @@ def trace_attempts(
     """Return what the run showed whose launch file and robot fit the controller.
 
     A run that moves joints which a robot lacks that nobody named is done again with the robot
-    that has them: no source tells the names that a controller puts together as it runs.
+    that has them: no source shows the names that a controller puts together as it runs.
     A run that shows no risk with what a launch file gives is done again without it: the file was
     found, not asked for, and must not keep a controller from running.
     A run that shows no risk for want of something that other nodes of the workspace provide is
     done again with these beside it.
     Simulated time and the number of runs bound the attempts. A run that a limit of the machine
     ended is the last: nothing is concluded from it.
-    `on_run` is told of each run, `drafts` says when with what a scenario could say for its needs.
+    `on_run` is called with each run; `drafts` says when a run notes what a scenario could say for
+    its needs.
     """
     settings = with_scenario(settings)
     simulated_s = 0.0
@@ -105,7 +106,7 @@ def trace_attempts(
     if _is_cut_short(plain):
         return plain
     if not _shows_risk(plain):
-        # What is kept is the recording of the run that is told.
+        # What is kept is the recording of the run that is reported.
         return trace
     return plain if keep is None else attempt(without, keep)
 
@@ -166,7 +167,7 @@ def _with_robot(
     asked: tuple[str, ...] = ()
     choice = choose_launched_robot(controller, settings, launch)
     for _ in range(_ROBOTS_TRIED):
-        # What the robot has no place for is told before a minute is spent on simulation.
+        # What the robot has no place for is reported before a minute is spent on simulation.
         bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
         done = run_controller(
             controller,

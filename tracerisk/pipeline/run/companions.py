@@ -56,7 +56,7 @@ def find_companions(
 
     For each need it is a node of the controller's own package before one of another, then one that
     a launch file names beside the controller, then one that provides most, then the one whose path
-    sorts first. A node that asks a person for input is none.
+    sorts first. A node that asks a user for input is none.
     """
     root = controller.root.resolve()
     script = controller.path.resolve()

@@ -1,4 +1,4 @@
-"""How a controller ends: watched in its process, told to the recording."""
+"""How a controller ends: watched in its process, noted in the recording."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ _BY_ITSELF = frozenset({"ended", "exited", "raised"})
 
 
 class ControllerEnd:
-    """Tells the recording how the run of the controller below `root` ended, once.
+    """Notes in the recording how the run of the controller below `root` ended, once.
 
-    `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
-    told the cause before it is recorded. `missing` tells of modules that are not there. `outlast`
+    `judge` returns what the end is in the light of what the controller lacked, and `run_over` is
+    called with the cause before it is recorded. `missing` finds modules that are absent. `outlast`
     carries out what a controller that ended by itself had left under way. `before_exit` (an
     attribute) is called before the controller, or this, ends the process at once.
     """
@@ -67,7 +67,7 @@ class ControllerEnd:
         self._owner = os.getpid()
 
     def run(self, run: Callable[[], None]) -> None:
-        """Run the controller, and tell how it ended."""
+        """Run the controller, and record how it ended."""
         with self._exit_watched(), self._threads_watched():
             try:
                 run()
@@ -121,7 +121,7 @@ class ControllerEnd:
         self._tell("exited", f"the controller exited {text}", self._place_of(error))
 
     def _out_of_memory(self, error: MemoryError) -> None:
-        # What is left of the limit may be too little to tell it.
+        # What is left of the limit may be too little to report it.
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
         resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
         message = (

@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 Progress = Callable[[str, float], None]
-"""Told the phase and the simulated time [s]."""
+"""Called with the phase and the simulated time [s]."""
 
 _STARTING = "starting the twin"
 _LIVE = "tracerisk.pipeline.run.live.child"
@@ -124,7 +124,7 @@ def run_controller(
 
     `choice` is what a launch file gives it, `companions` are started beside it. `drafts` says
     when what a scenario could say is noted. With `live_speed` it runs on real rospy.
-    Where `progress` is told, what they print goes through `sys.stderr`, of which that may have
+    Where there is a `progress`, what they print goes through `sys.stderr`, of which that may have
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
@@ -430,7 +430,7 @@ def _stop(
 
 
 def place_in(stacks: Path, root: Path) -> Location | None:
-    """Return the innermost place of the controller among the stacks that the child told."""
+    """Return the innermost place of the controller among the stacks that the child sent."""
     try:
         text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
     except OSError:
@@ -545,7 +545,7 @@ def _run_end(recording: Recording, process: ProcessEnd, controller: Controller) 
     else:
         end = RunEnd(
             "died",
-            f"the controller's process ended with code {process.code} and told no reason",
+            f"the controller's process ended with code {process.code} and gave no reason",
             simulated_s,
         )
     if end.location is None and not end.is_good:

@@ -141,5 +141,5 @@ def _reasons(trace: Trace) -> tuple[Reason, ...]:
 
 
 def finding_key(finding: Finding) -> tuple[object, ...]:
-    """Return what tells a finding from others, whenever it happened."""
+    """Return what distinguishes a finding from others, whenever it happened."""
     return finding.kind, finding.function, finding.object, finding.message, finding.location

@@ -1,4 +1,4 @@
-"""The modules that a controller imports and that are not there, told all at once."""
+"""The modules that a controller imports and that are not there, reported all at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tracerisk.source.python_source import parse_source
 
 @dataclass(frozen=True, slots=True)
 class MissingModules:
-    """Tells what the script below `root` and its own modules lack.
+    """Finds what the script below `root` and its own modules lack.
 
     `provided` are the names that have stand-ins.
     """

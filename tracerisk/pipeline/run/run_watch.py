@@ -249,7 +249,7 @@ def _cycle_start(past: Sequence[_Iteration]) -> tuple[int, int] | None:
     A goal must have been reached in each. Cycles of the same ways that lead elsewhere each time,
     to places drawn at random say, are taken as equal when very many of them have come.
     """
-    # Asked at each iteration of a loop that may do nothing else: what is quickly told comes first.
+    # Asked at each iteration of a loop that may do nothing else: the quick checks come first.
     reached = [number for number, each in enumerate(past) if each.has_reached]
     if len(reached) < CYCLES_SEEN:
         return None

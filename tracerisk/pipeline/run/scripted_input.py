@@ -30,7 +30,7 @@ def scripted_input(
     """Give `input()` and reads of the standard input the answers in turn, then Enter.
 
     Each answer is noted in the recording. `touch` is called at each Enter: a loop that asks and
-    asks is a busy wait, and must end. `miss` is told of each question that got Enter, and
+    asks is a busy wait, and must end. `miss` is called with each question that got Enter, and
     `give_up` ends the run at one that is asked again and again.
 
     A question that comes again and again with no `progress` between does not take Enter: it gets

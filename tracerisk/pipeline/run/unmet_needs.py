@@ -1,4 +1,4 @@
-"""What a controller asked its world for in vain, told at the end of a run with its remedy."""
+"""What a controller asked its world for in vain, reported at the end of a run with its remedy."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ class JudgedEnd:
 
 
 class UnmetNeeds:
-    """The needs of one run; `has_commanded` tells whether anything was commanded.
+    """The needs of one run; `has_commanded` returns whether anything was commanded.
 
     `in_source` is what a source asks for, whether or not the run came so far; that of the
     controller is `script`.
     `drafts` says when the end notes what a scenario could say for every need, however it came.
 
-    `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
+    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end.
 
     `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
     what is in them.

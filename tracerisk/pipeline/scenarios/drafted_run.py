@@ -35,7 +35,7 @@ _MOST_RUNS = 6
 _MOST_DURATIONS = 1
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
-# Risk blocks move the lines of a source, and what is told must not change with them.
+# Risk blocks move the lines of a source, and what is reported must not change with them.
 _LINE_OF_SOURCE = re.compile(r"(\.py):\d+\b")
 _OF_ARGUMENTS = re.compile(r"arg")
 
@@ -115,7 +115,7 @@ def _may_need_draft(
         return True
     if settings.args:
         return False
-    # Arguments are nothing that it asks its world for: how it ended tells that they lack.
+    # Arguments are nothing that it asks its world for: how it ended shows that they lack.
     if trace.end.cause != "raised":
         return True
     place = trace.end.location
@@ -141,7 +141,7 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
         return None
     trace = best.trace
     if keep is not None:
-        # What is kept is the recording of the run that is told.
+        # What is kept is the recording of the run that is reported.
         trace = search.trace(best.entries, keep=keep)
     return _told(controller, search, best.entries, trace)
 
@@ -172,7 +172,7 @@ def _told(controller: Controller, search: Rounds, entries: Entries, trace: Trace
 
 
 class _Places:
-    """Where the lines of a draft are from; `drafted` counts the values of which was told."""
+    """Where the lines of a draft are from; `drafted` counts the values already reported."""
 
     def __init__(self, controller: Controller, search: Rounds, entries: Entries) -> None:
         self._root = controller.root.resolve()
@@ -186,7 +186,7 @@ class _Places:
     def of(self, place: Location | None, *, is_shown: bool = False) -> Location | None:
         """Return a place in the draft as that in the base, or as that which asks for the value.
 
-        `is_shown`: the base is told by its name alone, as findings do.
+        `is_shown`: the base is given by its name alone, as findings do.
         """
         if place is None or Path(place.file).name != self._name or place.line is None:
             return place

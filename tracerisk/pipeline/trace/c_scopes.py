@@ -1,4 +1,4 @@
-"""The full names of C++ functions, where a log tells short ones."""
+"""The full names of C++ functions, where a log holds short ones."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Traces of the last runs, kept beside the lock so that values can be recomputed without a run.
 
-They are no part of the project: the folder tells git to leave it out, and may be deleted.
+They are no part of the project: the folder has a `.gitignore`, and may be deleted.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Give the visits of a trace what touched and what was held, and tell the collisions."""
+"""Give the visits of a trace what touched and what was held, and find the collisions."""
 
 from __future__ import annotations
 

@@ -235,7 +235,7 @@ def _is_about(finding: Finding, command: IssuedCommand) -> bool:
 
 
 def _of_limits(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
-    """Yield goals past a joint's limit of which no other command's end tells."""
+    """Yield goals past a joint's limit that no other command's end reports."""
     for command in commands:
         if command.past_limit and command.outcome != "aborted":
             words = f"a goal takes joint '{command.past_limit}' {command.past_words}"

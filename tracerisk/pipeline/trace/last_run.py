@@ -13,7 +13,7 @@ from tracerisk.records import dataclass
 from tracerisk.trace import Contact, FunctionRef, QualifiedName, Trace, Visit
 
 _UNCOVERED, _CONTACTS = "uncovered", "unexpected_contacts"
-_WHOLE_N = 10.0  # forces from here on are told in whole newtons
+_WHOLE_N = 10.0  # forces from here on are given in whole newtons
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -26,13 +26,13 @@ class UnexpectedContact:
 
     @property
     def bodies(self) -> str:
-        """The two bodies in words, which tell the contacts of one function apart."""
+        """The two bodies in words, which distinguish the contacts of one function."""
         return f"{self.link} and {self.other}"
 
     def __str__(self) -> str:
         return (
             f"{self.bodies} touched in {self.function.name}, which was not to be expected; "
-            "`tracerisk run` tells when and how hard"
+            "`tracerisk run` reports when and how hard"
         )
 
 

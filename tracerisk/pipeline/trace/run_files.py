@@ -1,4 +1,4 @@
-"""What parent and child of a run tell each other by files: the request and their names."""
+"""What parent and child of a run exchange by files: the request and their names."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ DRAFTS = "drafts"
 DraftsNoted = Literal["never", "without_risk", "always"]
 """When that is noted; "without_risk": where the run ended badly or commanded nothing."""
 COMPANION = "companion"
-"""The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
+"""The note of a companion that `ended` before its time: its shown name `told`, and its end."""
 _WALL_TIME = "wall_time.json"
 GRAPH_USE = "graph_use"
 """The note of how many messages, calls and goals went to each name of the graph: `counts`."""
@@ -85,7 +85,7 @@ class Companion:
 
     @property
     def line(self) -> str:
-        """The line of the report that tells of it."""
+        """The line of the report that names it."""
         return f"started beside: {self.told}, which provides {', '.join(self.provides)}"
 
     @classmethod
@@ -128,7 +128,7 @@ class BranchPlan:
 
     @property
     def log(self) -> str:
-        """The file of lines of JSON that tell a branch's process, why it has none, or its end."""
+        """The file of lines of JSON that give a branch's process, why it has none, or its end."""
         return str(Path(self.folder, "log", "branches.jsonl"))
 
     def folders(self, index: int) -> tuple[str, str]:
@@ -184,7 +184,7 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
 
     `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
-    it; `launch_notes` are the lines that tell of `launch`.
+    it; `launch_notes` are the lines that describe `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
     `drafts`: when what a scenario could say for every need is noted. `states` are the steps that

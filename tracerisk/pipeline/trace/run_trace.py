@@ -58,7 +58,7 @@ def make_trace(
 
     One that is to be judged `beside` another run says when and where, contacts and verdict, and
     neither how long and how hard elements were used nor what never ran, in a third of the time;
-    its functions are told apart as in that run.
+    its functions are distinguished as in that run.
     """
     attribution = attribute(
         recording,

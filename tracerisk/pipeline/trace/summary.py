@@ -1,4 +1,4 @@
-"""What the lock keeps of a run for a person to read."""
+"""What the lock keeps of a run for users to read."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ _TEST_FILE = pattern(r"test_.*|.*_test|conftest|setup")
 class Libraries:
     """The library code among the files of the controller `script` below `root`.
 
-    `states` are the qualified names that a person declared as steps. Files are read when the
+    `states` are the qualified names that a user declared as steps. Files are read when the
     first of them is asked for.
     """
 

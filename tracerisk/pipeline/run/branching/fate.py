@@ -23,9 +23,9 @@ from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.simulation.twin import Twin
 
 TOLD_S = 10.0
-"""For how long a run goes on whose mission has failed and whose controller was told of it [s]."""
+"""How long a run goes on after its mission failed and its controller was notified [s]."""
 UNTOLD_S = 20.0
-"""For how long it goes on where the controller is not told [s]."""
+"""How long it goes on where the controller is not notified [s]."""
 OFF = 0.021
 """How far off a joint is between two visits where it is elsewhere [rad, or m of a sliding one]: a
 little more than whoever judges the run takes."""
@@ -36,8 +36,8 @@ class FateWatch:
 
     `beside` is the run without the failure. A mission has failed where a link of the robot touches
     what it does not touch there; where a joint is elsewhere than there when the next visit begins;
-    or where the controller, told of a failure that is not reported there, has gone on to its next
-    command. Whoever judges the run confirms it.
+    or where the controller, notified of a failure that is not reported there, has gone on to its
+    next command. Whoever judges the run confirms it.
     """
 
     def __init__(

@@ -35,7 +35,7 @@ _LOOK_AT_DISK_S = 0.5
 _STACK_S = 0.5
 
 Ended = Callable[[int, RunRequest, ProcessEnd], None]
-"""Told the index of a branch that has ended, the request with its folders, and its end."""
+"""Called with the index of a branch that has ended, the request with its folders, and its end."""
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class _Live:
 
 
 class BranchWatch:
-    """Waits for the end of a run; `on_ended` is told of each branch as it ends.
+    """Waits for the end of a run; `on_ended` is called with each branch as it ends.
 
     `refused` says in words why branches could not leave the run, by their index.
     """

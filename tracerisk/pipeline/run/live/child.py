@@ -257,7 +257,7 @@ class _LiveRun:
                 None if place is None else Location(*place),
             )
         else:
-            message = f"the controller's process ended with code {code} and told no reason"
+            message = f"the controller's process ended with code {code} and gave no reason"
             self._recorder.run_ended("died", message)
 
 

@@ -25,7 +25,7 @@ class _Ident:
 class RemoteThreads:
     """Stands for the scheduler before a `RunWatch`: its clock, and the controller's threads.
 
-    `baton` names the thread that has just told something.
+    `baton` names the thread that has just reported something.
     """
 
     scheduler: Scheduler

@@ -42,7 +42,7 @@ class _OnTarget(EventHandler):
         if rest:
             raise TypeError(f"{type(self).__name__} got an unexpected argument {min(rest)}")
         super().__init__(entities=then)
-        # A function that tells which programs are meant fits any.
+        # A function that decides which programs are meant fits any.
         self.target = None if callable(target_action) else target_action
 
 

@@ -1,4 +1,4 @@
-"""`launch.launch_description_sources`: all are told apart by the names of their files."""
+"""`launch.launch_description_sources`: all are distinguished by the names of their files."""
 
 from __future__ import annotations
 

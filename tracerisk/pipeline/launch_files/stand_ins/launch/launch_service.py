@@ -7,7 +7,7 @@ from typing import Any
 
 
 class LaunchIntrospector:
-    """Tells what a description holds."""
+    """Lists what a description holds."""
 
     def format_launch_description(self, launch_description: Any) -> str:
         """Return a line for each entity."""

@@ -105,7 +105,7 @@ class StringJoinSubstitution(Substitution):
 
 
 class FindExecutable(Substitution):
-    """A program of the machine: told by its name, for none is started."""
+    """A program of the machine: known by its name alone, for none is started."""
 
     def __init__(self, *, name: Any) -> None:
         self.name = name

@@ -52,7 +52,7 @@ class FindPackagePrefix(FindPackage):
 
 
 class ExecutableInPackage(Substitution):
-    """A program of a package: told by its name, for none is started."""
+    """A program of a package: known by its name alone, for none is started."""
 
     def __init__(self, executable: Any, package: Any) -> None:
         self.executable, self.package = executable, package

@@ -115,7 +115,7 @@ class IncludeLaunchDescription(Action):
 
 
 def _places(path: Path, told: str) -> dict[str, str]:
-    """Return the local values that say where a launch file is; one that is none, as it is told."""
+    """Return the local values that say where a launch file is: `told` where the path is no file."""
     is_file = path.is_absolute()
     return {
         "current_launch_file_path": str(path) if is_file else told,
