@@ -179,7 +179,7 @@ def test_a_call_sequence_used_twice_is_refused_with_both_names(block):
 
 
 def test_a_function_named_done_is_refused(block):
-    with pytest.raises(BlockError, match="cannot be told from the mission's end"):
+    with pytest.raises(BlockError, match="would be taken for the mission's end"):
         build_model([block("done", 1)], name="m")
 
 

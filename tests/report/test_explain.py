@@ -372,7 +372,7 @@ def with_entry(hardware, **changes):
     [
         (
             {"probability": Field(2e-6, "2e-06", True, "1e-06", "FMEA-112")},
-            "block: probability := 2e-06, set by a person (FMEA-112); computed 1e-06",
+            "block: probability := 2e-06, set by a user (FMEA-112); computed 1e-06",
         ),
         (
             {"probability": Field(1.001e-6, "1.001e-06")},
@@ -380,7 +380,7 @@ def with_entry(hardware, **changes):
         ),
         (
             {"omitted": True, "reason": "not fitted"},
-            "block: omitted by a person (not fitted); computed 1e-06",
+            "block: omitted by a user (not fitted); computed 1e-06",
         ),
         ({"name": "blower"}, "not in the block"),
         ({}, "block: probability = 1e-06"),

@@ -15,7 +15,7 @@ def figure_shares(used: ComponentUse, times: Mapping[int, float]) -> tuple[float
     `times` says how often each visit comes in a mission, by its number in the trace; visits
     that it leaves out do not count. In the order of the component's figures, summing to one but
     where nothing can fail.
-    Raises UnknownUseError where the trace does not tell what a figure counts.
+    Raises UnknownUseError where the trace does not hold what a figure counts.
     """
     figures = used.component.figures
     if len(figures) == 1:

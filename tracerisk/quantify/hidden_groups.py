@@ -38,7 +38,7 @@ class HiddenHazards:
 def hidden_hazards(
     each: FunctionUse, redundancy: Redundancy, without: int | None = None
 ) -> HiddenHazards:
-    """Return the hazards of a mean visit of a function, those of one unit left out if told."""
+    """Return the hazards of a mean visit of a function, but for those of the unit `without`."""
     beta = redundancy.common_cause if redundancy.is_redundant else 0.0
     own = []
     for number, column in enumerate(zip(*each.visits, strict=True)):

@@ -45,7 +45,7 @@ class UnitUse:
     def hazard(self, visit: int) -> float:
         """Return the hazard of the unit in a visit, by its number in the trace.
 
-        Raises UnknownUseError where the trace does not tell what a figure needs.
+        Raises UnknownUseError where the trace does not hold what a figure needs.
         """
         return unit_hazard(self.terms, self.uses[visit])
 
@@ -90,7 +90,7 @@ class ComponentUse:
     def hazards(self, visits: Sequence[int]) -> list[list[float]]:
         """Return the hazard of each unit in each of the visits: (n_visits, quantity).
 
-        Raises UnknownUseError where the trace does not tell what a figure needs.
+        Raises UnknownUseError where the trace does not hold what a figure needs.
         """
         rows = []
         for visit in visits:
@@ -161,7 +161,7 @@ def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
 
 
 def mission_time(trace: Trace) -> float | None:
-    """Return the time of a mission [s], `None` where the trace does not tell it."""
+    """Return the time of a mission [s], `None` where the trace does not hold it."""
     times = visits_of_mission(trace)
     total = 0.0
     for visit, comes in zip(trace.visits, times, strict=True):
@@ -189,7 +189,7 @@ def component_use(
 
     With `evidence` each unit's hazard is that which ends the mission.
 
-    Raises UnknownUseError where the trace does not tell what a figure needs.
+    Raises UnknownUseError where the trace does not hold what a figure needs.
     """
     component = bound.component
     times = visits_of_mission(trace)

@@ -46,7 +46,7 @@ class Term:
     `rate` is the hazard per second, demand or visit, `share` the fraction that the mode is of
     it. `states` are those whose time counts, `None` for all, and `seconds` counts it; `demands`
     are the uses that count. `ends` is for each visit the share of the hazard that ends the
-    mission, by its number; empty where all of it does. `cells` name the failures that tell it,
+    mission, by its number; empty where all of it does. `cells` name the failures that show it,
     and say how many they are.
     """
 
@@ -74,7 +74,7 @@ class Term:
     def amount(self, use: Use) -> float:
         """Return what a visit has of what the term counts: seconds, demands or visits.
 
-        Raises UnknownUseError where the trace does not tell it.
+        Raises UnknownUseError where the trace does not hold it.
         """
         if self.seconds is not None:
             return self.seconds(use.known_exposure)
@@ -99,7 +99,7 @@ class Term:
     def hazard(self, use: Use) -> float:
         """Return the term's hazard in a visit.
 
-        Raises UnknownUseError where the trace does not tell what it counts.
+        Raises UnknownUseError where the trace does not hold what it counts.
         """
         counted = self.amount(use)
         if self.load is not None:

@@ -27,7 +27,7 @@ def unlike_spares(hazards: Sequence[Decimal], redundancy: Redundancy) -> Outcome
     """Return the outcome of one visit for units with these hazards while they work.
 
     An infinite hazard is a unit that fails as soon as it works, or waits and is not cold.
-    Raises HardwareError where there are too many units to tell apart.
+    Raises HardwareError where there are too many units to distinguish.
     """
     states = _States(hazards, redundancy)
     start = states.settled(0)

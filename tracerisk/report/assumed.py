@@ -37,7 +37,7 @@ def assumed_figures(
 ) -> tuple[AssumedFigure, ...]:
     """Return the assumed figures that are part of a result, that which matters most first.
 
-    `by_hand` names components whose probability is a person's in every block: there nothing
+    `by_hand` names components whose probability is a user's in every block: there nothing
     hangs on the description.
     """
     shares = component_shares(assessment)

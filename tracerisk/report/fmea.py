@@ -98,7 +98,7 @@ class FmeaRow:
 
     @property
     def told_after_s(self) -> float | None:
-        """The median time until the controller was told, where it was [s]."""
+        """The median time until the controller was notified, where it was [s]."""
         told = [each.told_after_s for each in self.cells if each.told_after_s is not None]
         return statistics.median(told) if told else None
 
@@ -173,7 +173,7 @@ def confusion(cells: Iterable[Cell]) -> tuple[int, int, int, int]:
 def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str:
     """Return the table for a terminal."""
     table = table_of("Failures and their effects")
-    for heading in ("failure in function", "end effect", "told s", "failed", "c 90 %"):
+    for heading in ("failure in function", "end effect", "detected s", "failed", "c 90 %"):
         is_text = heading in ("failure in function", "end effect")
         table.add_column(heading, justify="left" if is_text else "right", overflow="fold")
     of = None

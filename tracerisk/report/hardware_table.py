@@ -19,7 +19,7 @@ def hardware_table(
     """Return the lines of a table of the components, and the sources that it numbers.
 
     `bound` are the components that a robot has, by name: then quantities are those of the robot,
-    and what it need not have and has not is told so.
+    and optional components that it lacks are marked.
     """
     sources: list[str] = []
     rows: list[Sequence[str]] = [_TITLES]

@@ -164,7 +164,7 @@ def _side_by_side(rows: Mapping[str, Sequence[InstanceImportance]], width: int) 
 def _shown(
     found: Sequence[InstanceImportance], most: int
 ) -> tuple[Sequence[InstanceImportance], int]:
-    """Return what is shown, and how many more there are: never a line that tells of one."""
+    """Return what is shown, and the number of the rest, which is never one."""
     if len(found) <= most + 1:
         return found, 0
     return found[:most], len(found) - most

@@ -62,7 +62,7 @@ def run_figures(
 
 
 def set_by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
-    """Return the components whose probability is a person's in every block that has them."""
+    """Return the components whose probability is a user's in every block that has them."""
     computed: dict[str, bool] = {}
     for block in blocks:
         for entry in block.components:

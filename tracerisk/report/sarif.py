@@ -70,7 +70,7 @@ RULES: tuple[Rule, ...] = (
         "undecided-block",
         "UndecidedBlock",
         "error",
-        "Nobody can tell who wrote a value: a person, or tracerisk on another branch.",
+        "It is unknown who wrote a value: a user, or tracerisk on another branch.",
         "Refresh with --discard-edits to have what is computed now in its place, or take the "
         "whole block from a version that you trust.",
     ),
@@ -87,7 +87,7 @@ RULES: tuple[Rule, ...] = (
         "UnknownBlocks",
         "warning",
         "The lock file knows nothing of a controller's risk blocks.",
-        "Whether the blocks fit the controller cannot be told. Run `tracerisk run` and commit "
+        "It is unknown whether the blocks fit the controller. Run `tracerisk run` and commit "
         "tracerisk.lock with the source.",
     ),
     Rule(
@@ -103,7 +103,7 @@ RULES: tuple[Rule, ...] = (
         "error",
         "The mission fails more often than is allowed.",
         "The failure probability of the mission is above `max_failure_probability`. The table of "
-        "`tracerisk solve` tells which components it comes from.",
+        "`tracerisk solve` lists the components that it comes from.",
     ),
     Rule(
         "single-point-of-failure",
@@ -165,8 +165,8 @@ RULES: tuple[Rule, ...] = (
         "run-finding",
         "RunFinding",
         "warning",
-        "The run on the twin showed something that a person should know.",
-        "The message tells what; `tracerisk trace` shows the run again.",
+        "The run on the twin showed something that a user should know.",
+        "The message says what; `tracerisk trace` shows the run again.",
     ),
 )
 
@@ -179,8 +179,8 @@ class Alert:
 
     `file` is relative to the root of the repository, with `/`; `line` counts from 1.
     `function` and `component` are qualified names, empty where it concerns none; with rule and
-    file they are what tells the alert again when lines have shifted.
-    `subject` tells alerts of one rule, function and component apart (the field of a block, the
+    file they are what identifies the alert when lines have shifted.
+    `subject` distinguishes alerts of one rule, function and component (the field of a block, the
     other body of a contact).
     """
 

@@ -176,7 +176,7 @@ def mission_sentence(assessment: Assessment) -> str:
 
 
 _SEEN = 1e-4
-"""How far readings differ, relative, where the digits shown may tell them apart."""
+"""How far readings differ, relative, where the digits shown may distinguish them."""
 
 
 def _readings(assessment: Assessment) -> str:

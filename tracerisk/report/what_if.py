@@ -136,7 +136,7 @@ def render_uncertainty(
         )
     if not found.knows_mean:
         told.append(
-            f"This sample cannot tell the mean: the greatest of its {found.samples} draws alone "
+            f"This sample does not give the mean: the greatest of its {found.samples} draws alone "
             f"makes {100.0 * found.greatest_share:.2g} % of it, so that still greater ones, which "
             "were not drawn, matter as much. The mean is likely higher, and its standard error "
             "with it; go by the percentiles."

@@ -95,7 +95,7 @@ def mark_start() -> None:
 class OwnTime:
     """The time that a process computes or sleeps [s], as far as it was looked at.
 
-    Where the system does not tell what a process does (all but Linux), it is wall time.
+    Where the system does not report what a process does (all but Linux), it is wall time.
     """
 
     def __init__(self, pid: int, cpu_s: float = 0.0) -> None:
@@ -131,7 +131,7 @@ class OwnTime:
 
 
 def _cpu_s(pid: int) -> float | None:
-    """Return the processor time of a process and its threads [s]; None where it is not told."""
+    """Return the processor time of a process and its threads [s]; None where it is unknown."""
     if sys.platform != "linux":
         return None
     # clock_getcpuclockid(3): the clock of a process, in the form that the kernel reads.

@@ -24,7 +24,7 @@ _SYSTEM = ("/dev/", "/proc/", "/sys/")
 _MOST_COPIED = 1024**3
 
 Denied = Callable[[str, str], None]
-"""Told what was refused: a verb in its past form (`read`), and a path or an address."""
+"""Called with what was refused: a verb in its past form (`read`), and a path or an address."""
 
 
 class Overlay:

@@ -1,4 +1,4 @@
-"""What of a C or C++ source is comment or literal, told without a parser."""
+"""What of a C or C++ source is comment or literal, found without a parser."""
 
 from __future__ import annotations
 

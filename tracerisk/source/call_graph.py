@@ -1,6 +1,6 @@
 """The static call graph of a source file, and which functions can reach a motion command.
 
-It errs on the side of telling: a function that is handed on (a callback) counts as called by who
+It errs on the side of more calls: a function that is handed on (a callback) counts as called by who
 hands it on, and a method called on something unknown as each method of that name in the file.
 """
 

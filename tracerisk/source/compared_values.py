@@ -211,7 +211,7 @@ def written_name(place: Location | None, call: str) -> str:
 
 
 def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
-    """Return answers in the order in which a person would give them: what ends the program last."""
+    """Return answers in the order in which a user would give them: what ends the program last."""
     texts = list(dict.fromkeys(str(each) for each in values if not isinstance(each, bool)))
     return tuple(sorted((each for each in texts if each), key=lambda each: each.lower() in _ENDS))
 
@@ -232,7 +232,7 @@ def source_tree(place: Location | None) -> ast.Module | None:
 
 @lru_cache(maxsize=32)
 def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
-    """Return the tree of a source as it is; `changed_ns` and `size` tell it from what it was."""
+    """Return the tree of a source as it is; `changed_ns` and `size` are keys of the cache."""
     del changed_ns, size
     try:
         return with_named_literals(ast.parse(Path(file).read_bytes()))

@@ -1,4 +1,4 @@
-"""What tells that a source that Python 3 can parse was written for Python 2."""
+"""What shows that a source that Python 3 can parse was written for Python 2."""
 
 from __future__ import annotations
 

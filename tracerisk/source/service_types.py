@@ -1,6 +1,6 @@
 """The type of a service that a source waits for by its name alone, as it stands further down.
 
-`rospy.wait_for_service("detect")` tells no type; the `ServiceProxy("detect", Trigger)` that is made
+`rospy.wait_for_service("detect")` names no type; the `ServiceProxy("detect", Trigger)` that is made
 afterwards does.
 """
 

@@ -20,7 +20,7 @@ def bounded_yaml(typ: Literal["rt", "safe"], version: tuple[int, int]) -> Any:
     """Return what reads YAML of a version, with the places of all keys where `typ` is `rt`.
 
     Its errors are `ruamel.yaml.error.YAMLError`; that of a text that is nested deeper than
-    `MOST_LEVELS` tells the place.
+    `MOST_LEVELS` names the place.
     """
     yaml = YAML(typ=typ, pure=True)
     yaml.version = version

@@ -147,7 +147,7 @@ class _Document:
         is_map = isinstance(event, events.MappingStartEvent)
         built = self._map(event) if is_map else self._list(event)
         self._depth -= 1
-        # Only now: an alias within would hold itself, and is told as one of no anchor.
+        # Only now: an alias within would hold itself, and is reported as one of no anchor.
         if event.anchor is not None:
             self._anchors[event.anchor] = built
         return built

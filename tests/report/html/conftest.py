@@ -173,7 +173,7 @@ def full_page(arm: HybridModel, eventful: RiskDiff, review_of: Callable[..., Rev
             trace=trace,
             exposures={"move": {"motor": 5.0}, "pick": {"gripper": 3.0}},
             findings=("arm.py:3: the arm touched the table (at 3.20 s)",),
-            assumptions=("robot: panda, told by the names in the controller's strings",),
+            assumptions=("robot: panda, inferred from the names in the controller's strings",),
             hardware=Hardware("hardware.yaml", (Component("motor", (figure,), 7),), "panda"),
             review=review_of(eventful, notes=("a note",)),
         )

@@ -40,7 +40,7 @@ def minimal_cut_sets(
 ) -> CutSets:
     """Return the minimal cut sets: events that make the top happen when nothing else does.
 
-    Of a coherent tree these are its prime implicants; of another, `prime_implicants` also tells
+    Of a coherent tree these are its prime implicants; of another, `prime_implicants` also lists
     which events must not happen.
     A module's are found on its decision diagram; those of the whole are never written out, so
     that a hundred million of them take little memory.

@@ -102,7 +102,7 @@ def _target(
     if more:
         raise ModelError(
             f"{where}: the sequences '{first}' and '{more[0]}' have one path, {_told(before)}; "
-            "tell them apart at a functional event, or give them one name"
+            "separate them at a functional event, or give them one name"
         )
     return End(first)
 

@@ -65,7 +65,7 @@ class EventTreeSolution:
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What a person should look at."""
+        """What a user should look at."""
         if abs(self.total - 1.0) <= _TOLERANCE:
             return ()
         return (

@@ -47,7 +47,7 @@ def expanded_chain(model: HybridModel, *, limit: int = MOST_STATES) -> MarkovCha
 
 
 class _Names:
-    """The names of functions with hidden failures, told apart from all that the model names."""
+    """The names of functions with hidden failures, distinct from all that the model names."""
 
     def __init__(self, model: HybridModel, states: HiddenStates) -> None:
         self._states = states

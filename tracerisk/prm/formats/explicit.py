@@ -2,7 +2,7 @@
 
 Storm: the kind of chain on the first line; labels by `#DECLARATION` and `#END`.
 PRISM (manual, appendix "Explicit Model Files"): the numbers of states and transitions on the
-first line; labels by numbers, `0="init"`. Reading tells them apart by themselves.
+first line; labels by numbers, `0="init"`. Reading infers which is which.
 """
 
 from __future__ import annotations

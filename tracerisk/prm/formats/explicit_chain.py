@@ -46,7 +46,7 @@ class ExplicitChain:
 
     `rows[i][j]` is the probability or rate of going from state i to j; a state is absorbing when
     its row is empty or leads to nothing but itself.
-    `labels` give sets of states a name; `notes` tell what of a file was left out; `starts` are
+    `labels` give sets of states a name; `notes` say what of a file was left out; `starts` are
     the states in which the chain can begin, where these are more than the `initial` one.
     """
 
@@ -218,7 +218,7 @@ def names_from_labels(
     for state, name in enumerate(names):
         other = seen.setdefault(name, state)
         if other != state:
-            # A label of the form s12 on another state than 12: numbers tell them apart.
+            # A label of the form s12 on another state than 12: numbers distinguish them.
             names[state] = f"{name}_{state}"
     return tuple(names)
 

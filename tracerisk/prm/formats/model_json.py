@@ -146,7 +146,7 @@ def _check_version(found: Mapping[str, Element]) -> None:
     if version == 0 and not isinstance(version, bool):
         found["version"].fail(
             f"is 0; this version of tracerisk reads {VERSION}: build the model again "
-            "(version 0 does not tell whether failures of redundant units stay hidden)"
+            "(version 0 does not say whether failures of redundant units stay hidden)"
         )
     if version != VERSION or isinstance(version, bool):
         found["version"].fail(

@@ -61,7 +61,7 @@ def grouped(groups: int, least: float, failure: float) -> str:
         f"{groups} redundant groups are too many to be solved at once: each is solved by itself, "
         "and the mission's figure, the upper one, is bounded by all of them: its failure "
         f"probability is between {least:.6e} and {failure:.6e}, too high by at most "
-        f"{100.0 * above:.2g} %; functions and importances are told of each group by itself"
+        f"{100.0 * above:.2g} %; functions and importances are given for each group by itself"
     )
 
 
@@ -175,7 +175,7 @@ class ComponentImportance:
 class Assessment(Displayed):
     """All figures of a model; `components` with the one that matters most first.
 
-    `assumptions` are those of the model itself, `findings` what a person should look at.
+    `assumptions` are those of the model itself, `findings` what a user should look at.
     """
 
     model: str

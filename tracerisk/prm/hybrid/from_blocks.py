@@ -190,7 +190,7 @@ def _check_distinct(blocks: Sequence[RiskBlock]) -> None:
     by_sequence: dict[int, RiskBlock] = {}
     for block in blocks:
         if block.name == DONE:
-            _fail(block, f"a function named '{DONE}' cannot be told from the mission's end; rename")
+            _fail(block, f"a function named '{DONE}' would be taken for the mission's end; rename")
         if block.name in by_name:
             place = by_name[block.name].location
             _fail(block, f"a second block of this name{_also(place)}; rename or remove one")

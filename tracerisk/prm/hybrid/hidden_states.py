@@ -65,7 +65,7 @@ class HiddenStates:
     layer of the chain. `most` is the greatest number of failed units among them where not all
     states fit, else `None`.
     `more[l][c]` is the layer with one more failed unit of class c, -1 where there is none;
-    `held[f][l]` tells whether a visit of function f goes on with so many failed units.
+    `held[f][l]` says whether a visit of function f goes on with so many failed units.
     """
 
     functions: tuple[Function, ...]

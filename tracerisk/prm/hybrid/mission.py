@@ -32,7 +32,7 @@ class SolvedMission:
     failure state, `tops` the probability that one visit fails, over the visits of a mission.
     `least` is below `failure` where not all hidden states are held: the true figure lies between.
     With `grouped` each redundant group is solved by itself; `chain` and `flow` are then those of
-    the functions without any, and what a group adds to a function is told of it by itself.
+    the functions without any, and what a group adds to a function is given for it by itself.
     """
 
     chain: HiddenChain

@@ -29,7 +29,7 @@ UNITS = (
     "fit",
     "demands",
 )
-"""The units of the OpenPRA engine's JSON; they are told, and convert nothing."""
+"""The units of the OpenPRA engine's JSON; they are kept, and convert nothing."""
 
 
 @dataclass(frozen=True, slots=True)

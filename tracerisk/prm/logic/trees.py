@@ -47,7 +47,7 @@ def tree_below(
 
 
 def forest(model: LogicModel, *, common_cause: bool = True, mission_time_h: float = 0.0) -> Forest:
-    """Return all gates and events of the model, common cause groups expanded unless told not to.
+    """Return all gates and events of the model, common cause groups expanded by default.
 
     The factors of a group may depend on the mission time, [h].
     Raises ModelError when a factor is missing or cannot be evaluated.

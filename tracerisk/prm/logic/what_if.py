@@ -101,7 +101,7 @@ def propagate(
     """Draw the deviates of the model and return the spread of a top's probability.
 
     Inputs are the parameters and events whose own expression holds a deviate. Probabilities above
-    one are taken as one, which `tell` is told where they are no input's own.
+    one are taken as one; where they are no input's own, `tell` is called with a note of it.
     Raises ModelError when nothing is uncertain, `samples` is below 2, or a factor of a common
     cause group is drawn: the events of a group follow from the point values of its factors.
     """

@@ -46,7 +46,7 @@ class Probability(NamedTuple):
 class PairedFloat(float):
     """The `p` of a pair as a number that keeps its `q`, where 1-p would be rounded otherwise.
 
-    A unit that fails almost surely survives with a probability that only the pair tells.
+    A unit that fails almost surely survives with a probability that only the pair holds.
     """
 
     __slots__ = ("q",)

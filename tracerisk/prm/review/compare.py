@@ -33,7 +33,7 @@ from tracerisk.prm.review.risk_change import (
 )
 
 CauseOf = Callable[[ChangedField], tuple[Cause, ...]]
-"""Tells why a value that no person pinned is another one now."""
+"""Returns why a value that no user pinned is another one now."""
 
 
 def compare(
@@ -49,7 +49,7 @@ def compare(
     """Return the difference in risk between two versions of one controller.
 
     `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
-    of the controller. `inputs` tells what the runs behind the blocks depended on that differs.
+    of the controller. `inputs` lists what the runs behind the blocks depended on that differs.
     A version is `None` where it has no blocks.
     The contribution of a change is F(before with only that change) - F(before), with F the
     mission's failure probability; `interaction` is what the contributions leave of
@@ -281,7 +281,7 @@ def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SingleP
 
 
 class _Why:
-    """Finds the cause of a change: a person's pin, else what the caller knows."""
+    """Finds the cause of a change: a user's pin, else what the caller knows."""
 
     def __init__(self, before: RiskVersion, after: RiskVersion, cause_of: CauseOf) -> None:
         self._versions = (before.blocks, after.blocks)

@@ -54,7 +54,7 @@ def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem],
 
 
 def joined(items: Iterable[FlowItem]) -> list[list[FlowItem]]:
-    """Return the items in groups that cannot be told apart: each function is in one group."""
+    """Return the items in groups that cannot be distinguished: each function is in one group."""
     groups: list[tuple[set[str], list[FlowItem]]] = []
     for item in items:
         needs, members = set(item.needs), [item]

@@ -1,4 +1,4 @@
-"""What became of the values that persons set: new, removed, changed, or drifted from."""
+"""What became of the values that users set: new, removed, changed, or drifted from."""
 
 from __future__ import annotations
 

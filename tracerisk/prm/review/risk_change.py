@@ -23,7 +23,7 @@ ChangeKind = Literal[
 """What changed: states and their `next`; a figure of a component; whether it counts at all."""
 
 Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
-"""Why a value changed: a person's `:=`; a person's change of a `=` value; the controller's own
+"""Why a value changed: a user's `:=`; a user's change of a `=` value; the controller's own
 sources; the hardware description; settings or the version of tracerisk; other files of the run
 (a robot, a scene, parameters)."""
 
@@ -139,9 +139,9 @@ class FunctionChange:
 
 @dataclass(frozen=True, slots=True)
 class PinChange:
-    """What became of a value, a component or a block that a person set.
+    """What became of a value, a component or a block that a user set.
 
-    "drifted": the person's value stands, and what tracerisk computes beside it has changed.
+    "drifted": the user's value stands, and what tracerisk computes beside it has changed.
     """
 
     kind: Literal["new", "removed", "changed", "drifted"]
@@ -224,7 +224,7 @@ class RiskDiff:
     changes by beyond the sum of contributions, noise included. `causes` put the changes together by
     component and kind of cause, the greatest contribution first.
     `within_noise` counts the values that changed by less than 1 %: they are reported as unchanged.
-    `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
+    `inputs` describes what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
     motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
     blocks alone are compared: neither version has a lock entry for a run.
@@ -303,7 +303,7 @@ class Review:
 
         `threshold` is a relative change of a mission's failure probability, up or down. Whatever
         the figure does, controllers that come or go, redundancy that is lost, new single points
-        of failure, values set by hand and what a run newly showed are told.
+        of failure, values set by hand and what a run newly showed are reported.
         """
         return any(each.is_worth_telling(threshold) for each in self.controllers)
 

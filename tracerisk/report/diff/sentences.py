@@ -1,4 +1,4 @@
-"""The sentences that report a change of risk, the same in every format."""
+"""The words that describe a change of risk, the same in every format."""
 
 from __future__ import annotations
 

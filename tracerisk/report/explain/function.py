@@ -101,7 +101,7 @@ def _component(component: ComponentDerivation, derivation: FunctionDerivation) -
 
 
 def _names(units: Sequence[UnitDerivation]) -> tuple[list[str], list[str]]:
-    """Return a short name of each unit for the tables, and the lines that tell the long ones."""
+    """Return a short name of each unit for the tables, and the lines that give the long ones."""
     named = [
         (unit.element or "always active") + (f" (x{unit.count})" if unit.count > 1 else "")
         for unit in units

@@ -110,10 +110,10 @@ def block_lines(component: ComponentDerivation) -> list[str]:
         return ["  not in the block"]
     because = f" ({block.reason})" if block.reason else ""
     if block.is_omitted:
-        return [f"  block: omitted by a person{because}; computed {block.computed}"]
+        return [f"  block: omitted by a user{because}; computed {block.computed}"]
     if block.is_pinned:
         return [
-            f"  block: probability := {block.text}, set by a person{because}; "
+            f"  block: probability := {block.text}, set by a user{because}; "
             f"computed {block.computed}"
         ]
     kept = f", kept, for {block.computed} is within 1 % of it" if block.is_kept else ""

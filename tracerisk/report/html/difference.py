@@ -17,7 +17,7 @@ _NONE = "none"
 
 @dataclass(frozen=True, slots=True)
 class _Controller:
-    """What is told of one controller: its name, tables, and lines below them."""
+    """What is shown of one controller: its name, tables, and lines below them."""
 
     name: str
     tables: tuple[Table, ...]

@@ -93,7 +93,7 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
 
 
 def _delays(cells: Sequence[Cell]) -> object:
-    """Return a drawing of when the controller was told of each failure, a row for each mode."""
+    """Return a drawing of when the controller was notified of each failure, a row for each mode."""
     told = [each for each in cells if each.told_after_s is not None]
     if not told:
         return ""
@@ -101,7 +101,7 @@ def _delays(cells: Sequence[Cell]) -> object:
     kinds = _ordered((each.component, each.mode) for each in cells)
     drawing = Drawing(
         "evidence-delays",
-        "When the controller was told",
+        "When the controller was notified",
         "A dot for each failure that was reported, by component and mode, over the seconds after "
         "it; beside them how many were not reported while the run was followed.",
     )
@@ -168,7 +168,7 @@ def _table(found: Evidence, pages: Pages) -> Table:
         Column("failure"),
         Column("function"),
         Column("end effect", "the worst of the tries"),
-        Column("told after s", "median, of those reported", is_number=True),
+        Column("detected after s", "median, of those reported", is_number=True),
         Column("detected by"),
         Column("failed", "of the tries", is_number=True),
         Column("c", "share that ends the mission, with its 90 % interval", is_number=True),

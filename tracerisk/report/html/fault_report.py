@@ -14,7 +14,7 @@ def render_fault_report(
 ) -> str:
     """Return the page of a run with a fault, the same for the same input.
 
-    `fault` tells it in words, `None` for the run without one beside it, `lines` its effect;
+    `fault` describes it, `None` for the run without one beside it, `lines` its effect;
     `sections` show the run. It has no figure of risk: those are of whole reports.
     """
     lead = rendered(

@@ -36,7 +36,7 @@ def one_in(value: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent, to three digits; one that would look like none or all is told."""
+    """Return a share in percent, to three digits; never as 0 % or 100 % where it is neither."""
     if 0.0 < share < 1e-4:
         return "<\N{NO-BREAK SPACE}0.01\N{NO-BREAK SPACE}%"
     if 0.9995 <= share < 1.0 - 1e-9:

@@ -13,7 +13,7 @@ from tracerisk.report.html.tables import Cell, Column, Row, Table
 
 
 def pins_section(report: ReportInput) -> Section:
-    """Return what persons set by hand, why, and how far it is from what is computed."""
+    """Return what users set by hand, why, and how far it is from what is computed."""
     links = line_links(report.sources)
     columns = (
         Column("field"),
@@ -41,7 +41,7 @@ def pins_section(report: ReportInput) -> Section:
 
 
 def findings_section(report: ReportInput) -> Section:
-    """Return what a person should look at."""
+    """Return what a user should look at."""
     lines = (*report.findings, *report.assessment.findings)
     html = rendered("list.html.j2", lines=lines, lead="", empty="Nothing stood out.")
     return Section("findings", "Findings", html)
@@ -73,7 +73,7 @@ def assumptions_section(report: ReportInput) -> Section:
 
 
 def drift(pin: Pin) -> str:
-    """Return how far a person's value lies from the computed one."""
+    """Return how far a user's value lies from the computed one."""
     if pin.drift is None:
         return figures.NOTHING
     if math.isinf(pin.drift):

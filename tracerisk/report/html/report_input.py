@@ -39,7 +39,7 @@ class SourceFile:
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """What a person set in a block: see `tracerisk.pipeline.check.overrides.Override`.
+    """What a user set in a block: see `tracerisk.pipeline.check.overrides.Override`.
 
     `drift` is how far it lies from what is computed now [%], `None` where nothing is.
     """

@@ -37,7 +37,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row, and the function or component that it tells of."""
+    """A row, and the function or component that it describes."""
 
     cells: tuple[Cell, ...]
     function: str | None = None

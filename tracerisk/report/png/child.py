@@ -139,7 +139,7 @@ def _rendered(model: Any, seen_from: dict[str, Any] | None, width: int, height: 
         distance = math.hypot(*across)
         camera.lookat[:] = seen_from["target"]
         camera.distance = distance
-        # MuJoCo tells where the camera looks to, not where it stands.
+        # MuJoCo gives where the camera looks to, not where it stands.
         camera.azimuth = math.degrees(math.atan2(-across[1], -across[0]))
         camera.elevation = math.degrees(-math.asin(across[2] / distance))
         model.vis.global_.fovy = math.degrees(seen_from["field"])

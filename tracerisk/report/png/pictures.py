@@ -72,7 +72,7 @@ class CaptionRow:
 class Picture:
     """A still of a function: its file's name, what is seen and what is said of it.
 
-    `entry` is what the legend tells of it.
+    `entry` is what the legend says of it.
     """
 
     file: str

@@ -75,7 +75,7 @@ class EventTrees:
 def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
     """Return the event trees among the elements, with what belongs to them.
 
-    Raises ModelError, with the position, for what is malformed or cannot be told in an EventTree.
+    Raises ModelError, with the position, for what is malformed or does not fit an EventTree.
     """
     found = EventTrees()
     rules: dict[str, Element] = {}

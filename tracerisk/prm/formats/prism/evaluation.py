@@ -23,7 +23,7 @@ _LARGEST = 1 << _MOST_BITS
 class Compiled:
     """What gives an expression's value in a state, and how many operations that takes.
 
-    `fixed` tells that the value is the same in every state.
+    `fixed`: the value is the same in every state.
     """
 
     run: Run

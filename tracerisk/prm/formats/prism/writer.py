@@ -11,7 +11,7 @@ def write_prism(chain: ExplicitChain) -> str:
     """Return a module with one variable `s`, and the chain's labels.
 
     Each number is written so that it reads back to the same bits; an absorbing state leads to
-    itself with 1. A comment tells the name of each state whose label differs from it.
+    itself with 1. A comment gives the name of each state whose label differs from it.
     """
     lines = [chain.kind.value, "", "module chain"]
     start = "" if len(chain.starts) > 1 else f" init {chain.initial}"

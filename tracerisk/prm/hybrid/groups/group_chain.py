@@ -1,6 +1,6 @@
 """The functions with a few redundant groups whose failure does not end the mission.
 
-What has failed is a hidden state like any other, the last: so the mission's good ends tell how
+What has failed is a hidden state like any other, the last: so the mission's good ends show how
 often such a mission would have failed by these groups, as a sum of positive terms.
 """
 

@@ -107,7 +107,7 @@ def _bicgstab(product: Product, target: Array, limit: int) -> Array:
                 break
             if now < best_norm:
                 best, best_norm = x, now
-            # Told by the equations: what is carried along drifts from them.
+            # Checked by the equations: what is carried along drifts from them.
             if now <= goal:
                 break
         if float(np.linalg.norm(target - product(x))) <= 2.0 * goal:

@@ -34,7 +34,7 @@ const tracerisk = {
     return Uint8Array.from(text, (character) => character.charCodeAt(0));
   },
   colour(name) {
-    // A variable may hold one colour for each theme; an element tells which of them it is.
+    // A variable may hold one colour for each theme; an element shows which of them it is.
     probe.style.color = `var(--${name})`;
     return getComputedStyle(probe).color;
   },

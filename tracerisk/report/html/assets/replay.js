@@ -134,7 +134,7 @@ async function beginReplay() {
     const isNone = problem.message === "no WebGL2";
     tell(
       isNone
-        ? "This browser shows no 3-D pictures here (WebGL 2 is missing or switched off). The timeline and the text beside it tell the same run."
+        ? "This browser shows no 3-D pictures here (WebGL 2 is missing or switched off). The timeline and the text beside it show the same run."
         : `The 3-D picture cannot be drawn: ${problem.message}`,
     );
     return;

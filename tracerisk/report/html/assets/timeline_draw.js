@@ -3,7 +3,7 @@
 const SVG = "http://www.w3.org/2000/svg";
 const ROW = 22;
 const LANE = 17;
-// A lane for each function tells them apart without a text; many share one.
+// A lane for each function distinguishes them without a text; many share one.
 const LANES = run.functions.length <= 12 ? run.functions.length : 1;
 const BAND = LANES > 1 ? LANES * LANE + 7 : 28;
 const AXIS = 22;
@@ -87,7 +87,7 @@ function drawVisit(band, view, index, isFocused) {
   }
 }
 
-// Told apart by shape as well: moving is a high bar, holding a low one, grasping a strip on top.
+// Distinguished by shape as well: moving is a high bar, holding a low one, grasping a strip on top.
 const bars = [
   [MOVING, "moving", 6, 13],
   [HOLDING, "holding", 12, 7],

@@ -44,7 +44,7 @@ class _Arrow:
 class _Places:
     """Where states are, in which lane ways run that do not lead to the next state, the extent.
 
-    A lane is told by where it is across, with the heights at which its way leaves and arrives.
+    A lane is given by where it is across, with the heights at which its way leaves and arrives.
     `beside` is the room that a failure has across.
     """
 

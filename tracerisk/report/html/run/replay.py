@@ -42,7 +42,7 @@ class RecordedRun:
 class Replay:
     """A run that can be shown: bodies, the frames that pose them, what each element did.
 
-    `activity` has one entry every `step_s` [s]. `notes` tell what is not shown.
+    `activity` has one entry every `step_s` [s]. `notes` say what is not shown.
     """
 
     bodies: tuple[Body, ...]
