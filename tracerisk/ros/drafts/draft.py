@@ -70,7 +70,7 @@ _NUMBERS: tuple[tuple[str, Any], ...] = (
 class Draft:
     """What a scenario could say for a need: `value` is its entry, without one it cannot say it.
 
-    `words` tell where the value is from, or why no scenario gives it.
+    `words` say where the value is from, or why no scenario gives it.
     """
 
     need: Need

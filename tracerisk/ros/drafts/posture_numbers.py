@@ -1,4 +1,4 @@
-"""Numbers of a posture or a pose where a message has a bare list of them, told by its name."""
+"""Numbers of a posture or a pose for a bare list in a message, inferred from the list's name."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ _NUMBERS = ("float", "int")
 
 @dataclass(frozen=True, slots=True)
 class _Split:
-    """What an answer is taken apart into: `count` is 0 where the code does not tell it."""
+    """What an answer is taken apart into: `count` is 0 where the code does not show it."""
 
     count: int
     separator: str

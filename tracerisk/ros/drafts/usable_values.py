@@ -232,7 +232,7 @@ class UsableValues:
             return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}
         if kind == "sensor_msgs/JointState":
             header = {"stamp": "now", "frame_id": ""}
-            # Those of the gripper too, as the robot itself tells them.
+            # Those of the gripper too, as the robot itself reports them.
             names = [joint.name for joint in self.robot.joints]
             posture = [self._moved(joint) for joint in self.robot.joints]
             zeros = [0.0 for _ in names]

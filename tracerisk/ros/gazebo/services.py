@@ -38,7 +38,7 @@ _EMPTY = ("pause_physics", "unpause_physics", "reset_world", "reset_simulation")
 
 
 class GazeboServices:
-    """Answers as Gazebo would of the twin's world; what the twin cannot do is refused and told."""
+    """Answers as Gazebo would of the twin's world; what the twin lacks is refused and reported."""
 
     def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
         self._graph, self._scheduler = runtime.graph, runtime.scheduler

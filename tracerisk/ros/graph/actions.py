@@ -247,11 +247,11 @@ _LIVE = (*_PURSUED, GoalState.PENDING, GoalState.RECALLING)
 
 @dataclass(slots=True, eq=False)
 class ActionServerEnd:
-    """Who serves an action: told of goals and of cancel requests by `on_goal` and `on_cancel`.
+    """Who serves an action: it gets goals and cancel requests by `on_goal` and `on_cancel`.
 
     `copy` makes what is sent of a result or a feedback. `by_controller` is False for the twin's
     own servers and for those that a scenario plays. `goals` are those that are not over, in the
-    order of their sending. `on_told` is called after a goal's client was told of a `state` or a
+    order of their sending. `on_told` is called after a goal's client got a `state` or a
     `feedback`.
     """
 
@@ -312,7 +312,7 @@ class ActionClientEnd:
     def wait_for_server(
         self, timeout_ns: int | None = None, unless: Callable[[], bool] = lambda: False
     ) -> bool:
-        """Wait until somebody serves the action, and tell whether somebody does.
+        """Wait until somebody serves the action, and return whether somebody does.
 
         False after the timeout (None waits for ever), or as soon as `unless` holds.
 
@@ -422,7 +422,7 @@ class Actions:
     def watch(self, watcher: Callable[[ActionChange, str, str], None]) -> None:
         """Call `watcher` with change, name and type when a client or a server comes or goes.
 
-        It is told at once of all that exist already.
+        It is called at once with all that exist already.
         """
         self._watchers.append(watcher)
         for clients in list(self._clients.values()):

@@ -39,7 +39,7 @@ def _tell_on_stderr(message: str) -> None:
 class Publication:
     """A node's right to publish on a topic; `copy` makes what is sent of what is given.
 
-    `on_received` is told which of the controller's subscriptions gets a message, each time.
+    `on_received` is called with the controller's subscription that gets a message, each time.
     """
 
     graph: Graph
@@ -176,7 +176,7 @@ class ServiceFailedError(Exception):
 class Graph:
     """Topics, services and parameters of one run.
 
-    `tracer` makes each service handler a root. `warn` is told what a person should know, such as
+    `tracer` makes each service handler a root. `warn` gets what a user should know, such as
     two types on one topic; by default it is an error line on standard error.
     `counts` is how many messages, calls and goals of the controller went to each name.
     """
@@ -211,7 +211,7 @@ class Graph:
         """Call `watcher` with change, name and type whenever an endpoint comes or goes.
 
         So the twin finds the interfaces that a controller talks to by their type.
-        It is told at once of all that exist already.
+        It is called at once with all that exist already.
         """
         self._watchers.append(watcher)
         for name, topic in list(self._topics.items()):
@@ -313,7 +313,7 @@ class Graph:
     def unheard(self) -> tuple[Need, ...]:
         """Return the topics on which the controller has published and nobody subscribes.
 
-        What is for a person's eyes alone is none of them.
+        Topics that are only for display are left out.
         """
         return tuple(
             Need("topic", name, each.type_name)
@@ -426,7 +426,7 @@ class Graph:
         timeout_ns: int | None = None,
         unless: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Wait until a service is served, and tell whether it is.
+        """Wait until a service is served, and return whether it is.
 
         False after the timeout, or as soon as `unless` holds.
 

@@ -91,7 +91,7 @@ class SensorReading:
         publication.on_received = on_received
 
     def tells_joints(self, publication: Publication, hz: float) -> None:
-        """Take a publication for one that tells what encoders and torque sensors measure."""
+        """Take a publication for one that reports what encoders and torque sensors measure."""
         self.tells(publication, self.named("encoder", "torque"), hz)
 
     def asked(self, *kinds: SensorKind, joints: Iterable[str] | None = None) -> None:

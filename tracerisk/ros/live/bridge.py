@@ -2,7 +2,7 @@
 
 The twin's own servers are written against the graph of the stand-ins. Here a message of the one is
 a message of the other by its bytes: topics, services and parameters are passed on as they come, and
-a command belongs to the function that sent it by the stack that the controller's process tells.
+a command belongs to the function that sent it by the stack that the controller's process sends.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
 class Bridge:
     """Passes on topics, services and parameters between a graph and a relay in real ROS.
 
-    `message` and `service` classes come from `interfaces`. `told` is told in words what cannot be
+    `message` and `service` classes come from `interfaces`. `told` gets the words for what cannot be
     passed on, `acts` the number of the controller's thread that has sent what comes next.
     """
 
@@ -80,11 +80,11 @@ class Bridge:
         self._silent: set[str] = set()
         tracer: Any = runtime.tracer
         tracer.on_behalf = self._stack
-        # Whoever comes is told the time at once, although the clock may stand still.
+        # Whoever comes gets the time at once, although the clock may stand still.
         self._advertise(CLOCK, _CLOCK_TYPE, latch=True)
         self._graph.watch(self._on_change)
 
-    # What the controller's process tells
+    # What the controller's process sends
 
     def sent(self, stack: tuple[Frame, ...], thread: int, of: str) -> None:
         """Note that a message or request of this digest was sent with this stack."""
@@ -96,7 +96,7 @@ class Bridge:
         self._graph.become_caller(name, type_name)
         self._offer(name)
 
-    # What the relay tells
+    # What the relay sends
 
     def take(self, header: dict[str, Any], body: bytes) -> None:
         """Take a frame of the relay."""

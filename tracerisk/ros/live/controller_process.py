@@ -29,7 +29,7 @@ _DRAINED_S = 0.2
 
 
 def main() -> None:
-    """Run the controller that the command line describes in JSON, and tell how it ended."""
+    """Run the controller that the command line describes in JSON, and report how it ended."""
     asked = json.loads(sys.argv[1])
     link = Link(socket.socket(fileno=asked["descriptor"]))
     tracer = Tracer(lambda ref, line: tell(_ran(ref, line)))
@@ -83,7 +83,7 @@ def _run(run: Any, tracer: Tracer, tell: Any, rospy: Any) -> int:
         code = error.code if isinstance(error.code, int) else 0 if error.code is None else 1
         end("exited" if code else "ended", f"the controller exited with {error.code}")
         return code
-    except BaseException as error:  # noqa: BLE001 - the controller's own, told as it is
+    except BaseException as error:  # noqa: BLE001 - the controller's own, reported as it is
         told = "".join(traceback.format_exception_only(error)).strip()
         traceback.print_exception(error)
         missing = isinstance(error, ImportError | SyntaxError)
@@ -102,7 +102,7 @@ def _run(run: Any, tracer: Tracer, tell: Any, rospy: Any) -> int:
 
 
 def _ends_with(link: Link) -> None:
-    """End this process when the twin's side is gone: it tells nothing, and closes last."""
+    """End this process when the twin's side is gone: it says nothing, and closes last."""
     while link.receive() is not None:
         pass
     os._exit(1)

@@ -44,7 +44,7 @@ def loopback_environment(environment: Mapping[str, str], master: str = "") -> di
 
 
 def leave_network() -> bool:
-    """Give this process and those it starts a network that has loopback alone; tell whether.
+    """Give this process and those it starts a network that has loopback alone; return whether.
 
     False where the kernel or a container does not allow it: nothing has changed then. To be called
     while the process has one thread.

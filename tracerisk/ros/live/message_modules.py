@@ -25,7 +25,7 @@ _PARTS = re.compile(r"(Action)?(Goal|Result|Feedback|Request|Response)?$")
 
 
 def make_missing_modules(interfaces: Interfaces, sources: Iterable[bytes], folder: Path) -> bool:
-    """Make in `folder` the modules that sources import and ROS lacks; tell whether any are.
+    """Make in `folder` the modules that sources import and ROS lacks; return whether any are.
 
     Of each package those messages and services are made whose names the sources hold, with all
     that these are made of.

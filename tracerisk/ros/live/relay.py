@@ -1,7 +1,7 @@
 """The master of a live run and the node that speaks for the twin, under the Python of ROS.
 
 It knows no message: bytes go through as they are, with the type, md5 sum and text that the twin's
-side names. What nodes register and ask for at the master is told to that side.
+side names. What nodes register and ask for at the master is sent to that side.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LOOKUP_S = 10.0
 
 
 class Relay:
-    """Does what the frames of a link ask, and tells it what comes from real ROS."""
+    """Does what the frames of a link ask, and sends it what comes from real ROS."""
 
     def __init__(self, link: Link) -> None:
         self._link = link
@@ -135,7 +135,7 @@ class _Answer:
 
 
 def _watched(base: Any, relay: list[Relay]) -> Any:
-    """Return the class of a master that tells what nodes register and ask for."""
+    """Return the class of a master that reports what nodes register and ask for."""
 
     def tell(what: str, caller: str, name: str, kind: str = "") -> None:
         if relay and caller != NODE:

@@ -1,4 +1,4 @@
-"""What a controller's rospy is made to tell: which functions are active at each message and call.
+"""What a controller's rospy is made to report: which functions are active at each message and call.
 
 Nothing is changed of what is sent or when: each hook calls what was there. A message's or request's
 bytes are known by their digest to whoever receives them.
@@ -42,7 +42,7 @@ def frames_data(stack: tuple[Frame, ...]) -> list[list[Any]]:
 
 
 def install(tracer: Tracer, tell: Tell, private: Mapping[str, Any]) -> None:
-    """Hook rospy and threads, so that `tell` learns of each message before it is sent.
+    """Hook rospy and threads, so that `tell` is called with each message before it is sent.
 
     `private` are parameters that the node finds under its own name, where it has none of the name.
     """

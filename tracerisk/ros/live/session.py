@@ -135,7 +135,7 @@ class Session:
         return str(frame[0]["uri"])
 
     def _take(self) -> bool:
-        """Take all frames that have come, of the controller first: it tells before it sends."""
+        """Take all frames that have come, of the controller first: it reports before it sends."""
         of_relay = self.relay.waiting()
         of_controller = self.controller.waiting() if self.controller is not None else []
         for header, _ in of_controller:

@@ -217,7 +217,7 @@ class Interfaces2:
         return type(short, (base,), body)
 
     def _event(self, package: str, short: str, parts: Mapping[str, Any]) -> type[Message2]:
-        """Make what tells of a call of a service: at most one request, at most one response."""
+        """Make what reports a call of a service: at most one request, at most one response."""
         info = Field2(
             "info",
             "service_msgs/ServiceEventInfo",

@@ -78,7 +78,7 @@ class Message2:
 
 
 class Service2:
-    """A ROS 2 service: the classes of its request, its response, and of what tells of a call."""
+    """A ROS 2 service: the classes of its request, its response, and of what reports a call."""
 
     _ros_type: ClassVar[str] = ""
     Request: ClassVar[type[Message2]]

@@ -262,7 +262,7 @@ class MoveGroupServer(RobotGroups):
     def straight_way(
         self, group: str, goal: Pose, *, link: str, eef_step: float, start: Mapping[str, float]
     ) -> tuple[JointTrajectory, float]:
-        """Return the straight way of a link and how much of it is there; no finding tells of it.
+        """Return the straight way of a link and how much of it is there; no finding reports it.
 
         Raises:
             PlanningError: the request is bad.
@@ -393,7 +393,7 @@ class MoveGroupServer(RobotGroups):
     # Objects
 
     def bodies(self, scene: PlanningScene) -> list[SceneBody]:
-        """Return the objects of a scene as bodies of the twin; one that cannot be is told of."""
+        """Return the objects of a scene as bodies of the twin; one that cannot be is reported."""
         bodies = []
         placed = [(item, None, ()) for item in scene.world.values()] + [
             (one.object, one.link, one.touch_links) for one in scene.attached.values()

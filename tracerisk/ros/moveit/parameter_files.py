@@ -93,7 +93,7 @@ class ParameterBuilder:
             raise ParameterBuilderFileNotFoundError(f"File {path} doesn't exist")
         return path
 
-    def _missing(self, file_path: str | Path) -> str:  # noqa: ARG002 - others tell by the file
+    def _missing(self, file_path: str | Path) -> str:  # noqa: ARG002 - others go by the file
         """Return what is not there where a file has no path."""
         return f"package '{self._package_name}'"
 

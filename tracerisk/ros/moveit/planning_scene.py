@@ -1,6 +1,6 @@
-"""The planning scene: the objects a controller has told MoveIt of, and what may touch.
+"""The planning scene: the objects that a controller has added, and what may touch.
 
-Whoever keeps it is told of each change, to make the objects bodies of the twin.
+Whoever keeps it is notified of each change, to make the objects bodies of the twin.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ _REMOVE, _APPEND, _MOVE = 1, 2, 3
 class SceneChanges:
     """Changes one planning scene of a robot.
 
-    `link_pose` gives where a link is in the planning frame, `tell` takes the reason of what
+    `link_pose` gives where a link is in the planning frame, `tell` gets the reason of what
     could not be done.
     """
 
@@ -87,7 +87,7 @@ class SceneChanges:
     # Messages
 
     def apply_scene(self, message: Any) -> bool:
-        """Apply a PlanningScene, whole or a difference; tell whether all of it could be done."""
+        """Apply a PlanningScene, whole or a difference; return whether all of it could be done."""
         if not message.is_diff:
             self.scene.clear()
         done = [self.apply(item) for item in message.world.collision_objects]
@@ -98,7 +98,7 @@ class SceneChanges:
         return all(done)
 
     def apply(self, message: Any) -> bool:
-        """Apply a CollisionObject: add, append, move or remove; tell whether it was done."""
+        """Apply a CollisionObject: add, append, move or remove; return whether it was done."""
         scene, operation = self.scene, _number(message.operation)
         if operation == _REMOVE:
             told = scene.cannot_remove(message.id)
@@ -121,7 +121,7 @@ class SceneChanges:
         return True
 
     def apply_attached(self, message: Any) -> bool:
-        """Apply an AttachedCollisionObject: attach or detach; tell whether it was done."""
+        """Apply an AttachedCollisionObject: attach or detach; return whether it was done."""
         item, scene = message.object, self.scene
         if _number(item.operation) == _REMOVE:
             for name, attached in list(scene.attached.items()):

@@ -1,7 +1,7 @@
 """The topics of ROS 1 actions, for programs that publish goals and read results themselves.
 
 An action of ROS 1 is five topics: `goal` and `cancel` to its server, `status`, `feedback` and
-`result` from it. Clients of actionlib need none of them here; what they send is told all the same.
+`result` from it. Clients of actionlib need none of them here; what they send is published too.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.time.clock import EPOCH_NS
 
 STATUS_HZ = 5.0
-"""How often a server tells the status of its goals besides at each change, as actionlib's do."""
+"""How often a server publishes the status of its goals besides at changes, as in actionlib [Hz]."""
 KEPT_S = 5.0
-"""How long the status of a goal is told after its end, as by actionlib's servers [s]."""
+"""How long the status of a goal is published after its end, as by actionlib's servers [s]."""
 
 _NODE = "/robot_driver"
 _STATUS = "actionlib_msgs/GoalStatusArray"
@@ -26,7 +26,7 @@ _GOAL_ID = "actionlib_msgs/GoalID"
 
 
 class ActionTopics:
-    """Sends what is published on `goal` and `cancel`, and publishes what servers tell."""
+    """Sends what is published on `goal` and `cancel`, and publishes what servers report."""
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         self._runtime = runtime

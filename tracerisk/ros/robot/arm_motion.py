@@ -327,14 +327,14 @@ class ArmMotion:
         return (position - closed) / (wide - closed)
 
     def stop(self, *, fingers: bool = False) -> None:
-        """Bring the arm to rest, and the fingers where told."""
+        """Bring the arm to rest, and the fingers where asked."""
         self.twin.stop(self.joints)
         if fingers and self.gripper is not None:
             self.twin.stop(self.gripper.joints)
         self._commands.poll()
 
     def wait(self, motion: Motion, timeout_s: float | None = None) -> bool:
-        """Wait in the calling thread for the end of a motion, and tell whether it succeeded."""
+        """Wait in the calling thread for the end of a motion, and return whether it succeeded."""
         self._commands.scheduler.wait_until(
             lambda: motion.outcome != "active",
             timeout_ns=None if timeout_s is None else round(timeout_s * 1e9),

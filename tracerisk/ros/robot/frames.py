@@ -1,6 +1,6 @@
 """The frames of the twin's links, published as `robot_state_publisher` does.
 
-`/tf` tells of links that joints move, while somebody subscribes; `/tf_static` of those that are
+`/tf` reports links that joints move, while somebody subscribes; `/tf_static` of those that are
 fixed, and of the base in the world, to whoever subscribes. The robot's description is the parameter
 `robot_description` where nothing else sets that, and in ROS 2 a topic of this name as well.
 """

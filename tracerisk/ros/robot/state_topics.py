@@ -46,7 +46,7 @@ class TwinTopics:
     """Publishes states of joints and of trajectory controllers, and the clock, to who subscribes.
 
     `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
-    states come, `order` the joints in the order in which a driver tells them: first these, then
+    states come, `order` the joints in the order in which a driver lists them: first these, then
     the others in the robot's own. What is published keeps no run going: a controller that only
     listens still comes to its end.
     """

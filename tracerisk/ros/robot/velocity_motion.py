@@ -1,4 +1,4 @@
-"""What joints do that are commanded velocities: they go on until they are told otherwise."""
+"""What joints do that are commanded velocities: they go on until the next command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wrench topics of a robot's driver: what its wrist sensor, or its joints' torques, tell.
+"""The wrench topics of a robot's driver: what its wrist sensor, or its joints' torques, give.
 
 Served is whichever topic of the type a controller subscribes to whose name is one of the
 sensor's, while nobody else publishes it.
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 TYPE = "geometry_msgs/WrenchStamped"
 HZ = 100.0
-"""How often a wrench is told while somebody listens."""
+"""How often a wrench is published while somebody listens."""
 
 _NODE = "/robot_driver"
 
@@ -27,8 +27,8 @@ _NODE = "/robot_driver"
 class WrenchTopics:
     """Publishes the wrench in a wrist while a controller listens to it.
 
-    A wrist's sensor tells weight, inertia and contacts of all that hangs on it, without a tare;
-    an estimate of the joints' torques tells contacts alone.
+    A wrist's sensor measures weight, inertia and contacts of all that hangs on it, without a tare;
+    an estimate of the joints' torques gives contacts alone.
     """
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:

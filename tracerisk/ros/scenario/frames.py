@@ -23,7 +23,7 @@ class ScenarioFrames:
     """All entries of `frames`.
 
     Raises:
-        ScenarioError: a frame is a link of the robot, of which the twin tells.
+        ScenarioError: a frame is a link of the robot, whose pose the twin gives.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class ScenarioFrames:
         for frame in frames:
             if frame.frame in links:
                 raise ScenarioError(
-                    f"frame '{frame.frame}' is a link of the robot, and the twin tells where it "
+                    f"frame '{frame.frame}' is a link of the robot, and the twin gives where it "
                     "is; give it another name",
                     frame.location,
                 )
@@ -53,7 +53,7 @@ class ScenarioFrames:
     def _place_static(self, publication: Publication, frame: Frame) -> None:
         at_ns = round(frame.path[0].at * 1e9)
         if at_ns == 0:
-            # Latched before anybody listens: there is nobody to tell yet.
+            # Latched before anybody listens: there is nobody to send it to yet.
             publication.latched = self._message(frame)
         else:
             self._schedule.at(at_ns, lambda: publication.publish(self._message(frame)))
@@ -70,7 +70,7 @@ class ScenarioFrames:
         def follow(number: int) -> None:
             due_ns = begin_ns + round(number * 1e9 / rate)
             if until_ns is None or due_ns <= until_ns:
-                # What comes behind the end of its path tells nothing new.
+                # What comes behind the end of its path holds nothing new.
                 awaited = due_ns <= (last_ns if until_ns is None else until_ns)
                 self._schedule.at(
                     due_ns, lambda: tick(number), awaited=awaited, background=not awaited

@@ -69,7 +69,7 @@ def plain_lines(value: Any) -> list[str]:
 
 
 def word_lines(words: Iterable[str], told: str) -> list[str]:
-    """Return the lines of a list of words, each with the mark and what is told of it."""
+    """Return the lines of a list of words, each with the mark and what is said of it."""
     return [f"  - {_quoted(each)}  {MARK}: {told}" for each in words]
 
 

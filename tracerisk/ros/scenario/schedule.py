@@ -10,7 +10,7 @@ from tracerisk.ros.time.scheduler import Scheduler
 class Schedule:
     """The events of one scenario.
 
-    `is_pending` tells whether an event that a run has to wait for is still due, `last_ns` when
+    `is_pending` returns whether an event that a run has to wait for is still due, `last_ns` when
     the last such event was [ns].
     """
 

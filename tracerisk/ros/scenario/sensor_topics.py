@@ -19,7 +19,7 @@ _TRANSPORTS = ("compressed", "compressedDepth", "theora")
 
 
 def sensors_told(robot: Robot, published: Published) -> tuple[str, ...]:
-    """Return the names of the sensors of which an entry of a scenario tells; empty for none.
+    """Return the names of the sensors that an entry of a scenario publishes; empty for none.
 
     They are those of the robot whose topic it is, else one that is named by the topic.
     """
@@ -51,7 +51,7 @@ def _kinds(type_name: str) -> Sequence[SensorKind]:
 
 
 def _sensor_name(published: Published) -> str:
-    """Return the topic without what tells apart the topics of one sensor.
+    """Return the topic without what distinguishes the topics of one sensor.
 
     Images, their calibration and the points seen in them stand side by side below a camera's name.
     """

@@ -23,7 +23,7 @@ class ScenarioWorld:
     """Publishes, answers and broadcasts what a scenario says.
 
     `interfaces` makes the message classes of the ROS that the controller speaks. `schedule`
-    tells whether anything is still to come.
+    knows whether anything is still to come.
 
     Raises:
         ScenarioError: a type is not known, or a message does not fit its type.

@@ -16,9 +16,9 @@ from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS, nanoseconds
 
 EPOCH_NS = 1_767_225_600 * NANOSECONDS
-"""What `time.time_ns()` tells at simulated time zero: 2026-01-01T00:00:00Z [ns]."""
+"""What `time.time_ns()` returns at simulated time zero: 2026-01-01T00:00:00Z [ns]."""
 MONOTONIC_START_NS = 10_000 * NANOSECONDS
-"""What `time.monotonic_ns()` tells at simulated time zero; a machine that just booted is rare."""
+"""What `time.monotonic_ns()` returns at simulated time zero; just booted machines are rare."""
 
 
 class VirtualClock:

@@ -103,7 +103,7 @@ class GreenletBaton:
         thread.gate.parent = following.gate
 
     def replacements(self) -> Iterator[tuple[Any, str, Any]]:
-        """Yield what tells threads apart: their identifiers, and what only the main one may do."""
+        """Yield what identifies threads: their identifiers, and what only the main one may do."""
         for owner, name in (
             (sys.modules["_thread"], "get_ident"),
             (threading, "get_ident"),

@@ -76,14 +76,14 @@ class Scheduler:
     `world` moves while all wait, `duration_ns` is the simulated time after which the run is over.
     `baton` says what the controller's threads are made of: real threads, unless given.
     `tracer` gives new threads the stack of their creator.
-    `listens` (an attribute, set by the graph) tells whether the controller listens to the world
+    `listens` (an attribute, set by the graph) returns whether the controller listens to the world
     outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
     `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
     times; it should end the process.
     `on_over` (an attribute) is called when the run is over before the controller has ended, and
     when its main program has failed, before its exit calls.
     `process` (an attribute) is the companion whose code runs, None for the controller's;
-    `has_companions` says that there may be any, and `on_process_change` is told of each change.
+    `has_companions` says that there may be any, and `on_process_change` is called at each change.
     """
 
     def __init__(
@@ -250,7 +250,7 @@ class Scheduler:
         on: HoldsLock | ControllerThread | None = None,
         need: Need | None = None,
     ) -> bool:
-        """Wait until `predicate` holds, and tell whether it does; False after `timeout_ns`.
+        """Wait until `predicate` holds, and return whether it does; False after `timeout_ns`.
 
         `predicate` must change nothing and read no clock; it is asked whenever something has
         happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
@@ -609,7 +609,7 @@ class Scheduler:
             pass
         except SystemExit:
             pass
-        except BaseException as error:  # noqa: BLE001 - told as the interpreter tells it
+        except BaseException as error:  # noqa: BLE001 - printed as the interpreter prints it
             self.failed_threads.append((thread.name, error))
             threading.excepthook(
                 threading.ExceptHookArgs((type(error), error, error.__traceback__, None))

@@ -14,7 +14,7 @@ from typing import Any
 from tracerisk.ros.time.scheduler import Scheduler
 
 _NETWORK_NODE = 0x0242AC110002
-"""What `uuid.getnode()` tells: an address that no real card has."""
+"""What `uuid.getnode()` returns: an address that no real card has."""
 
 
 @contextmanager

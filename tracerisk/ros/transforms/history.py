@@ -22,7 +22,7 @@ class Placed:
 class History:
     """What is known of one frame; of a static one, the last pose.
 
-    `tells_span`: a time that is not known is told with how far it is from what is, as in ROS 1.
+    `tells_span`: the error for an unknown time says how far it is from known ones, as in ROS 1.
     """
 
     def __init__(self, cache_ns: int, *, is_static: bool, tells_span: bool = True) -> None:

@@ -34,7 +34,7 @@ class FrameError(Exception):
 class TransformTree:
     """The frames that are known, and where each was.
 
-    `warn` is told of poses that are refused, in tf2's words; `tells_span` is that of `History`.
+    `warn` is called with poses that are refused, in tf2's words; `tells_span` is that of `History`.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class TransformTree:
         """Note where `child` is in `parent`; return whether it was taken.
 
         A leading slash of a name is dropped.
-        A pose is refused, and `warn` told, that has no name, is its own parent, is not a number,
+        A pose is refused, and `warn` called, that has no name, is its own parent, is not a number,
         turns by a quaternion whose length is not 1, or is older than what is kept.
         """
         parent, child = parent.removeprefix("/"), child.removeprefix("/")

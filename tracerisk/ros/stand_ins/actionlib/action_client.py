@@ -162,7 +162,7 @@ class CommStateMachine:
             self.feedback_cb(ClientGoalHandle(self), action_feedback)
 
     def transition_to(self, state: int) -> None:
-        """Go to a state and tell of it."""
+        """Go to a state and call the transition callback."""
         self.state = state
         if self.transition_cb is not None:
             self.transition_cb(ClientGoalHandle(self))
@@ -309,7 +309,7 @@ class ActionClient:
 
     @property
     def told(self) -> str:
-        """The action's name and type, for a person."""
+        """The action's name and type, for messages."""
         return f"{self._name} ({self._end.type_name})"
 
     def is_served(self) -> bool:

@@ -1,4 +1,4 @@
-"""The server that tells of each goal, and leaves what becomes of it to its user."""
+"""The server that passes on each goal, and leaves what becomes of it to its user."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ class ServerGoalHandle:
         return GoalStatus(self.get_goal_id(), goal.state.ros1_status, goal.text)
 
     def set_cancel_requested(self) -> bool:
-        """Note that the goal is to end early; tell whether the server's callback should know."""
+        """Note that the goal is to end early; return whether the server's callback should know."""
         goal = self.status_tracker
         if goal is None or goal.state not in (GoalState.PENDING, GoalState.ACTIVE):
             return False

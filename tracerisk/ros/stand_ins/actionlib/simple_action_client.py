@@ -84,7 +84,7 @@ class SimpleActionClient:
         return self.get_state()
 
     def wait_for_result(self, timeout: Any = _FOR_EVER) -> bool:
-        """Wait until the goal is done, for ever with a zero timeout; tell whether it is.
+        """Wait until the goal is done, for ever with a zero timeout; return whether it is.
 
         `done_cb` has returned by then.
 
@@ -154,8 +154,8 @@ class SimpleActionClient:
         self.gh = None
 
     def _handle_transition(self, gh: ClientGoalHandle) -> None:
-        # A goal that was forgotten tells nothing any more; one just sent has no handle yet only
-        # within `send_goal`, where nothing is told.
+        # A goal that was forgotten reports nothing any more; one just sent has no handle yet only
+        # within `send_goal`, where nothing is reported.
         if gh != self.gh:
             return
         state = gh.comm_state_machine.state

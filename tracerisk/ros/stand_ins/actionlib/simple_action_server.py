@@ -133,7 +133,7 @@ class SimpleActionServer:
         self.action_server.start()
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
-        """Take a goal that came: it is the next one, and the one before it is told."""
+        """Take a goal that came: it is the next one, and the one before it gets notice."""
         if self.next_goal.get_goal() is not None and self.next_goal != self.current_goal:
             # Nobody took it: it gives way before it has begun.
             self.next_goal.set_canceled(None, _SUPERSEDED)

@@ -17,7 +17,7 @@ def wait_for(
     timeout_msg: str = "timeout expired",
     body: Callable[[], Any] | None = None,
 ) -> bool:
-    """Wait until a test holds, looking and calling `body` at a rate; tell whether it does.
+    """Wait until a test holds, looking and calling `body` at a rate; return whether it does.
 
     A timeout below 0 or without end waits for ever.
 

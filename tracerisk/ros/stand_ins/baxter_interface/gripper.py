@@ -22,7 +22,7 @@ _PARAMETERS = {"velocity": 50.0, "moving_force": 40.0, "holding_force": 30.0, "d
 
 
 class Gripper:
-    """Commands a gripper by its side, and tells its state; the twin's are electric."""
+    """Commands a gripper by its side, and reports its state; the twin's are electric."""
 
     def __init__(self, gripper: str, versioned: bool = False) -> None:
         self.name = gripper + "_gripper"
@@ -169,7 +169,7 @@ class Gripper:
         return self._electric(command, block, lambda: not self.calibrated(), timeout)
 
     def calibrate(self, block: bool = True, timeout: float = 5.0) -> Any:
-        """Calibrate, which positions need; tell whether it succeeded."""
+        """Calibrate, which positions need; return whether it succeeded."""
         if self.type() == "electric" and self.calibrated():
             self.clear_calibration()
         command = EndEffectorCommand.CMD_CALIBRATE

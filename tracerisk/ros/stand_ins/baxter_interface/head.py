@@ -14,7 +14,7 @@ __all__ = ["Head"]
 
 
 class Head:
-    """Pans the head and tells where it looks."""
+    """Pans the head and reports where it looks."""
 
     def __init__(self) -> None:
         self._state: dict[str, Any] = {}

@@ -24,7 +24,7 @@ _ADDED = 0.012488
 
 
 class Limb:
-    """Commands the joints of an arm, `left` or `right`, and tells where they are."""
+    """Commands the joints of an arm, `left` or `right`, and reports where they are."""
 
     Point = collections.namedtuple("Point", ["x", "y", "z"])
     Quaternion = collections.namedtuple("Quaternion", ["x", "y", "z", "w"])

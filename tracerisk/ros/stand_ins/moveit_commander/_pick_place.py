@@ -121,7 +121,7 @@ class GroupPickPlace(GroupTargets):
         return code, True
 
     def place(self, object_name: str, location: Any = None, plan_only: bool = False) -> bool:
-        """Place an attached object at the first of the locations that works; tell whether it did.
+        """Place an attached object at the first of the locations that works; return whether it did.
 
         Raises:
             MoveItCommanderException: `location` is of no type that is taken.

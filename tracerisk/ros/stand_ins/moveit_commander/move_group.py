@@ -75,7 +75,7 @@ class MoveGroupCommander(GroupPickPlace):
     # Plan and move
 
     def go(self, joints: Any = None, wait: bool = True) -> bool:
-        """Plan to a target and move there; tell whether it was reached.
+        """Plan to a target and move there; return whether it was reached.
 
         `joints` is a target as set_joint_value_target takes it, a Pose, the name of remembered
         joint values, or None for the target that is set. With `wait=False` the answer is True
@@ -105,7 +105,7 @@ class MoveGroupCommander(GroupPickPlace):
         return PlanResult((plan.code is ErrorCode.SUCCESS, message, 0.0, code))
 
     def execute(self, trajectory: Any, wait: bool = True) -> bool:
-        """Execute a RobotTrajectory or JointTrajectory; tell whether it was carried out."""
+        """Execute a RobotTrajectory or JointTrajectory; return whether it was carried out."""
         if not hasattr(trajectory, "joint_trajectory"):
             trajectory = RobotTrajectory(joint_trajectory=trajectory)
         return self._execute(conversions._twin_trajectory(trajectory), wait)
@@ -210,7 +210,7 @@ class MoveGroupCommander(GroupPickPlace):
     ) -> bool:
         """Attach an object of the planning scene to a link (the end effector); True when asked.
 
-        As with MoveIt the answer does not tell whether there is such an object; where there is
+        As with MoveIt the answer does not say whether there is such an object; where there is
         none, the run has a finding.
         """
         links = self._server.group_links(self._name)

@@ -22,7 +22,7 @@ __all__ = [
 
 
 class _WorkspaceFiles:
-    """The packages of the run's workspace; what is left out is a finding, told once."""
+    """The packages of the run's workspace; what is left out is a finding, reported once."""
 
     def folder(self, package: str) -> Path | None:
         packages = current().packages

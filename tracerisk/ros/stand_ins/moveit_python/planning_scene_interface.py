@@ -270,7 +270,7 @@ class PlanningSceneInterface:
         return [each.object.id for each in self._scene().robot_state.attached_collision_objects]
 
     def waitForSync(self, max_time: float = 2.0) -> None:
-        """Wait until the scene is as it was told: the twin's is as soon as a service answers."""
+        """Wait until the scene is as it was set: the twin's is as soon as a service answers."""
         rospy.sleep(0.1)
 
     def setColor(self, name: str, r: float, g: float, b: float, a: float = 0.9) -> None:

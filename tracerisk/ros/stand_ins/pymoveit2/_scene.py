@@ -224,7 +224,7 @@ class Scene:
         self._objects.publish(message)
 
     def update_planning_scene(self) -> bool:
-        """Ask for the planning scene; tell whether it came."""
+        """Ask for the planning scene; return whether it came."""
         if not self._is_ready(self._get_planning_scene_service):
             return False
         future = self._get_planning_scene_service.call_async(GetPlanningScene.Request())

@@ -326,7 +326,7 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         self._send(self._execute_trajectory_action_client, goal)
 
     def wait_until_executed(self) -> bool:
-        """Wait for the end of a motion, and tell whether it succeeded."""
+        """Wait for the end of a motion, and return whether it succeeded."""
         if not self._is_requested and not self._is_executing:
             self._warn("Cannot wait until motion is executed (no motion is in progress).")
             return False

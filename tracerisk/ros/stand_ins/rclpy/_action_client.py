@@ -175,7 +175,7 @@ class ActionClient(Entity):
         return self._end.is_served()
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        """Wait until somebody serves the action, and tell whether somebody does."""
+        """Wait until somebody serves the action, and return whether somebody does."""
         timeout_ns = None if timeout_sec is None else max(0, round(timeout_sec * 1e9))
         context = self._node.context
         return self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)

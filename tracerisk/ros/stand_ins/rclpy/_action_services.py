@@ -21,7 +21,7 @@ from ._node_entities import OF_ACTION
 
 _SECOND = 1_000_000_000
 _KEPT_NS = 10 * _SECOND
-"""How long a goal that is over is still told of [ns]: the default of servers."""
+"""How long a goal that is over is still reported [ns]: the default of servers."""
 _CANCELING = (GoalState.PREEMPTING, GoalState.PREEMPTED, GoalState.RECALLING, GoalState.RECALLED)
 _NO_ID = bytes(16)
 
@@ -178,7 +178,7 @@ class ActionServices:
             )
 
     def told(self, goal: ActionGoal, what: str, message: Any) -> None:
-        """Publish what a server has told of a goal."""
+        """Publish what a server has reported of a goal."""
         action, number = goal.client.name, _number(goal)
         self._goals_of(action)[number] = goal
         asked = self._asked.get(action, {})
@@ -201,7 +201,7 @@ class ActionServices:
                 )
 
     def _goals_of(self, action: str) -> dict[bytes, ActionGoal]:
-        """Return the goals that are told of; those that have been over for long are forgotten."""
+        """Return the goals that are reported; those that have been over for long are forgotten."""
         goals = self._goals.setdefault(action, {})
         for number in [each for each in goals if each in self._over_ns]:
             if self._scheduler.now_ns - self._over_ns[number] >= _KEPT_NS:
@@ -210,7 +210,7 @@ class ActionServices:
 
 
 class _Both:
-    """Tells the services of an action, after whoever was told before."""
+    """Notifies the services of an action, after whoever was notified before."""
 
     def __init__(self, services: ActionServices, other: Any) -> None:
         self._services = services

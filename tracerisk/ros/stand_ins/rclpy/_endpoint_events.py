@@ -26,7 +26,7 @@ _MATCHES = (
 
 
 class EndpointEvents:
-    """Tells the handlers of one endpoint what happens to it; `node` runs their callbacks."""
+    """Notifies the handlers of one endpoint of what happens to it; `node` runs their callbacks."""
 
     def __init__(self, node: Any, handlers: list[EventHandler]) -> None:
         self._node = node

@@ -68,7 +68,7 @@ class RcutilsLogger:
         return LoggingSeverity(severity) >= self.get_effective_level()
 
     def log(self, message: Any, severity: Any, name: str | None = None, **kwargs: Any) -> bool:
-        """Log a line, and tell whether it was.
+        """Log a line, and return whether it was.
 
         `once`, `skip_first` and `throttle_duration_sec` [s] count for the place in the source.
 

@@ -73,7 +73,7 @@ class NodeGraph(NodeNames):
         return [(node.get_name(), node.get_namespace(), "/") for node in run().nodes]
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        """Wait `timeout` seconds until a node is there, and tell whether it is."""
+        """Wait `timeout` seconds until a node is there, and return whether it is."""
         name = "/" + fully_qualified_node_name.removeprefix("/")
         return run().scheduler.wait_until(
             lambda: name in self.get_fully_qualified_node_names(),

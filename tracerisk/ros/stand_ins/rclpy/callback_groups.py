@@ -25,7 +25,7 @@ class CallbackGroup:
         raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Note that the entity's callback begins, and tell whether it may."""
+        """Note that the entity's callback begins, and return whether it may."""
         raise NotImplementedError
 
     def ending_execution(self, entity: Any) -> None:

@@ -135,7 +135,7 @@ class Client(Entity):
         return is_ready
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Wait until somebody serves, and tell whether somebody does."""
+        """Wait until somebody serves, and return whether somebody does."""
         run().scheduler.wait_until(
             lambda: self._server() is not None or not self.context.is_valid,
             timeout_ns=None if timeout_sec is None else max(0, round(timeout_sec * 1e9)),

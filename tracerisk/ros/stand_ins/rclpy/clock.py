@@ -1,4 +1,4 @@
-"""Clocks, all of which tell the simulated time."""
+"""Clocks, all of which return the simulated time."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ class Clock:
 
     @property
     def _told_ns(self) -> int:
-        """What the clock tells [ns]; asking for it moves nothing."""
+        """What the clock shows [ns]; asking for it moves nothing."""
         start_ns = MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
         return start_ns + run().scheduler.now_ns
 
@@ -197,7 +197,7 @@ class Clock:
         )
 
     def _is_interrupted(self) -> Callable[[], bool]:
-        """Return what tells whether a sleep that begins now is over before its time."""
+        """Return a test of whether a sleep that begins now is over before its time."""
         return lambda: False
 
 
@@ -220,11 +220,11 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Whether the clock tells what it is set to; a `TimeSource` sets it to `/clock`."""
+        """Whether the clock shows what it is set to; a `TimeSource` sets it to `/clock`."""
         return self._is_set
 
     def set_ros_time_override(self, time: Time) -> None:
-        """Set the clock; it tells that while ROS time is active.
+        """Set the clock; it shows that while ROS time is active.
 
         Raises:
             TypeError: it is no Time.

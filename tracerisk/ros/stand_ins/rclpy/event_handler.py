@@ -117,7 +117,7 @@ class EventHandler(Waitable):
         return NumberOfEntities(num_events=1)
 
     def _note(self, info: Any) -> None:
-        """Take what has happened; the callback is given the last of what it was not told yet."""
+        """Take what has happened; the callback is given the last of what it did not get yet."""
         self._info = info
 
     def _is_ready(self) -> bool:

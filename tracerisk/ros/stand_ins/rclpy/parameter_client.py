@@ -64,7 +64,7 @@ class AsyncParameterClient:
         return all(client.service_is_ready() for client in self._clients)
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
-        """Wait until all services are served, for ever without a timeout [s]; tell if they are."""
+        """Wait until all services are served, without a timeout [s] for ever; return whether so."""
         if timeout_sec is None:
             return all(client.wait_for_service() for client in self._clients)
         scheduler = run().scheduler

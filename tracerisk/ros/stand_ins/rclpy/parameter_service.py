@@ -23,7 +23,7 @@ TOPIC_SEPARATOR_STRING = "/"
 class ParameterService:
     """Serves the parameters of a node under the node's name.
 
-    Of several parameters of which one is not declared, none is told, as rcl does.
+    Of several parameters of which one is not declared, none is reported, as in rcl.
     """
 
     def __init__(self, node: Any) -> None:

@@ -24,7 +24,7 @@ class InvalidQosOverridesError(Exception):
 class QoSOverridingOptions:
     """Which policies parameters may change; `callback` judges the profile that comes of it.
 
-    `entity_id` tells endpoints of one topic apart.
+    `entity_id` distinguishes endpoints of one topic.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class QoSOverridingOptions:
 
     @property
     def entity_id(self) -> str | None:
-        """What tells the endpoint from others of the topic."""
+        """What distinguishes the endpoint from others of the topic."""
         return self._entity_id
 
     @classmethod

@@ -88,7 +88,7 @@ class Subscription(Entity):
                 ) from None
             self._callback_type = self.CallbackType.WithMessageInfo
         except ValueError:
-            # A function of C tells no signature; it takes the message.
+            # A function of C has no signature to read; it takes the message.
             return
 
     @property

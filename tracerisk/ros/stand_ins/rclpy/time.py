@@ -48,7 +48,7 @@ class Time:
 
     @property
     def clock_type(self) -> ClockType:
-        """The kind of clock that tells this time."""
+        """The kind of clock that gave this time."""
         return self._clock_type
 
     def seconds_nanoseconds(self) -> tuple[int, int]:

@@ -23,7 +23,7 @@ USE_SIM_TIME_NAME = "use_sim_time"
 class TimeSource:
     """Sets the clocks that are attached to what `/clock` says, while `use_sim_time` is set.
 
-    A node's own clock is attached to none: it tells the simulated time in any case, also between
+    A node's own clock is attached to none: it shows the simulated time in any case, also between
     two messages of `/clock`.
     """
 

@@ -175,7 +175,7 @@ def _info_parameters(callback: Any) -> list[str]:
     try:
         parameters = inspect.signature(callback).parameters.values()
     except (TypeError, ValueError):
-        # A function of C tells no signature.
+        # A function of C has no signature to read.
         return []
     return [each.name for each in parameters if each.annotation in (TimerInfo, "TimerInfo")][:1]
 

@@ -62,7 +62,7 @@ class NodeState:
         kind: Any = "blocked",
         need: Need | None = None,
     ) -> bool:
-        """Wait until `predicate` holds or the node shuts down; tell whether it holds."""
+        """Wait until `predicate` holds or the node shuts down; return whether it holds."""
         self.scheduler.wait_until(
             lambda: self.is_shutdown or predicate(),
             timeout_ns=timeout_ns,

@@ -78,7 +78,7 @@ def _check_class(data_class: Any) -> None:
 
 
 class SubscribeListener:
-    """Told when subscribers connect to a publisher and leave it."""
+    """Called when subscribers connect to a publisher and leave it."""
 
     def peer_subscribe(
         self,
@@ -364,5 +364,5 @@ class _SubscriberImpl:
 
 
 def _name_of(callback: Callable[..., object]) -> str:
-    # The representation of a function tells its address, which no two runs share.
+    # The representation of a function shows its address, which no two runs share.
     return str(getattr(callback, "__qualname__", type(callback).__name__))

@@ -45,7 +45,7 @@ class BufferCore:
         self._tree = TransformTree(cache_ns, warn=_warn, tells_span=not is_ros2(TransformStamped))
 
     def set_transform(self, transform: Any, authority: str) -> None:
-        """Note a TransformStamped; one that makes no sense is told on the console and dropped."""
+        """Note a TransformStamped; one that makes no sense is reported and dropped."""
         self._set(transform, authority, static=False)
 
     def set_transform_static(self, transform: Any, authority: str) -> None:
@@ -197,7 +197,7 @@ class BufferCore:
                 runtime.scheduler.miss(need)
 
     def _read(self, target: str, source: str, time_ns: int) -> None:
-        """Note that the way between two frames that was told comes from the joints on it."""
+        """Note that the transform between two frames comes from the joints between them."""
         runtime = current()
         if runtime.twin is not None:
             way = self._tree.way(target, source, time_ns)

@@ -2,7 +2,7 @@
 
 
 class TransformException(Exception):
-    """A transform cannot be told."""
+    """A transform is not available."""
 
 
 class ConnectivityException(TransformException):

@@ -41,7 +41,7 @@ class _Ros1Client:
             rospy.logwarn("Argument check_frequency is deprecated and should not be used.")
 
     def wait_for_server(self, timeout: Any = None) -> bool:
-        """Wait until the server is there, and tell whether it is; without a timeout for ever."""
+        """Wait until the server is there, and return whether it is; without a timeout for ever."""
         return bool(self.client.wait_for_server(zero_duration() if timeout is None else timeout))
 
     def _fill_times(self, goal: Any, source: Any, target: Any, timeout: Any) -> None:
@@ -80,7 +80,7 @@ class _Ros2Client:
         )
 
     def wait_for_server(self, timeout: Any = None) -> bool:
-        """Wait until the server is there, and tell whether it is; without a timeout for ever."""
+        """Wait until the server is there, and return whether it is; without a timeout for ever."""
         length_ns = timeout_ns(timeout)
         return bool(self.action_client.wait_for_server(length_ns / 1e9 if length_ns else None))
 

@@ -72,7 +72,7 @@ class InterbotixArmXSInterface(ArmInterface):
     ) -> None:
         self.core = core
         self.robot_model = robot_model
-        # As the library: times given here are those of the driver, which is not told of them.
+        # As in the library: times given here count as the driver's, which does not get them.
         self.moving_time, self.accel_time = moving_time, accel_time
         self.group_name = group_name
         self.iterative_update_fk = iterative_update_fk

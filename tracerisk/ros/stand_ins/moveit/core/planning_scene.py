@@ -202,7 +202,7 @@ class PlanningScene(SceneChecks):
         self._objects.colors[object_id] = color_msg
 
     def save_geometry_to_file(self, file_path_and_name: str) -> bool:
-        """Write the objects of the world as a .scene file; tell whether it could be written."""
+        """Write the objects of the world as a .scene file; return whether it could be written."""
         return write_geometry(file_path_and_name, self.name, self._objects)
 
     def load_geometry_from_file(self, file_path_and_name: str) -> bool:

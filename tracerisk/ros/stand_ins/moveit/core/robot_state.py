@@ -94,7 +94,7 @@ class RobotState(JointValues):
         *,
         joint_model_group_name: str | None = None,
     ) -> bool | None:
-        """Set all joints to zero, or those of a group to a named state; tell whether it is known.
+        """Set all joints to zero, or those of a group to a named state; return whether it is known.
 
         A joint that cannot be at zero is set to the middle of its limits.
         """
@@ -135,7 +135,7 @@ class RobotState(JointValues):
         tip_name: str,
         timeout: float = 0.0,
     ) -> bool:
-        """Set the group's joints so that a link comes to a Pose; tell whether it can.
+        """Set the group's joints so that a link comes to a Pose; return whether it can.
 
         The pose is in the model's frame; collisions do not count. Where there is no solution
         nothing changes, and the run has a finding.

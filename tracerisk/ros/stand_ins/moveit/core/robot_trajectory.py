@@ -111,7 +111,7 @@ class RobotTrajectory:
         resample_dt: float = 0.1,
         min_angle_change: float = 0.001,
     ) -> bool:
-        """Time the path anew for fractions of the rated speeds; tell whether it could be done.
+        """Time the path anew for fractions of the rated speeds; return whether it could be done.
 
         `path_tolerance` is how far a blend may leave a waypoint [rad or m], `resample_dt` the
         longest time between two waypoints of the result [s]; a waypoint of which no joint is

@@ -117,7 +117,7 @@ class PlanningSceneMonitor:
         return True
 
     def wait_for_current_robot_state(self, t: Any = None, wait_time: float = 1.0) -> bool:
-        """Wait until the robot's state is of a time, at most `wait_time` [s]; tell whether it is.
+        """Wait until the robot's state is of a time, at most `wait_time` [s]; return whether it is.
 
         Without a time, of the present.
         """

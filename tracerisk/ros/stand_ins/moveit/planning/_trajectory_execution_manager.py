@@ -86,7 +86,7 @@ class TrajectoryExecutionManager:
     # Push and execute
 
     def push(self, trajectory: Any, controller: str = "", controllers: Sequence[str] = ()) -> bool:
-        """Add a RobotTrajectory or JointTrajectory message for execution; tell whether it is one.
+        """Add a RobotTrajectory or JointTrajectory message for execution; return whether it is one.
 
         A controller, or a list of them, may be named; the twin's driver serves any name.
         """

@@ -68,7 +68,7 @@ class LifecycleNodeMixin(ManagedEntity):
             )
         if not isinstance(enable_communication_interface, bool):
             raise TypeError("enable_communication_interface must be a bool")
-        # A list: the order in which entities are told must be the same in every run.
+        # A list: the order in which entities are notified must be the same in every run.
         self._managed_entities: list[ManagedEntity] = []
         self._state_machine = StateMachine()
         self._transition_events: Any = None
