@@ -4,7 +4,7 @@ The cells are a seeded sample of those that a campaign tries. As branches they a
 campaign runs them, which ends a run once its fate is decided; from the beginning each is run on
 threads to its end. Compared is whether the mission failed. Processor time counts that of all
 processes, the making of the traces and the judgement included; for branches also that of the run
-which they leave. The run without a failure, made once in each process, is told apart.
+which they leave. The run without a failure, made once in each process, is printed apart.
 
     python benchmarks/branches.py [CONTROLLER] [--cells N] [--of N] [--seed N]
 """

@@ -156,7 +156,7 @@ def _words(error: BaseException) -> str:
 
 
 def difference(row: Row) -> float | None:
-    """Return the relative difference of a row from the suite; `None` where it cannot be told."""
+    """Return the relative difference of a row from the suite; `None` where it is unknown."""
     try:
         found, expected = float(row.found), float(row.published)
     except ValueError:

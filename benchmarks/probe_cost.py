@@ -1,7 +1,7 @@
 """What the probe costs: a traced call, a command, and a command's way to the file.
 
 Usage: python benchmarks/probe_cost.py
-Times are CPU seconds of the thread that calls; the writing thread's are told beside them.
+Times are CPU seconds of the thread that calls; the writing thread's are printed beside them.
 """
 
 from __future__ import annotations

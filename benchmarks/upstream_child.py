@@ -143,7 +143,7 @@ def launch_tests(job: dict[str, Any]) -> None:
 
 
 def options(job: dict[str, Any]) -> list[str]:
-    """Return what pytest is told: nothing of what the checkout or this project settles."""
+    """Return the options of pytest: nothing of what the checkout or this project sets."""
     return [
         *("-q", "--tb=short", "--noconftest", "-c", os.devnull, "--rootdir", job["root"]),
         *("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:randomly"),

@@ -1,4 +1,4 @@
-"""Commands with their stacks, as the libraries' calls are told."""
+"""Commands with their stacks, as the libraries' calls report them."""
 
 from __future__ import annotations
 

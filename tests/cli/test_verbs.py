@@ -320,7 +320,7 @@ def test_doctor_tells_what_a_controller_gets(annotated):
     assert outcome.code == 0, outcome.err
     found = outcome.json["found"]
     assert outcome.json["faults"] == {}
-    assert found["robot"] == "panda (told by the names in the controller's strings)"
+    assert found["robot"] == "panda (inferred from the names in the controller's strings)"
     assert found["physics"].endswith("built and stepped")
     assert found["scene"] == "empty"
 

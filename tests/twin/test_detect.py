@@ -67,7 +67,7 @@ def test_a_name_in_a_hint_decides_between_them(text: str):
     robot = detect_robot(UR_JOINTS, source(text))
     assert robot.name == "ur5e"
     assert robot.chosen_by == (
-        "told by the names in the controller's strings; ur5e is named in its source (pick.py)"
+        "inferred from the names in the controller's strings; ur5e is named in its source (pick.py)"
     )
 
 

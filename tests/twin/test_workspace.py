@@ -421,7 +421,7 @@ def test_a_robot_of_a_file_tells_that_an_srdf_would_name_its_groups():
     assert dict(known.named_state("left_arm", "ready")) == dict(tiny.named_state("limb", "ready"))
     assert told == [
         "planning group 'left_arm' is assumed to be the limb of the tiny robot, for it is not "
-        "known; an SRDF beside its file would tell"
+        "known; an SRDF beside its file would define it"
     ]
 
 

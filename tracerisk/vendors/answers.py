@@ -1,6 +1,6 @@
 """What a described driver answers: positions, poses, states and codes in the fields of messages."""
 
-# ruff: noqa: ARG002 - what a name refers to is told what came of the command
+# ruff: noqa: ARG002 - what a name refers to is called with the command's outcome
 from __future__ import annotations
 
 from collections.abc import Mapping

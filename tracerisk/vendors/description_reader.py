@@ -1,4 +1,4 @@
-"""Read the description of a driver from YAML; each mistake is told with its file and line."""
+"""Read the description of a driver from YAML; each mistake is reported with its file and line."""
 
 from __future__ import annotations
 

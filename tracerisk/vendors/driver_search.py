@@ -36,7 +36,7 @@ def shipped_drivers() -> tuple[Driver, ...]:
 
 
 def read_drivers(files: Iterable[Path], root: Path) -> tuple[Driver, ...]:
-    """Read the descriptions in files, whose names are told from a controller's root.
+    """Read the descriptions in files, whose names are given from a controller's root.
 
     Raises DriverError as `read_driver`.
     """

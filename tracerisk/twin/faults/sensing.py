@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class _Reading:
-    """What a sensor told when its fault began: of a joint, or a wrench."""
+    """What a sensor read when its fault began: of a joint, or a wrench."""
 
     mode: FaultMode
     position: float = 0.0
@@ -66,7 +66,7 @@ class SensorFaults:
     def position(self, true: Array, joints: Sequence[int] | None = None) -> Array:
         """Return the encoder readings of some joints, by their index (of all) [rad or m].
 
-        `true`: (n_joints,), which may be changed. An encoder that tells nothing is read as it
+        `true`: (n_joints,), which may be changed. An encoder that reports nothing is read as it
         was last.
         """
         for row, reading, joint in self._encoders(joints):
@@ -84,7 +84,7 @@ class SensorFaults:
         return true
 
     def effort(self, true: Array) -> Array:
-        """Return what the torque sensors tell, (n_joints,) [N m or N]; 0 of one that is absent."""
+        """Return what the torque sensors read, (n_joints,) [N m or N]; 0 of one that is absent."""
         for name, reading in self._faulty.items():
             sensor = self._sensors[name]
             if sensor.kind == "torque":
@@ -97,7 +97,7 @@ class SensorFaults:
 
     @property
     def absent(self) -> frozenset[str]:
-        """The joints whose encoder tells nothing any more."""
+        """The joints whose encoder reports nothing any more."""
         return frozenset(
             self._sensors[name].part
             for name, reading in self._faulty.items()
@@ -105,7 +105,7 @@ class SensorFaults:
         )
 
     def wrench(self, sensor: str, true: Wrench) -> Wrench | None:
-        """Return what a sensor of forces tells; `None` where it is absent."""
+        """Return what a sensor of forces reads; `None` where it is absent."""
         reading = self._faulty.get(sensor)
         if reading is None or self._sensors[sensor].kind != "wrench":
             return true

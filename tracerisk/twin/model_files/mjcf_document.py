@@ -52,7 +52,7 @@ _NAMES = frozenset(
 class MjcfDocument:
     """An MJCF text that stands for itself.
 
-    `locations` tell for each line of the text where it came from; `meshes` are the files of the
+    `locations` say for each line of the text where it came from; `meshes` are the files of the
     meshes that are there, by the names they have in the text; `missing` the names of meshes that
     have no file that can be read; `files` all that was read, the model's own file first.
     `felt` are the sites at which a sensor measures a force or a torque.
@@ -241,7 +241,7 @@ def _walked(element: XmlElement) -> Iterator[XmlElement]:
 
 
 def _beside(shown: str, path: Path, main: Path) -> str:
-    """Return how an included file is told: as the main file is, from the same folder."""
+    """Return how messages name an included file: as the main file, from the same folder."""
     try:
         return str(Path(shown).parent / path.relative_to(main.parent))
     except ValueError:

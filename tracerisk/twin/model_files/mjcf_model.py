@@ -24,7 +24,7 @@ Data = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class MjcfModel:
-    """A compiled model: each part as `model_file_child` tells it, in the compiler's order.
+    """A compiled model: each part as `model_file_child` sends it, in the compiler's order.
 
     Lengths in [m], angles in [rad], quaternions as (w, x, y, z); bodies and joints are meant by
     their index, body 0 is the world.

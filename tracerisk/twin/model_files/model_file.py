@@ -53,7 +53,7 @@ def read_model_file(
     shown = str(path) if shown is None else shown
     text = read_model_text(path, shown)
     read: tuple[Path, ...] = ()
-    # Told before xacro, which reads without bounds, is asked.
+    # Reported before xacro, which reads without bounds, is asked.
     root = read_xml(text, shown)
     _check_root(root)
     if path.name.endswith(".xacro") or b"<xacro:" in text or b"xmlns:xacro" in text:

@@ -51,7 +51,7 @@ def connect(
     """Return a free path from `start` to `goal` within limits, None where none was found.
 
     start, goal, lower, upper: (n_joints,) [rad or m]; start and goal are free.
-    `excess` tells by how much a position breaks a rule, each part with its sign: (n_parts,).
+    `excess` returns by how much a position breaks a rule, each part with its sign: (n_parts,).
     The path is dense: its points are near one another, and its corners are rounded where there
     is room. The same arguments give the same path.
     """

@@ -69,7 +69,7 @@ class JointTrajectory:
 
 
 class PlanningError(TraceRiskError, RuntimeError):
-    """No motion was found; told to the controller as MoveIt would, it does not end the run."""
+    """No motion was found; the controller gets it as from MoveIt, and the run goes on."""
 
     def __init__(self, failure: PlanningFailure, message: str) -> None:
         super().__init__(message)

@@ -35,7 +35,7 @@ FRESH_STEPS = 10  # from a change of the number of contacts on each step is look
 Points = tuple[int, NDArray[np.int32], NDArray[np.int32], Array]
 """The contacts of a step: its number, their geoms, where in the forces each begins, the forces."""
 Touched = Callable[[int, LoggedBody, LoggedBody], None]
-"""Told the step in which two bodies touch, and the two."""
+"""Called with the step in which two bodies touch, and the two."""
 
 
 def points(step: int, data: Any) -> Points:

@@ -1,6 +1,6 @@
 """Classify contacts of a run as expected or not; assign contacts and payload to visits.
 
-What is expected, and why, is told in docs/theory.md#contacts.
+What is expected, and why, is in docs/theory.md#contacts.
 """
 
 from __future__ import annotations
@@ -234,7 +234,7 @@ class _Judge:
     def _is_grasp(self, link: str, body: str, steps: Steps) -> bool:
         """Return whether a link touches what its gripper grasps, or closes on by command.
 
-        Bodies are told by their names: one that is attached was another body before.
+        Bodies are identified by their names: one that is attached was another body before.
         """
         for gripper, (fingers, hand) in self._hands.items():
             if link not in hand:

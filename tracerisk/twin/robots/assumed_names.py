@@ -19,7 +19,7 @@ _SHARE = 0.12  # of its range, how far an assumed state is from rest at most
 
 
 def with_assumed_names(robot: Robot, tell: Callable[[str], None]) -> Robot:
-    """Return a robot that assumes the groups and states asked of it, and tells each one once.
+    """Return a robot that assumes the groups and states asked of it, and reports each one once.
 
     A robot that does not assume names is returned as it is.
     """
@@ -32,7 +32,7 @@ def with_assumed_names(robot: Robot, tell: Callable[[str], None]) -> Robot:
 def _remedy(robot: Robot) -> str:
     if robot.name == NAME:
         return "name the robot with --robot"
-    return "an SRDF beside its file would tell"
+    return "an SRDF beside its file would define it"
 
 
 class _AssumedGroups(Mapping[str, Group]):

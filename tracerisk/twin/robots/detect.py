@@ -137,7 +137,7 @@ def _of_certain(
     fits: Mapping[str, _Fit],
     hints: Iterable[Hint],
 ) -> Robot:
-    told = "told by the names in the controller's strings"
+    told = "inferred from the names in the controller's strings"
     if len(names) == 1:
         return _chosen(names[0], told)
     own = [name for name in names if fits[name].is_named]

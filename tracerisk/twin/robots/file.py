@@ -1,4 +1,4 @@
-"""Write a robot as JSON and read it back: what the process of a run is told to simulate."""
+"""Write a robot as JSON and read it back: what the process of a run is to simulate."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The generic arm: for a controller whose robot nobody knows.
 
 It has the joints that the controller names, else six. Planning groups, named states and tool
-frames that the controller asks for are assumed, and each assumption is told.
+frames that the controller asks for are assumed, and each assumption is reported.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The names in the shipped robots, told at once: the files are not parsed as YAML, only scanned.
+"""The names in the shipped robots, found at once: the files are not parsed as YAML, only scanned.
 
 That is quick because our own files are written in one way, which a test holds them to. Whatever
 more is asked of a robot is read by `load_robot`.

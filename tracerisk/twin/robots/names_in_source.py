@@ -39,7 +39,7 @@ package that it names, or another one of the workspace."""
 
 @dataclass(frozen=True, slots=True)
 class LaunchedDescription:
-    """The file of a robot that a launch file names, as far as it can be told.
+    """The file of a robot that a launch file names, as far as it can be known.
 
     `arguments` are those that it gives xacro. `problem` says why there is no `path`. `file` is
     the launch file, for messages; `by` says what it is to the controller.

@@ -248,7 +248,7 @@ def _gripper(
     names = _known_all(entry, "joints", joints)
     signs = entry.numbers("signs", length=len(names)) if "signs" in entry else [1.0] * len(names)
     if signs[0] != 1.0 or any(sign not in (1.0, -1.0) for sign in signs):
-        entry.fail("signs", "each is 1 or -1, the first 1: the joint whose position is told")
+        entry.fail("signs", "each is 1 or -1, the first 1: the joint whose position is reported")
     return Gripper(
         name=entry.string("name"),
         group=_known(entry, "group", groups),

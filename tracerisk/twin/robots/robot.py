@@ -168,7 +168,7 @@ class Robot:
     `named_states` maps group, then state, then joint to a position.
     `initial_state` gives the position of every joint when the run begins.
     `approximate` says that figures are assumed; `assumes_names` that groups and states which the
-    controller asks for are assumed as well. `chosen_by` tells why it is this robot, `doubt` why
+    controller asks for are assumed as well. `chosen_by` says why it is this robot, `doubt` why
     another one may be meant; it is empty where none may.
     `disabled_collisions` are pairs of links that may touch, each pair in order.
     `payload` is rated, in [kg], `None` where it is not known.

@@ -17,9 +17,9 @@ IN_JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")
 class Sensor:
     """A sensor, in the joint or link `part`.
 
-    `topics` are the names under which drivers tell of it: a topic is one of them, or stands below
+    `topics` are the names under which drivers publish it: a topic is one of them, or stands below
     one, whatever stands before. `link` is that in whose axes a torque sensor's estimate of a
-    wrench is told there.
+    wrench is given there.
     """
 
     kind: SensorKind
@@ -66,7 +66,7 @@ def read_sensors(
             entry.forbid_unknown({"kind", "joints", "source"})
             with_encoder = _joints(entry, arm_joints)
             continue
-        entry.string("source")  # what a robot is said to have, somebody must have told
+        entry.string("source")  # what a robot is said to have needs a source
         if kind == "torque":
             found += _torque(entry, arm_joints, links)
         else:

@@ -88,7 +88,7 @@ class Simulation:
         self._n_pose = int(model.nq)
         self._steps = 0
         self._samples = samples
-        # The last sensor tells when to look at contacts, and is not sampled.
+        # The last sensor shows when to look at contacts, and is not sampled.
         self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata - 1))
         self._declared = Declared()
         self._wanted: tuple[SceneBody, ...] = ()
@@ -206,7 +206,7 @@ class Simulation:
     def position(self, joints: Sequence[int] | None = None) -> Array:
         """Return the positions that are measured of some joints, by their index (of all) [rad, m].
 
-        Those of the recording are the true ones, whatever the sensors tell.
+        Those of the recording are the true ones, whatever the sensors read.
         """
         true = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
         return self._sensors.position(true, joints)
@@ -238,9 +238,9 @@ class Simulation:
         )
 
     def wrench(self, sensor: Sensor) -> Wrench | None:
-        """Return what a sensor of forces tells, or what is estimated of the joints' torques.
+        """Return what a sensor of forces reads, or what is estimated of the joints' torques.
 
-        `None` of one that tells nothing any more.
+        `None` of one that reports nothing any more.
         """
         link = sensor.link or sensor.part
         if sensor.kind != "wrench":

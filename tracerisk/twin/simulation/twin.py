@@ -39,7 +39,7 @@ class Twin:
     """A robot in its scene, simulated; use `build`.
 
     `time_ns` is the simulated time, a whole number of steps; `step_ns` the physics step.
-    `on_unknown_joints` is told the joints of a motion some of which the robot has not,
+    `on_unknown_joints` is called with the joints of a motion some of which the robot has not,
     `before_chunk` the time [ns] before each chunk of steps is simulated. It does not move beyond
     `ends_ns` [ns].
     """
@@ -135,7 +135,7 @@ class Twin:
     # What is measured
 
     def joint_state(self) -> JointState:
-        """Return positions, velocities and motor torques of all joints, as the sensors tell."""
+        """Return positions, velocities and motor torques of all joints, as the sensors read."""
         return self._simulation.joint_state()
 
     def link_pose(self, link: str) -> Pose:
@@ -147,10 +147,11 @@ class Twin:
         return self._kinematics.forward_all(self._positions())
 
     def wrench(self, sensor: Sensor) -> Wrench | None:
-        """Return what a sensor of forces tells, in the axes of its link, about its origin.
+        """Return what a sensor of forces reads, in the axes of its link, about its origin.
 
-        A wrist's sensor tells weight, inertia and contacts of all that hangs on it; an estimate of
-        the torques of joints tells contacts alone. `None` of a sensor that tells nothing any more.
+        A wrist's sensor measures weight, inertia and contacts of all that hangs on it; an estimate
+        from the torques of joints gives contacts alone. `None` of a sensor that reports nothing any
+        more.
         """
         return self._simulation.wrench(sensor)
 
@@ -341,7 +342,7 @@ class Twin:
     # Motion
 
     def begin_at(self, positions: Mapping[str, float]) -> bool:
-        """Put joints of the arm where they begin [rad or m], and tell whether that was done.
+        """Put joints of the arm where they begin [rad or m], and return whether that was done.
 
         Only before the first motion, within the joints' limits, and where nothing collides.
         """

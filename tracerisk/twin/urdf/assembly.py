@@ -239,5 +239,5 @@ def _initial(
     return initial
 
 
-# Names under which a file tells where the arm rests.
+# Names under which a file says where the arm rests.
 _RESTS = ("home", "Home", "rest", "ready", "resting", "sleep", "stow", "tuck", "up")

@@ -3,8 +3,8 @@
 On standard input comes JSON: `path`, `packages` (names and folders), `arguments`, and `within`,
 the folders whose files may be read (`null`: any). JSON goes to standard output: the expanded
 `text` and the `files` that were read; or, with the exit code REFUSED, which file was `asked` for
-outside the folders, and `by` which file. A macro may not end, may print, and may read what it is
-told to: so the process has limits.
+outside the folders, and `by` which file. A macro may never end, may print, and may read
+what it names: so the process has limits.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
 
 DISABLED, IDLE, RUNNING, ERROR, COLLISION = 4, 5, 7, 9, 11
-"""What RobotMode tells."""
+"""What RobotMode returns."""
 OK, NOT_EXECUTED, IN_ERROR, STOPPED, POWERED_OFF = 0, -1, -2, -3, -4
 """What a command returns."""
 WRONG_TYPE, OUT_OF_RANGE = -30001, -40001
@@ -51,7 +51,7 @@ class DobotQueue:
 
     @property
     def mode(self) -> int:
-        """The state, as RobotMode tells it."""
+        """The state, as RobotMode returns it."""
         if self.error:
             return self.error
         if not self.is_enabled:

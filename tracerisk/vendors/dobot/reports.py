@@ -1,4 +1,4 @@
-"""What the driver of a Dobot arm tells and keeps: states, poses, kinematics, pins."""
+"""What the driver of a Dobot arm reports and keeps: states, poses, kinematics, pins."""
 
 # ruff: noqa: ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the controller of a Doosan arm tells and keeps: states, frames, tools, pins."""
+"""What the controller of a Doosan arm reports and keeps: states, frames, tools, pins."""
 
 # ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations

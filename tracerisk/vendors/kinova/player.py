@@ -1,4 +1,4 @@
-"""The actions of a Kinova arm: one at a time, told when they begin and how they end.
+"""The actions of a Kinova arm: one at a time, reported when they begin and as they end.
 
 Source: Kinovarobotics/ros_kortex, kortex_driver (msg/generated/base, kortex_arm_simulation.cpp).
 """
@@ -48,7 +48,7 @@ _End = Callable[[int, int], None]
 
 
 class KortexPlayer:
-    """Plays actions; `notify` is told the event, the type, the identifier and the sub-error.
+    """Plays actions; `notify` is called with the event, the type, the identifier and the sub-error.
 
     A new action ends the one before, which is reported as aborted.
     """
@@ -140,7 +140,7 @@ class KortexPlayer:
             self.play(lambda: make(asked), number, identifier)
 
     def _begin(self, kind: int, identifier: int) -> _End:
-        """Begin an action, which ends the one before, and return what tells its end."""
+        """Begin an action, which ends the one before, and return what reports its end."""
         self.interrupt()
         token = object()
 

@@ -1,4 +1,4 @@
-"""What the driver of a Kinova arm tells of it: angles, poses, the gripper, and cyclic feedback."""
+"""What the driver of a Kinova arm reports: angles, poses, the gripper, and cyclic feedback."""
 
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations

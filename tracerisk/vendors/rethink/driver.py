@@ -4,7 +4,7 @@ Source: RethinkRobotics/baxter_common (baxter_core_msgs), baxter_interface (limb
 and the SDK's wiki, "Arm Control Modes".
 """
 
-# ruff: noqa: ARG002 - what tells a state is told its topic
+# ruff: noqa: ARG002 - what reports a state is called with its topic
 from __future__ import annotations
 
 import json
@@ -46,7 +46,7 @@ _OF_JOINTS = ("sensor_msgs/JointState", f"{_CORE}/EndpointState", f"{_CORE}/Head
 
 
 class BaxterDriver:
-    """Takes a Baxter's commands and tells its state; the robot is enabled when the run begins."""
+    """Takes a Baxter's commands and reports its state; the robot is enabled when the run begins."""
 
     def __init__(
         self,
