@@ -291,6 +291,8 @@ def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
     monkeypatch.setattr(rounds, "trace_attempts", interrupted)
     found = rounds.draft_scenario(controller, Settings(), None, hardware_of=pipeline.load_hardware)
     assert found.cut == "the search was interrupted"
+    # No run with it has ended, and how another ended says nothing of it.
+    assert found.trace is None
     assert [draft.key for draft in found.given][:1] == ["~angle"]
     assert "~angle: 0.1  # assumed" in found.text
 

@@ -83,7 +83,9 @@ def run(options: argparse.Namespace) -> int:
     _print_draft(options, output, draft, asked)
     if draft.error is not None:
         raise draft.error
-    if code and draft.trace is not None:
+    if draft.trace is None:
+        note("No run with it has come to its end; a longer --search-limit may let one do so.")
+    elif code:
         note("With it the run still shows no risk:", quiet=options.quiet)
         if not draft.trace.is_usable:
             return print_failure(draft.trace)

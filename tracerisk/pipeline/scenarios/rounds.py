@@ -144,7 +144,7 @@ class Rounds:
         self.is_cut_short = True
         if not self.best.is_traced:
             # What was found for the last run, though nobody knows yet how that ends.
-            self.best = replace(self.best, entries=self._running)
+            self.best = Attempt(self._running)
 
     def go_on(self, attempt: Attempt) -> None:
         """Run again after a first run, until nothing is lacking, or nothing helps.
