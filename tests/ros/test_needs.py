@@ -11,7 +11,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, NeedLedger
 from tracerisk.ros.drafts.draft import drafts
 from tracerisk.ros.drafts.posture_numbers import numbers_of
-from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.drafts.usable_values import UsableValues, is_on
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.scenario.lines import scenario_lines
@@ -231,6 +231,75 @@ def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_pa
     found = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
     assert [each.value["goal"]["pointing_frame"] for each in found] == ["left", "right"]
     assert len({each.key for each in found}) == 2
+
+
+SWITCHED = """\
+import rospy
+class Node:
+    def __init__(self):
+        rospy.Service("/grip", SetBool, self.on_grip)
+        rospy.Service("/power", SetBool, self.on_power)
+        rospy.Service("/stop", SetBool, self.on_grip)
+        rospy.Subscriber("/suction", Bool, self.on_suction)
+        rospy.Subscriber("/enabled", Bool, self.on_enabled)
+
+    def on_grip(self, request):
+        self.close() if request.data else self.open()
+
+    def on_power(self, request):
+        if request.data: self.start()
+
+    def on_suction(self, message):
+        wanted = message.data
+        if not wanted: self.release()
+        else: self.hold()
+
+    def on_enabled(self, message):
+        self.enabled = message.data
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "expected"),
+    [
+        ("call", "/grip", [True, False]),  # a branch for each
+        ("call", "/power", [True]),
+        ("call", "/stop", [False]),
+        ("topic", "/suction", [True, False]),
+        ("topic", "/enabled", [True]),
+    ],
+)
+def test_a_switch_is_turned_both_ways_where_the_code_has_a_branch_for_each(
+    tmp_path, values, kind, name, expected
+):
+    path = tmp_path / "c.py"
+    path.write_text(SWITCHED)
+    line = next(i for i, text in enumerate(SWITCHED.splitlines(), 1) if f'"{name}"' in text)
+    type_name = "std_srvs/SetBool" if kind == "call" else "std_msgs/Bool"
+    missed = Missed(Need(kind, name, type_name), 0, 0, Location(str(path), line))
+    found = [draft.value for draft in drafts([missed], Interfaces(), values)]
+    if kind == "call":
+        assert [each["request"]["data"] for each in found] == expected
+    else:
+        (entry,) = found
+        sent = entry.get("messages") or [entry["message"]]
+        assert [each["data"] for each in sent] == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("dry_run", False),
+        ("simulate", False),
+        ("use_sim_time", False),
+        ("simple", True),
+        ("latest", True),
+        ("reset_errors", False),
+        ("enable", True),
+    ],
+)
+def test_a_switch_that_stops_or_only_pretends_is_off(name, expected):
+    assert is_on(name) is expected
 
 
 NAMED = """\

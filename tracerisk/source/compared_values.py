@@ -28,8 +28,6 @@ _NAMED = frozenset(
         "Publisher",
         "ServiceProxy",
         "lookup_transform",
-    }
-    | {
         "wait_for_service",
         "wait_for_message",
         "SimpleActionClient",
@@ -55,8 +53,11 @@ class Compared:
 
     def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
         """Return the numbers with which a field is compared."""
-        found = self._of(path)
-        return tuple(each for each in found if isinstance(each, int | float) and each is not True)
+        return tuple(each for each in self._of(path) if _is_number(each))
+
+    def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
+        """Return the truth values for each of which the code has a branch for a field."""
+        return tuple(each for each in self._of(path) if isinstance(each, bool))
 
     def _of(self, path: tuple[str, ...]) -> tuple[Any, ...]:
         if path in self.values:
@@ -122,7 +123,7 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
             for each in ast.walk(tree)
             if isinstance(each, ast.Compare | ast.Match)
             for subject, value in _comparisons(refused.get(id(each), each))
-            if subject is not None and (_same(subject, node) or _dotted(_bare(subject)) in names)
+            if subject is not None and (_bare(subject) is node or _dotted(_bare(subject)) in names)
         ]
         if found:
             return tuple(dict.fromkeys(found))
@@ -335,6 +336,9 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
                 if isinstance(pattern, ast.MatchValue) and isinstance(pattern.value, ast.Constant):
                     yield node.subject, pattern.value.value
         return
+    if isinstance(node, ast.If | ast.IfExp) and node.orelse:
+        yield from ((_asserted(node.test), each) for each in (True, False))
+        return
     if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
         for key in node.value.keys:
             if isinstance(key, ast.Constant):
@@ -422,10 +426,6 @@ def last_name(node: ast.AST) -> str:
     if isinstance(node, ast.Attribute):
         return node.attr
     return node.id if isinstance(node, ast.Name) else ""
-
-
-def _same(subject: ast.expr, call: ast.Call) -> bool:
-    return _bare(subject) is call
 
 
 def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:

@@ -11,7 +11,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.split_answers import numbers_answer
-from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.drafts.usable_values import UsableValues, is_on
 from tracerisk.ros.messages.fields import fields_of, type_of
 from tracerisk.source.compared_values import (
     compared_in_callback,
@@ -55,7 +55,6 @@ _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory
 _JOINTS = re.compile(
     r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
 )
-_NOT_REAL = re.compile(r"sim|dry|debug|fake|mock|test|verbose|(^|_)(e?stop|abort)", re.IGNORECASE)
 _FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
 _NUMBERS: tuple[tuple[str, Any], ...] = (
@@ -134,7 +133,8 @@ def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
     sent = {} if content is None or draft.value is None else draft.value.get(content, {})
     for (name, *deeper), literals in compared_in_callback(place).values.items() if sent else ():
         now = sent.get(name)
-        if deeper or isinstance(now, bool | list | dict) or now is None:
+        # A switch that would stop or only pretend stays off.
+        if deeper or isinstance(now, list | dict) or now is None or now is False:
             continue
         others = [each for each in literals if type(each) is type(now) and each != now]
         for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):
@@ -173,12 +173,16 @@ def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     compared = compared_in_callback(missed.location)
     message = values.fields(made, compared, need.name)
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
-    several = compared.texts(("data",)) if need.type_name == "std_msgs/String" else ()
+    several: tuple[str | bool, ...] = ()
+    if need.type_name == "std_msgs/String":
+        several = ordered_answers(compared.texts(("data",)))
+    elif need.type_name == "std_msgs/Bool" and message["data"]:
+        several = compared.truths(("data",))
     if len(several) > 1:
-        commands = [{"data": each} for each in ordered_answers(several)]
+        commands = [{"data": each} for each in several]
         timing = {"at": 1.0, "rate": 1 / _EACH_S, "count": len(commands)}
         entry = {**entry, "messages": commands, **timing}
-        return need.name, entry, "the texts that the code knows, in turn"
+        return need.name, entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         return (
             need.name,
@@ -311,7 +315,7 @@ def _parameter_value(need: Need, place: Location | None, values: UsableValues) -
             if re.search(pattern, last):
                 return int(number) or 1 if kind in ("int", "integer") else number, "a usual value"
     if kind == "bool":
-        return not _NOT_REAL.search(last), "a value of its type"
+        return is_on(last), "a value of its type"
     plain = {"int": 1, "float": 0.1, "str": last}.get(kind)
     if plain is not None:
         return plain, "as the code uses it"

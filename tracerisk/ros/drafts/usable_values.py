@@ -41,7 +41,8 @@ _POSES = 3  # a pose and the others that may be tried for it
 _UPRIGHT = 0.1  # 1 - cosine between an axis of the tool and straight down
 _HALTON = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 _OFF = re.compile(
-    r"(^|_)(e?stop|halt|abort|cancel|pause|emergency|error|fault|busy|shutdown|quit|exit|disable)",
+    r"(^|_)(e?stop|halt|abort|cancel|pause|emergency|error|fault|busy|shutdown|quit|exit|disable"
+    r"|sim(_|ul|$)|dry|debug|fake|mock|preview|test|verbose|plan_?only)",
     re.IGNORECASE,
 )
 _FRAME = re.compile(r"(^|_)(frame|frame_id|link)$")
@@ -300,9 +301,7 @@ class UsableValues:
         if field.message is not None:
             return self._fields(field.message, compared, name, path, depth + 1)
         if field.base == "bool":
-            return not (
-                _OFF.search(field.name) or (field.name == "data" and _OFF.search(_last(name)))
-            )
+            return is_on(field.name) and (field.name != "data" or is_on(_last(name)))
         if field.base in ("string", "wstring"):
             # The text of a plain message is of what its topic is called.
             called = _last(name) if field.name == "data" and name else field.name
@@ -336,6 +335,11 @@ class UsableValues:
         if field.name in position and not owner.startswith("geometry_msgs/"):
             return position[field.name]
         return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+
+
+def is_on(name: str) -> bool:
+    """Return whether a switch of this name is on where the arm works: not one that stops it."""
+    return not _OFF.search(name)
 
 
 def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
