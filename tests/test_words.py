@@ -75,14 +75,16 @@ def test_the_documentation_has_the_plain_words(words):
     assert not found, "\n".join(found)
 
 
-def test_messages_and_docstrings_have_the_plain_words_and_open_with_what_is_done():
+def test_messages_help_and_docstrings_have_the_plain_words():
     found = []
     for path in SOURCES:
-        text = path.read_text(encoding="utf-8")
-        nodes = list(ast.walk(ast.parse(text)))
-        found += [
-            f"{path.relative_to(ROOT)}:{each}" for each in [*unplain(nodes), *openings(nodes)]
-        ]
+        for line, text in texts(path):
+            plain = " ".join(text.split())
+            found += [
+                f"{path.relative_to(ROOT)}:{line}: '{words}', write '{INSTEAD[words]}'"
+                for words in INSTEAD
+                if words in plain
+            ]
     assert not found, "\n".join(found)
 
 

@@ -118,7 +118,10 @@ def _page(
 
 def _lines(cell: Cell) -> list[str]:
     """Return what became of a failure, a line each."""
+    untold_s = untold_for((cell,))
     told = "the controller was never notified"
+    if untold_s is not None:
+        told = f"the controller was not notified within {untold_s} s"
     if cell.told_after_s is not None:
         by = cell.told_by.replace("_", " ")
         told = f"the controller was notified after {cell.told_after_s:.2f} s, by {by}"

@@ -141,10 +141,8 @@ def _topics_of(state: NodeState) -> list[str]:
     return [
         topic
         for topic in graph.topic_names()
-        if any(
-            each.node == state.name
-            for each in (*graph.publications(topic), *graph.subscriptions(topic))
-        )
+        if any(each.node == state.name for each in graph.publications(topic))
+        or any(each.node == state.name for each in graph.subscriptions(topic))
     ]
 
 
