@@ -1,4 +1,4 @@
-"""Run one file of tests of a ROS 2 library on the stand-ins, in simulated time.
+"""Run one file of tests of a ROS library on the stand-ins, in simulated time.
 
 The process that `upstream_tests.py` starts for a file: it reads what to do as JSON from its
 argument, runs pytest as a controller's main program would run, and writes a line of JSON for each
@@ -9,9 +9,11 @@ for the threads that it leaves cannot be had back; whoever started it goes on be
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import sys
+import traceback
 from collections.abc import Callable
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
@@ -22,8 +24,10 @@ from typing import Any, TextIO
 import pytest
 
 from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.parameter_files import Parameter, into_tree
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
@@ -150,6 +154,52 @@ def options(job: dict[str, Any]) -> list[str]:
     ]
 
 
+def serve_rostest(run_tests: Callable[[], None]) -> None:
+    """Put the modules in place by which programs of ROS 1 run their tests."""
+    rostest: Any = ModuleType("rostest")
+    rosunit: Any = ModuleType("rosunit")
+    rostest.run = rostest.rosrun = rostest.unitrun = rosunit.unitrun = lambda *_, **__: run_tests()
+    rostest.is_publisher = lambda topic, node: node in of_topic(topic, 0)
+    rostest.is_subscriber = lambda topic, node: node in of_topic(topic, 1)
+    sys.modules.update(rostest=rostest, rosunit=rosunit)
+
+
+def of_topic(topic: str, role: int) -> list[str]:
+    """Return the nodes that the master knows as a topic's publishers (0) or subscribers (1)."""
+    masterapi = import_module("rosgraph.masterapi")
+    known = dict(masterapi.Master("/tests").getSystemState()[role])
+    return list(known.get(topic, []))
+
+
+def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], None]) -> None:
+    """Run a program of tests as its launch file starts it; it runs its tests itself, if it can."""
+    ran: list[bool] = []
+
+    def once() -> None:
+        if not ran:
+            ran.append(True)
+            run_tests()
+
+    serve_rostest(once)
+    started = job["started"]
+    if started is not None and started["beside"]:
+        from tracerisk.instrument.recording import Recorder
+        from tracerisk.pipeline.run.companion_run import Companions
+        from tracerisk.pipeline.trace.run_files import Companion
+
+        companions = tuple(Companion.from_json(each) for each in started["beside"])
+        Companions(companions, runtime, Recorder(io.BytesIO(), clock=lambda: 0)).start()
+    sys.argv = list(runtime.argv)
+    text = Path(job["file"]).read_bytes()
+    names = {"__name__": "__main__", "__file__": job["file"]}
+    if b"__main__" in text:
+        try:
+            exec(compile(text, job["file"], "exec"), names)
+        except (Exception, SystemExit):  # noqa: BLE001 - collecting its tests shows what is wrong
+            traceback.print_exc()
+    once()
+
+
 def main() -> None:
     """Do what the argument says."""
     job = json.loads(sys.argv[1])
@@ -157,13 +207,33 @@ def main() -> None:
         launch_tests(job)
         return
     scheduler = Scheduler(StillWorld(), duration_ns=LONGEST_NS)
-    runtime = Runtime(scheduler, Graph(scheduler), argv=("pytest",))
-    interfaces = Interfaces2({name: Path(path) for name, path in job["interfaces"].items()})
+    graph = Graph(scheduler)
+    started = job["started"] or {"arguments": [], "parameters": []}
+    parameters = tuple(Parameter(**each) for each in started["parameters"])
+    into_tree(parameters, graph.parameters)
+    argv = (job["file"] if job["ros"] == 1 else "pytest", *started["arguments"])
+    runtime = Runtime(scheduler, graph, argv=argv, parameters=parameters)
+    folders = {
+        name: Path(path)
+        for name, path in job["interfaces" if job["ros"] == 2 else "interfaces1"].items()
+    }
+    interfaces = Interfaces2(folders) if job["ros"] == 2 else Interfaces(folders)
+
+    def run_tests() -> None:
+        reporter = Reporter(stream, lambda: scheduler.over is not None, job["done"])
+        # A program of ROS 1 runs classes: what is called as a test besides is none.
+        only = ("-o", "python_functions=no_function") if job["ros"] == 1 else ()
+        pytest.main([*options(job), *only, job["file"]], plugins=[reporter])
 
     def tests() -> None:
+        if job["ros"] == 1:
+            sys.path += [each for each in job["paths"] if each not in sys.path]
+            run_program(job, runtime, run_tests)
+            # Its node would live on.
+            stream.flush()
+            os._exit(0)
         serve_build_products(job["aliases"], job["modules"])
-        reporter = Reporter(stream, lambda: scheduler.over is not None, job["done"])
-        pytest.main([*options(job), job["file"]], plugins=[reporter])
+        run_tests()
 
     with (
         Path(job["report"]).open("a", encoding="utf-8") as stream,

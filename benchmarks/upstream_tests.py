@@ -1,11 +1,13 @@
-"""The tests of ROS 2's own Python libraries, run on the stand-ins.
+"""The tests of ROS's own Python libraries, run on the stand-ins.
 
     python benchmarks/upstream_tests.py [--rclpy DIR] [--geometry2 DIR] [--message-filters DIR]
-        [--launch DIR] [--test-msgs DIR ...] [--only TEXT] [--jobs N] [--json FILE] [--markdown]
+        [--launch DIR] [--test-msgs DIR ...] [--ros-comm DIR] [--actionlib DIR]
+        [--geometry2-noetic DIR] [--only TEXT] [--jobs N] [--json FILE] [--markdown]
 
 Each DIR is a checkout of the repository of that name; `--test-msgs` are those of
 `ros2/rcl_interfaces` and `ros2/test_interface_files`, from whose texts the messages of the tests
-are made. Nothing of a checkout is built or changed.
+of ROS 2 are made. Those of ROS 1 are made from the texts beside its tests, and a test that a
+launch file starts runs beside the nodes of that file. Nothing of a checkout is built or changed.
 
 Each file runs in a process of its own, in simulated time, without a twin. Prints a table: of each
 file how many of its tests pass, and how many fail, then every failure, and what is out of scope.
@@ -29,6 +31,8 @@ from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from upstream_rostest import StartedTest, interfaces_of, packages_of, started_tests
+
 HERE = Path(__file__).resolve().parent
 SCOPE = HERE / "upstream_scope.csv"
 LONGEST_S = 180
@@ -36,18 +40,46 @@ LONGEST_S = 180
 MOST_PROCESSES = 40
 """After how many ends of a file's processes its remaining tests count as failed."""
 
+
+@dataclass(frozen=True)
+class Suite:
+    """A folder of tests."""
+
+    repository: str
+    """The repository that holds it."""
+    folder: str
+    """Its folder there."""
+    files: tuple[str, ...]
+    """Patterns of its files."""
+    ros: int = 2
+    """Which ROS it tests."""
+
+
 SUITES = {
-    "rclpy": ("rclpy", "rclpy/test", "test_*.py"),
-    "tf2_py": ("geometry2", "tf2_py/test", "test_*.py"),
-    "tf2_ros_py": ("geometry2", "tf2_ros_py/test", "test_*.py"),
-    "tf2_geometry_msgs": ("geometry2", "tf2_geometry_msgs/test", "test_*.py"),
-    "tf2_sensor_msgs": ("geometry2", "tf2_sensor_msgs/test", "test_*.py"),
-    "test_tf2": ("geometry2", "test_tf2/test", "test_*.py"),
-    "message_filters": ("message_filters", "test", "*.py"),
-    "launch": ("launch", "launch/test/launch", "**/test_*.py"),
+    "rclpy": Suite("rclpy", "rclpy/test", ("test_*.py",)),
+    "tf2_py": Suite("geometry2", "tf2_py/test", ("test_*.py",)),
+    "tf2_ros_py": Suite("geometry2", "tf2_ros_py/test", ("test_*.py",)),
+    "tf2_geometry_msgs": Suite("geometry2", "tf2_geometry_msgs/test", ("test_*.py",)),
+    "tf2_sensor_msgs": Suite("geometry2", "tf2_sensor_msgs/test", ("test_*.py",)),
+    "test_tf2": Suite("geometry2", "test_tf2/test", ("test_*.py",)),
+    "message_filters": Suite("message_filters", "test", ("*.py",)),
+    "launch": Suite("launch", "launch/test/launch", ("**/test_*.py",)),
+    "noetic/rospy": Suite("ros_comm", "test/test_rospy/test", ("**/test_*.py",), 1),
+    "noetic/rosgraph": Suite("ros_comm", "tools/rosgraph/test", ("test_*.py",), 1),
+    "noetic/rosbag": Suite("ros_comm", "test/test_rosbag/test", ("test_*.py",), 1),
+    "noetic/message_filters": Suite("ros_comm", "utilities/message_filters/test", ("*.py",), 1),
+    "noetic/actionlib": Suite(
+        "actionlib", "actionlib/test", ("test_*.py", "*_test.py", "ex*.py"), 1
+    ),
+    "noetic/tf2_geometry_msgs": Suite(
+        "geometry2_noetic", "tf2_geometry_msgs", ("scripts/test.py",), 1
+    ),
+    "noetic/tf2_kdl": Suite("geometry2_noetic", "tf2_kdl", ("scripts/test.py",), 1),
+    "noetic/tf2_sensor_msgs": Suite("geometry2_noetic", "tf2_sensor_msgs/test", ("test_*.py",), 1),
+    "noetic/test_tf2": Suite("geometry2_noetic", "test_tf2/test", ("test_*.py",), 1),
 }
-"""Of each suite the repository that holds it, its folder there, and its files."""
-REPOSITORIES = sorted({repository for repository, _, _ in SUITES.values()})
+OF_ROS1 = {suite.repository for suite in SUITES.values() if suite.ros == 1}
+REPOSITORIES = sorted({suite.repository for suite in SUITES.values()})
 ALIASES = {"test_rclpy": "", "test_tf2_py": "", "test_tf2_py._tf2_py": "tf2_py"}
 
 
@@ -73,10 +105,18 @@ class TestFile:
     """The folder of the suite."""
     path: Path
     """The file."""
+    launch: Path | None = None
+    """The launch file that starts it, if one does."""
+    started: StartedTest | None = None
+    """How that file starts it."""
 
     @property
     def name(self) -> str:
-        """The suite, and where the file is in its folder."""
+        """The suite, and where the file is in its folder, or what starts it and its name."""
+        if self.launch is not None and self.started is not None:
+            return (
+                f"{self.suite}/{self.launch.relative_to(self.root).as_posix()}{self.started.name}"
+            )
         return f"{self.suite}/{self.path.relative_to(self.root).as_posix()}"
 
 
@@ -111,18 +151,25 @@ def rule_of(test: str, known: Sequence[Rule]) -> Rule | None:
 
 
 def files(checkouts: Mapping[str, Path]) -> Iterator[TestFile]:
-    """Yield the files of tests in the checkouts."""
-    for suite, (repository, folder, pattern) in SUITES.items():
-        if repository in checkouts:
-            root = checkouts[repository] / folder
-            for path in sorted(root.glob(pattern)):
+    """Yield the files of tests in the checkouts: once for each launch file that starts them."""
+    for name, suite in SUITES.items():
+        if suite.repository in checkouts:
+            root = checkouts[suite.repository] / suite.folder
+            launched = list(_launched(name, root, checkouts)) if suite.ros == 1 else []
+            for path in sorted({path for each in suite.files for path in root.glob(each)}):
                 if path.name != "__init__.py" and not path.name.endswith(".launch.py"):
-                    yield TestFile(suite, root, path)
+                    own = [each for each in launched if each.path == path]
+                    yield from own or [TestFile(name, root, path)]
 
 
-def ran(
-    each: TestFile, messages: Path, fixtures: Path | None, known: Sequence[Rule]
-) -> list[Result]:
+def _launched(suite: str, root: Path, checkouts: Mapping[str, Path]) -> Iterator[TestFile]:
+    packages = packages_of(sorted(set(checkouts.values())))
+    for launch in sorted((*root.rglob("*.test"), *root.rglob("*.launch"))):
+        for each in started_tests(launch, packages):
+            yield TestFile(suite, root, each.script, launch, each)
+
+
+def ran(each: TestFile, given: Mapping[str, object], known: Sequence[Rule]) -> list[Result]:
     """Run a file's tests, in as many processes as it takes, and return what came of each."""
     file = each.name
     whole = rule_of(file, known)
@@ -139,13 +186,13 @@ def ran(
                 "done": sorted(found),
                 "library": each.suite,
                 "paths": [str(each.path.parent), str(each.root), str(each.root.parent)],
-                "aliases": ALIASES,
-                "interfaces": {"test_msgs": str(messages)},
-                "modules": {} if fixtures is None else {"test_msgs": str(fixtures)},
+                "ros": SUITES[each.suite].ros,
+                "started": None if each.started is None else asdict(each.started),
+                **given,
             }
             report.write_text("")
             said = processed(job, Path(folder))
-            begun = ""
+            before, begun = len(found), ""
             for line in report.read_text().splitlines():
                 name, outcome, cause = json.loads(line)
                 begun = name if outcome == "begun" else ""
@@ -154,6 +201,9 @@ def ran(
             if begun:
                 found[begun] = "failed", said
             elif said == "ended":
+                break
+            elif len(found) == before:
+                found[""] = "failed", said
                 break
     return [
         judged(file if not name else f"{file}::{name}", outcome, cause, known)
@@ -165,7 +215,7 @@ def processed(job: Mapping[str, object], folder: Path) -> str:
     """Run one process of tests, and say how it went: `ended`, or why it did not."""
     try:
         code = subprocess.run(
-            [sys.executable, str(HERE / "upstream_child.py"), json.dumps(job)],
+            [sys.executable, str(HERE / "upstream_child.py"), json.dumps(job, default=str)],
             cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
@@ -284,11 +334,18 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fixtures = gather_messages([each.resolve() for each in options.test_msgs], folder)
+        packages = packages_of([path for name, path in checkouts.items() if name in OF_ROS1])
+        given = {
+            "aliases": ALIASES,
+            "interfaces": {"test_msgs": folder},
+            "interfaces1": interfaces_of(packages),
+            "modules": {} if fixtures is None else {"test_msgs": fixtures},
+        }
         wanted = [each for each in files(checkouts) if options.only in each.name]
         if not wanted:
             parser.error("no tests in the checkouts that are given: name one with --rclpy DIR, say")
         with ThreadPoolExecutor(options.jobs) as pool:
-            told = pool.map(lambda each: ran(each, folder, fixtures, known), wanted)
+            told = pool.map(lambda each: ran(each, given, known), wanted)
             results = [each for own in told for each in own]
     print("\n".join(table(results, markdown=options.markdown)))
     if options.json is not None:

@@ -24,6 +24,7 @@ def corpus(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 def _loaded(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     path = ROOT / "benchmarks" / f"{name}.py"
+    monkeypatch.syspath_prepend(path.parent)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None
@@ -170,6 +171,73 @@ def test_the_tests_of_a_library_are_run_on_the_stand_ins_and_judged(tmp_path, mo
     assert "1 of 3 in scope pass: 33.3%" in said
     assert "waits for ever" in said
     assert "test_fails_behind_one_that_hangs\n    not known to fail: " in said
+
+
+LAUNCH_OF_TESTS = """
+<launch>
+  <param name="speed" value="2" type="int"/>
+  <node name="server" pkg="lab" type="server.py"/>
+  <test test-name="test_lab" pkg="lab" type="test_lab.py"/>
+</launch>
+"""
+SERVER = """
+import rospy
+from lab.srv import Twice, TwiceResponse
+
+rospy.init_node("server")
+rospy.Service("twice", Twice, lambda request: TwiceResponse(2 * request.number))
+rospy.spin()
+"""
+TESTS_OF_A_PROGRAM = """
+import unittest
+import rospy
+from lab.srv import Twice
+
+
+class TestLab(unittest.TestCase):
+    def test_the_server_beside_it_answers(self):
+        rospy.wait_for_service("twice")
+        assert rospy.ServiceProxy("twice", Twice)(rospy.get_param("/speed")).number == 4
+
+    def test_it_has_the_name_that_the_launch_file_gives(self):
+        assert rospy.get_name() == "/test_lab"
+
+
+def test_that_is_none():
+    raise AssertionError
+
+
+if __name__ == "__main__":
+    import rostest
+    rospy.init_node("other")
+    rostest.rosrun("lab", "test_lab", TestLab)
+"""
+
+
+def test_a_program_of_tests_of_ros_1_runs_beside_the_nodes_of_its_launch_file(
+    tmp_path, monkeypatch
+):
+    upstream = _loaded("upstream_tests", monkeypatch)
+    package = tmp_path / "actionlib" / "actionlib"
+    files = {
+        "package.xml": "<package><name>lab</name></package>",
+        "srv/Twice.srv": "int32 number\n---\nint32 number\n",
+        "nodes/server.py": SERVER,
+        "test/lab.launch": LAUNCH_OF_TESTS,
+        "test/test_lab.py": TESTS_OF_A_PROGRAM,
+    }
+    for name, text in files.items():
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text)
+    found = tmp_path / "found.json"
+    arguments = ["--actionlib", tmp_path / "actionlib", "--json", found]
+    monkeypatch.setattr(sys, "argv", ["upstream_tests.py", *map(str, arguments)])
+    assert upstream.main() == 0
+    tests = "noetic/actionlib/lab.launch/test_lab::TestLab::test_"
+    assert {each["test"]: each["outcome"] for each in json.loads(found.read_text())} == {
+        f"{tests}it_has_the_name_that_the_launch_file_gives": "passed",
+        f"{tests}the_server_beside_it_answers": "passed",
+    }
 
 
 def test_a_command_without_a_checkout_says_what_it_needs(monkeypatch, capsys):
