@@ -22,7 +22,10 @@ earlier=${earlier%%$'\n'*}
 
 if [ ! -s "$body" ]; then
     [ -n "$earlier" ] || exit 0
-    printf '%s\n**No change of risk worth telling any more.**\n' "$tag" >"$body"
+    printf '%s\n**No change of risk worth a comment any more.**\n' "$tag" >"$body"
+elif [[ "${REPORT_URL:-}" =~ ^https://[A-Za-z0-9./:_-]+$ ]]; then
+    # GitHub shows no picture or page of an artefact in a comment: it is a download.
+    printf '\n[The reports, as a download](%s)\n' "$REPORT_URL" >>"$body"
 fi
 if [ -n "$earlier" ]; then
     gh api --method PATCH "repos/$REPOSITORY/issues/comments/$earlier" \

@@ -64,6 +64,9 @@ else:
 """
 
 
+REPORTS = "https://git.example.org/team/cell/actions/runs/1/artifacts/2"
+
+
 class Runner:
     """Runs the composite steps that are scripts; the steps of other actions are left out."""
 
@@ -115,6 +118,7 @@ class Runner:
             "github.event.pull_request.base.sha": base,
             "github.event.pull_request.number": "7",
             "runner.temp": str(self.temp),
+            "steps.kept.outputs.artifact-url": REPORTS,
             "github.event.workflow_run.head_repository.owner.login": "mallory",
             "github.event.workflow_run.head_branch": "topic",
             "github.event.workflow_run.head_sha": head,
@@ -198,6 +202,7 @@ def test_one_comment_is_written_and_kept_up_to_date(runner, steps):
     runner.run(base, files="cell.py")
     (first,) = runner.comments
     assert first.startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
+    assert first.endswith(f"\n[The reports, as a download]({REPORTS})\n")
     commit(runner, steps("= 8e-07"))
     runner.run(base, files="cell.py")
     (second,) = runner.comments
@@ -206,7 +211,7 @@ def test_one_comment_is_written_and_kept_up_to_date(runner, steps):
     commit(runner, steps())
     runner.run(base, files="cell.py")
     assert runner.comments == [
-        "<!-- tracerisk-diff -->\n**No change of risk worth telling any more.**\n"
+        "<!-- tracerisk-diff -->\n**No change of risk worth a comment any more.**\n"
     ]
 
 

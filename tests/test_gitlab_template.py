@@ -126,7 +126,7 @@ def test_one_note_is_kept_up_to_date(repository, annotated_source, server, job):
     assert "8e-07" in server.notes[1]
     commit("2e-07")
     job(base)
-    assert server.notes[1].endswith("**No change of risk worth telling any more.**\n")
+    assert server.notes[1].endswith("**No change of risk worth a comment any more.**\n")
 
 
 def test_no_token_writes_no_note(repository, annotated_source, server, job):
