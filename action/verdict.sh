@@ -7,7 +7,7 @@ if [ "${CHECK:-0}" -ne 0 ]; then
     code=$CHECK
 fi
 if [ "${DIFF:-0}" -ne 0 ]; then
-    echo "::error title=tracerisk diff::a limit on the risk is exceeded, the run went wrong, or it cannot be told (exit code $DIFF)"
+    echo "::error title=tracerisk diff::a limit on the risk is exceeded, the run went wrong, or it cannot be determined (exit code $DIFF)"
     [ "$code" -ne 0 ] || code=$DIFF
 fi
 exit "$code"
