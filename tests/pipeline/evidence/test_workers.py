@@ -1,8 +1,13 @@
-"""Workers end with the campaign that started them, however that ends."""
+"""A campaign ends its workers, and says what it cannot write."""
 
 import multiprocessing
 import time
 
+import pytest
+
+from tests.pipeline.evidence.test_file import CELL
+from tracerisk.errors import InputError
+from tracerisk.pipeline.evidence.campaign import _journal
 from tracerisk.pipeline.evidence.workers import Workers
 
 HOUR_S = 3600.0
@@ -18,3 +23,15 @@ def test_who_stops_a_campaign_waits_for_no_job():
     for each in workers:
         each.join(60.0)
         assert each.exitcode is not None
+
+
+def test_a_journal_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "cache").write_text("a file in the place of the folder")
+    with pytest.raises(InputError, match="cannot be written"), _journal(tmp_path / "cache" / "j"):
+        pass
+    with _journal(tmp_path / "j") as keep:
+        keep([CELL])
+        (tmp_path / "j").unlink()
+        (tmp_path / "j").mkdir()
+        with pytest.raises(InputError, match="cannot be written"):
+            keep([CELL])

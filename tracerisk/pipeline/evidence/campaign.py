@@ -322,16 +322,23 @@ def _journaled(path: Path) -> list[Cell]:
 
 @contextlib.contextmanager
 def _journal(path: Path) -> Iterator[Callable[[Sequence[Cell]], None]]:
-    path.parent.mkdir(exist_ok=True)
-    ignore = path.parent / ".gitignore"
-    if not ignore.exists():
-        atomic_write(ignore, b"*\n")
-    with path.open("a", encoding="utf-8") as stream:
-        # A line that a kill has cut stays one of its own.
-        stream.write("\n" if path.stat().st_size else "")
+    def write(text: str) -> None:
+        try:
+            path.parent.mkdir(exist_ok=True)
+            ignore = path.parent / ".gitignore"
+            if not ignore.exists():
+                atomic_write(ignore, b"*\n")
+            with path.open("a", encoding="utf-8") as stream:
+                stream.write(text)
+        except OSError as error:
+            raise InputError(
+                f"cannot be written: {error.strerror}; what was tried before is kept",
+                Location(str(path)),
+            ) from error
 
-        def keep(cells: Sequence[Cell]) -> None:
-            stream.writelines(f"{cell_line(each)}\n" for each in cells)
-            stream.flush()
+    def keep(cells: Sequence[Cell]) -> None:
+        write("".join(f"{cell_line(each)}\n" for each in cells))
 
-        yield keep
+    # A line that a kill has cut stays one of its own.
+    write("\n" if path.exists() and path.stat().st_size else "")
+    yield keep
