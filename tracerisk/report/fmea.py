@@ -59,7 +59,7 @@ def end_effect(cells: Iterable[Cell]) -> str:
 
 
 def untold_for(cells: Iterable[Cell]) -> int | None:
-    """Return for how long the controller was not told, of cells of which it was not [s].
+    """Return for how long the controller was not notified, of cells where it was not [s].
 
     `None` where all runs were followed to their ends.
     """

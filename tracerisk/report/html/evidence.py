@@ -122,7 +122,7 @@ def _delays(cells: Sequence[Cell]) -> object:
         never = sum(1 for each in mine if each.told_after_s is None)
         if never:
             note = SubElement(group, "text", {"x": number(_WIDTH + 12.0), "y": number(y + 4.0)})
-            note.text = f"{never} not told"
+            note.text = f"{never} not notified"
     bottom = len(kinds) * _ROW + 16.0
     axis = drawing.group("axis")
     for tick in range(_TICKS):
