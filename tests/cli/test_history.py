@@ -111,7 +111,7 @@ def test_the_chart_has_a_dot_for_each_and_the_badge_the_last_figure(grown):
 def test_all_controllers_of_the_lock_where_none_is_named(grown):
     outcome = grown.run("history")
     assert outcome.code == 2
-    assert "knows no controller here" in outcome.err
+    assert "knows a controller; name a FILE" in outcome.err
 
 
 @pytest.mark.parametrize(

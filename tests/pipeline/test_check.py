@@ -330,6 +330,14 @@ def test_without_a_file_the_locks_of_packages_below_count_too(project):
     assert project.run("refresh", "--check").code == 1
 
 
+def test_within_a_folder_of_a_project_the_lock_above_counts(project, example_in):
+    (project.folder / "launch").mkdir()
+    within = example_in(project.folder / "launch")
+    assert check(within)[:2] == (0, [])
+    change(project, "helper.py", "0.2", "0.3")
+    assert check(within)[0] == 1
+
+
 def test_a_folder_stands_for_all_that_its_lock_knows(project):
     assert check(project, ".")[:2] == (0, [])
     change(project, "helper.py", "0.2", "0.3")

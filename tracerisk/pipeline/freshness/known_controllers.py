@@ -77,9 +77,13 @@ def controllers_in(root: Path) -> tuple[Path, ...]:
 def all_controllers() -> tuple[Path, ...]:
     """Return every controller of the locks in and below this folder: where no file is named.
 
-    Raises InputError where there is none.
+    Where there is none, those of the lock of the project that this folder is part of.
+    Raises InputError where that has none either.
     """
     found = controllers_in(Path())
+    if not found:
+        above = controllers_in(controller_root(Path("here.py")))
+        found = tuple(Path(os.path.relpath(each)) for each in above)
     if not found:
         raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
     return found
