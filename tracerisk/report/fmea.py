@@ -104,7 +104,7 @@ class FmeaRow:
 
     @property
     def told(self) -> str:
-        """The same in words, also where it was not told of any."""
+        """The same in words, also where it was not notified of any."""
         told, untold_s = self.told_after_s, untold_for(self.cells)
         if told is not None:
             return f"{told:.2f}"
