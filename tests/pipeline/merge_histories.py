@@ -521,7 +521,7 @@ class History:
 
     def judge(self, told: str) -> None:
         """Compare what is called a person's with what was typed, and that alone with advice."""
-        certain, _, doubtful = told.partition("of these nobody can tell")
+        certain, _, doubtful = told.partition("it is unknown who wrote these values")
         assert ":=" not in doubtful
         assert "--accept-edits" not in doubtful
         for line in certain.splitlines():
