@@ -31,7 +31,7 @@ NOISE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class MergePolicy:
-    """What becomes of a user's edits of `=` values, and of changes within the noise.
+    """What becomes of a user's edits of `=` values, and of changes below `NOISE`.
 
     `edits`: "stop" reports them, "accept" pins them (`:=`), "discard" writes the tool's value.
     `fresh` writes every computed value anew.

@@ -62,7 +62,7 @@ class Site:
 
     def __init__(self) -> None:
         self._root = Path.cwd()
-        # What follows is read and made anew by one request at a time.
+        # What follows is read and recomputed by one request at a time.
         self._one_at_a_time = threading.Lock()
         self._seen: State = {}
         self._known: tuple[KnownController, ...] = ()

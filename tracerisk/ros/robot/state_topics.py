@@ -121,11 +121,12 @@ class TwinTopics:
             topic, CONTROLLER_STATE_TYPE, node=_PUBLISHER, by_controller=False
         )
         self._runtime.client(SensorReading).tells_joints(publication, self._rate_hz)
+        joints = self._joints_of(controller)
         TopicStream(
             self._runtime,
             publication,
             self._rate_hz,
-            lambda: self._controller_state(self._joints_of(controller)),
+            lambda: self._controller_state(joints),
             yields=True,
         )
 
