@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.pipeline.workspace import libraries
 from tracerisk.pipeline.workspace.libraries import Libraries
 
 LIBRARY = """\
@@ -266,3 +267,26 @@ def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(e
     libraries = Libraries(root / "demo/main.py", root)
     assert not libraries.holds(root / "demo/steps.py")
     assert libraries.holds(root / "demo/shared.py")
+
+
+def test_each_folder_of_a_large_project_is_looked_at_once(tmp_path, monkeypatch):
+    listed, read = [], []
+    text_of, names_in = libraries._text, libraries.names_in
+    monkeypatch.setattr(libraries, "names_in", lambda each: listed.append(each) or names_in(each))
+    monkeypatch.setattr(libraries, "_text", lambda each: read.append(each) or text_of(each))
+    (tmp_path / "package.xml").touch()
+    package = tmp_path / "parts"
+    package.mkdir()
+    modules = [f"module{n}" for n in range(40)]
+    for name in modules:
+        imports = "".join(f"from parts.{each} import thing\n" for each in modules)
+        (package / f"{name}.py").write_text(imports)
+    (package / "__init__.py").touch()
+    for n in range(40):
+        (tmp_path / f"program{n}.py").write_text(
+            f"#!/usr/bin/env python3\nimport parts.module{n}\n"
+        )
+    script = tmp_path / "program0.py"
+    assert Libraries(script, tmp_path).holds(package / "module7.py")
+    assert len(listed) == len(set(listed)) < 10
+    assert max(map(read.count, read)) == 2  # whether it is a program, and what it imports

@@ -21,7 +21,7 @@ import itertools
 import os
 import re
 from collections.abc import Collection, Iterator
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from tracerisk.adder.sources.definitions import definitions, parse_python
@@ -29,7 +29,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.limits import is_secret
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
-from tracerisk.pipeline.workspace.own_modules import module_files
+from tracerisk.pipeline.workspace.own_modules import module_files, names_in
 from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
 from tracerisk.text.patterns import pattern
 
@@ -58,7 +58,13 @@ class Libraries:
         self._root = root.resolve()
         self._states = frozenset(states)
         self._known: dict[Path, bool] = {}
-        self._named: dict[Path, list[tuple[int, list[str]]]] = {}
+        self._imported: dict[tuple[Path, tuple[Path, ...]], frozenset[Path]] = {}
+        self._named: dict[Path, frozenset[tuple[int, tuple[str, ...]]]] = {}
+        self._names_in = lru_cache(maxsize=None)(names_in)
+        self._modules = lru_cache(maxsize=None)(
+            lambda parts, where: tuple(module_files(parts, where, self._names_in))
+        )
+        self._commands = lru_cache(maxsize=None)(_modules_of_commands)
 
     def holds(self, file: Path) -> bool:
         """Return whether a file below the root is library code."""
@@ -102,7 +108,7 @@ class Libraries:
 
     @cached_property
     def _programs(self) -> tuple[Path, ...]:
-        return tuple(path for path in self._project if _is_program(path))
+        return tuple(path for path in self._project if self._is_program(path))
 
     @cached_property
     def _tops(self) -> frozenset[str]:
@@ -118,45 +124,61 @@ class Libraries:
 
     def _imported_by(self, program: Path) -> frozenset[Path]:
         """Return what a program imports, in turn too, but for what the script alone does."""
+        root = controller_root(program)
+        bases = (program.parent, root, root / "src", *self._folders)
         found: set[Path] = set()
         waiting = [program]
         while waiting:
-            file = waiting.pop()
-            new = set(self._imports(file, program)) - found - {program, self._script}
+            new = self._imports(waiting.pop(), bases) - found - {program, self._script}
             found |= new
             waiting += new
         return frozenset(found)
 
-    def _imports(self, file: Path, program: Path) -> Iterator[Path]:
-        package = file.parent
-        while (package / "__init__.py").is_file():
-            package = package.parent
-        root = controller_root(program)
-        bases = (program.parent, package, root, root / "src", *self._folders)
-        for level, parts in self._names_in(file):
-            where = tuple(file.parents)[level - 1 : level] if level else bases
-            if level or parts[0] in self._tops:
-                yield from module_files(parts, where)
+    def _imports(self, file: Path, bases: tuple[Path, ...]) -> frozenset[Path]:
+        """Return what a file imports that is looked for in `bases`."""
+        if (file, bases) not in self._imported:
+            self._imported[file, bases] = frozenset(self._looked_for(file, bases))
+        return self._imported[file, bases]
 
-    def _names_in(self, file: Path) -> list[tuple[int, list[str]]]:
+    def _looked_for(self, file: Path, bases: tuple[Path, ...]) -> Iterator[Path]:
+        package = file.parent
+        while "__init__.py" in self._names_in(str(package)):
+            package = package.parent
+        first, *others = bases
+        places = tuple(dict.fromkeys((first, package, *others)))
+        for level, parts in self._names_imported(file):
+            where = tuple(file.parents)[level - 1 : level] if level else places
+            if level or parts[0] in self._tops:
+                yield from self._modules(parts, where)
+
+    def _names_imported(self, file: Path) -> frozenset[tuple[int, tuple[str, ...]]]:
         """Return what a file names in its imports: the level of a relative one, and its parts."""
         if file not in self._named:
-            self._named[file] = list(_named(_text(file)))
+            self._named[file] = frozenset(_named(_text(file)))
         return self._named[file]
 
+    def _is_program(self, path: Path) -> bool:
+        if _STARTS.search(_text(path)) is not None:
+            return True
+        return path.stem in self._commands(controller_root(path))
 
-def _named(text: str) -> Iterator[tuple[int, list[str]]]:
+
+def _named(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
     for dots, name, imported in _FROM.findall(text):
-        parts = name.split(".") if name else []
+        parts = tuple(name.split(".")) if name else ()
         if parts:
             yield len(dots), parts
         for each in _NAMED.findall(imported.strip("() \t\r\n")):
-            yield len(dots), [*parts, each]
+            yield len(dots), (*parts, each)
     for names in _IMPORT.findall(text):
         for each in names.split(","):
             named = _NAMED.match(each.strip())
             if named is not None:
-                yield 0, named[1].split(".")
+                yield 0, tuple(named[1].split("."))
+
+
+def _modules_of_commands(root: Path) -> frozenset[str]:
+    return frozenset(each.module for each in console_scripts(root))
 
 
 def _functions(path: Path) -> set[str]:
@@ -200,12 +222,6 @@ def _begins_as_script(path: Path) -> bool:
             return re.match(rb"#!.*python", stream.readline(200)) is not None
     except OSError:
         return False
-
-
-def _is_program(path: Path) -> bool:
-    if _STARTS.search(_text(path)) is not None:
-        return True
-    return any(each.module == path.stem for each in console_scripts(controller_root(path)))
 
 
 def _text(path: Path) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 import io
+import os
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
@@ -74,15 +75,37 @@ def _imported(tree: ast.Module | None, file: Path, bases: tuple[Path, ...]) -> I
                 yield from module_files([*start, alias.name], where)
 
 
-def module_files(parts: list[str], bases: tuple[Path, ...]) -> Iterator[Path]:
-    """Yield the files that are run where a module is imported: those of its packages, and its."""
+def names_in(folder: str) -> frozenset[str]:
+    """Return the names in a folder, those of folders with a slash; none where it is not there."""
+    try:
+        with os.scandir(folder) as entries:
+            return frozenset(f"{each.name}/" if each.is_dir() else each.name for each in entries)
+    except OSError:
+        return frozenset()
+
+
+def module_files(
+    parts: Sequence[str],
+    bases: Iterable[Path],
+    names: Callable[[str], Collection[str]] = names_in,
+) -> Iterator[Path]:
+    """Yield the files that are run where a module is imported: those of its packages, and its.
+
+    `names` returns the names in a folder; who asks often hands one that remembers them.
+    """
     for base in bases:
-        files = [base.joinpath(*parts[: n + 1], "__init__.py") for n in range(len(parts))]
-        if parts:
-            files.append(base.joinpath(*parts[:-1], f"{parts[-1]}.py"))
-        there = [file for file in files if file.is_file()]
-        if there:
-            yield from there
+        there, module, folder = [], [], str(base)
+        for number, part in enumerate(parts, 1):
+            known = names(folder)
+            if number == len(parts) and f"{part}.py" in known:
+                module = [f"{folder}/{part}.py"]
+            if f"{part}/" not in known:
+                break
+            folder = f"{folder}/{part}"
+            if "__init__.py" in names(folder):
+                there.append(f"{folder}/__init__.py")
+        if there or module:
+            yield from map(Path, there + module)
             return
 
 
