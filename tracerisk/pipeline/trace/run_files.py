@@ -116,7 +116,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class BranchPlan:
-    """The branches that a run is to have, at most `at_once` at any time.
+    """The branches that a run is to have, at most `at_once` at any time; with them all, it waits.
 
     `folder` is that of all their folders. `cpu_limit_s` is the processor time of each [s].
     """

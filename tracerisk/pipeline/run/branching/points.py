@@ -89,8 +89,6 @@ class BranchPoints:
     def _leave(self, branch: Branch) -> None:
         plan = self._request.plan
         assert plan is not None
-        while len(self._alive) >= plan.at_once:
-            self._reap()
         recording, written = plan.folders(branch.index)
         moved = {self._request.folder: recording}
         try:
@@ -106,6 +104,9 @@ class BranchPoints:
         else:
             self._alive[process] = branch.index
             self._note(index=branch.index, process=process)
+            # The run waits too: no more cores are busy than was asked for.
+            while len(self._alive) >= plan.at_once:
+                self._reap()
 
     def _check_files(self, written: str) -> None:
         """Raise NotForkableError where the controller knows the path of a file that will move."""
