@@ -13,7 +13,7 @@ SOURCE = b"""
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
 from control_msgs.msg import GripperCommandAction, JointTolerance
 from control_msgs.srv import QueryTrajectoryState
-from sensor_msgs.msg import JointState
+from geometry_msgs.msg import Pose
 """
 ASK = """
 import json, sys
@@ -49,7 +49,7 @@ def test_modules_are_made_with_the_public_sums(real_ros: str, tmp_path: Path) ->
     )
     sums, body = json.loads(done.stdout)
     assert sums == PUBLIC
-    assert not (tmp_path / "sensor_msgs").exists(), "the installed package is the one to use"
+    assert not (tmp_path / "geometry_msgs").exists(), "the installed package is the one to use"
     goal = interfaces.message("control_msgs/FollowJointTrajectoryGoal")()
     goal.deserialize(bytes.fromhex(body))
     assert goal.trajectory.joint_names == ["a"]
@@ -57,6 +57,6 @@ def test_modules_are_made_with_the_public_sums(real_ros: str, tmp_path: Path) ->
 
 def test_nothing_is_made_where_nothing_is_missing(real_ros: str, tmp_path: Path) -> None:
     del real_ros
-    source = b"from sensor_msgs.msg import JointState\nimport rospy\n"
+    source = b"from geometry_msgs.msg import Pose\nimport rospy\n"
     assert not make_missing_modules(Interfaces(), [source], tmp_path)
     assert list(tmp_path.iterdir()) == []
