@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.trace import Trace
 
-_NO_FAILURE = frozenset({"assumed_name", "assumed_start", "unused"})
+_NO_FAILURE = frozenset({"assumed_name", "assumed_setting", "assumed_start", "unused"})
 
 
 class RunFailedError(ControllerFailedError):

@@ -47,6 +47,7 @@ EndCause = Literal[
 NOTES: frozenset[str] = frozenset(
     {
         "assumed_name",
+        "assumed_setting",
         "assumed_start",
         "concurrent_owners",
         "not_simulated",

@@ -95,7 +95,8 @@ after = measured()
         ("name=['panda_joint9'], position=[0.1]", "no joint 'panda_joint9'; did you mean"),
         ("name=JOINTS, position=[0.1]", "1 positions for 7 names of joints"),
         ("position=[0.1]", "1 positions for 0 names of joints"),
-        ("name=JOINTS, velocity=[0.1] * 7", "commands of velocity or effort are not simulated"),
+        ("name=JOINTS, velocity=[0.1] * 3", "3 velocities for 7 names of joints"),
+        ("name=JOINTS, effort=[0.1] * 7", "commands of effort are not simulated"),
     ],
 )
 def test_a_command_of_joint_states_that_fits_no_joints_is_refused_with_the_reason(
@@ -202,7 +203,7 @@ here = measured()["panda_joint4"]
 @pytest.mark.parametrize(
     ("topic", "message", "told"),
     [
-        ("/velocity_controller/command", "Float64MultiArray(data=READY)", "commands of velocity"),
+        ("/effort_controller/command", "Float64MultiArray(data=READY)", "commands of effort"),
         ("/group/command", "Float64MultiArray(data=[1.0] * 5)", "5 values fit no controller"),
         ("/wheel/command", "Float64(1.0)", "no joint of the robot is meant"),
     ],
@@ -213,6 +214,95 @@ rospy.Publisher("{topic}", type({message}), queue_size=1).publish({message})
 """)
     assert any(told in each for each in result.findings)
     assert result.recording.commands == ()
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "kind"),
+    [
+        (
+            "/joint_group_vel_controller/command",
+            "Float64MultiArray(data=V)",
+            "joint_group_velocity",
+        ),
+        ("/velocity/forward/commands", "Float64MultiArray(data=V)", "joint_group_velocity"),
+        ("/joint1_velocity_controller/command", "Float64(V[0])", "joint_velocity"),
+        ("/joint_command", "JointState(name=JOINTS, velocity=V)", "joint_state_velocity"),
+    ],
+)
+def test_velocities_are_gone_on_at_until_the_next_message(ran, topic, message, kind):
+    result = ran(f"""
+def turn(V):
+    publisher.publish({message})
+
+publisher = rospy.Publisher("{topic}", type({message.replace("V[0]", "0.0").replace("V", "READY")}), queue_size=1)
+before = measured()
+turn([0.2] + [0.0] * 6)
+rospy.sleep(1.0)
+turn([0.0] * 7)
+rospy.sleep(0.5)
+after = measured()
+""")
+    moved = result["after"]["panda_joint1"] - result["before"]["panda_joint1"]
+    assert moved == pytest.approx(0.2, abs=0.01)
+    assert result["after"]["panda_joint2"] == pytest.approx(
+        result["before"]["panda_joint2"], abs=0.002
+    )
+    (command,) = result.recording.commands
+    assert command.kind == kind
+    assert result.owners == ["turn"]
+    assert result.findings == []
+
+
+def test_what_a_topic_commands_is_what_the_workspace_says_of_its_controller(example):
+    program = (
+        PREAMBLE.replace("JOINTS =", "JOINTS =", 1)
+        + """
+def turn(value):
+    publisher.publish(Float64MultiArray(data=[value]))
+
+publisher = rospy.Publisher("/odd_velocity_controller/command", Float64MultiArray, queue_size=1)
+turn(0.3)
+rospy.sleep(3.0)
+print("here", round(measured()["panda_joint1"], 2))
+"""
+    )
+    example.write("package.xml", "<package><name>demo</name></package>")
+    example.write("scripts/controller.py", program)
+    for kind, more, place in (
+        ("position_controllers/JointGroupPositionController", "", "here 0.3"),
+        (
+            "forward_command_controller/ForwardCommandController",
+            "interface_name: velocity",
+            "here 0.9",
+        ),
+    ):
+        example.write(
+            "config/controllers.yaml",
+            f"odd_velocity_controller:\n  type: {kind}\n  joints: [panda_joint1]\n  {more}\n",
+        )
+        outcome = example.run("run", "scripts/controller.py", "--check", "--robot", "panda")
+        assert place in outcome.err + outcome.out, outcome.err
+
+
+def test_a_message_that_stops_the_arm_is_no_call_without_a_command(example, quick):
+    example.write(
+        "controller.py",
+        PREAMBLE
+        + """
+def turn(speed):
+    publisher.publish(Float64MultiArray(data=[speed] + [0.0] * 6))
+
+def halt():
+    publisher.publish(Float64MultiArray(data=[0.0] * 7))
+
+publisher = rospy.Publisher("/joint_vel_controller/command", Float64MultiArray, queue_size=1)
+turn(0.2)
+rospy.sleep(1.0)
+halt()
+""",
+    )
+    outcome = example.run("run", "controller.py", "--robot", "panda", "--json")
+    assert outcome.json["trace"]["verdict"]["kind"] == "complete", outcome.json["trace"]["verdict"]
 
 
 def test_a_topic_that_the_controller_reads_itself_moves_nothing(ran):

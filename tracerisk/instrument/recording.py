@@ -25,6 +25,10 @@ _SECOND_NS = 1_000_000_000
 _FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
 
 
+STOPS = "stops"
+"""The note of the calls that brought the arm to rest: file, line and column of each."""
+
+
 @dataclass(frozen=True, slots=True)
 class Command:
     """A call that made hardware act, from its issue to its end, simulated time [ns].

@@ -15,6 +15,7 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
 from tracerisk.ros.moveit.scene_services import SceneInterfaces
 from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
+from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.controllers import ControllerManager
@@ -51,6 +52,7 @@ class TwinInterfaces:
         if runtime.recorder is not None:
             moveit = MoveItInterfaces(runtime, messages)
             SceneInterfaces(runtime, messages)
+            Servo(runtime, messages, commands)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
             if not messages.is_ros2:

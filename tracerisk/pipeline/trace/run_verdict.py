@@ -13,7 +13,7 @@ from tracerisk.adder.sources.definitions import function_at, parse_python
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.motion_calls import missed_calls
-from tracerisk.instrument.recording import NEAR, Command, Recording
+from tracerisk.instrument.recording import NEAR, STOPS, Command, Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.gripper_faults import empty_grasps
@@ -137,7 +137,7 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
         if finding.kind == "assumed_name":
             named = finding.message.split("'")
             yield named[1] if len(named) > 1 else "", finding.message
-        if finding.kind == "assumed_start":
+        if finding.kind in ("assumed_setting", "assumed_start"):
             yield robot.name, finding.message
     commanded = {name for command in recording.commands for name in command.elements}
     if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
@@ -183,6 +183,9 @@ def _missed(recording: Recording, controller: Controller) -> Iterator[MissedComm
             made.setdefault(frame.function.file, set()).add(frame.site)
             if frame.root is None:
                 commanding.add(frame.function.name.rpartition(".")[2])
+    for file, *site in (recording.note(STOPS) or {"sites": ()})["sites"]:
+        if file in made:
+            made[file].add((site[0], site[1]))
     ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
     for file in sorted(made):
         for each in missed_calls(controller.source_of(file), made[file], commanding):

@@ -16,6 +16,7 @@ from tracerisk.ros.graph.runtime import Runtime
 
 _MOST_FILES = 200  # that may declare a controller
 _MOST_BYTES = 200_000
+_QUANTITIES = ("position", "velocity", "effort")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,14 @@ class DeclaredController:
     """The joints that it commands."""
     type: str = ""
     """What it is, `package/Class`; empty where no file says it."""
+    interface: str = ""
+    """The interface of joints that it forwards commands to: `position`, `velocity`, `effort`."""
+
+    @property
+    def quantity(self) -> str:
+        """What a topic of numbers commands: `position`, `velocity` or `effort`; empty if unsaid."""
+        name = self.type.rpartition("/")[2]
+        return next((each for each in _QUANTITIES if each.capitalize() in name), self.interface)
 
 
 class DeclaredControllers:
@@ -41,36 +50,50 @@ class DeclaredControllers:
         """The controllers by their names; of several files the first counts."""
         found: dict[str, DeclaredController] = {}
         types: dict[str, str] = {}
-        for path in islice(_files(self._folders), _MOST_FILES):
-            for name, key, value in _settings_in(path):
-                if key == "joints" and isinstance(value, list):
-                    joints = tuple(str(joint) for joint in value)
-                    found.setdefault(name, DeclaredController(joints))
-                elif key == "type" and isinstance(value, str):
-                    types.setdefault(name, value)
-        return {name: replace(each, type=types.get(name, "")) for name, each in found.items()}
+        interfaces: dict[str, str] = {}
+        for name, key, value in declared_settings(self._folders, b"joints"):
+            if key == "joints" and isinstance(value, list):
+                joints = tuple(str(joint) for joint in value)
+                found.setdefault(name, DeclaredController(joints))
+            elif key == "type" and isinstance(value, str):
+                types.setdefault(name, value)
+            elif key == "interface_name" and isinstance(value, str):
+                interfaces.setdefault(name, value)
+        return {
+            name: replace(each, type=types.get(name, ""), interface=interfaces.get(name, ""))
+            for name, each in found.items()
+        }
 
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
         """Return those of which a robot with these joints has every joint."""
         known = {*joints}
         return {name: each for name, each in self.all.items() if known.issuperset(each.joints)}
 
-    def of_topic(self, topic: str) -> tuple[str, ...]:
-        """Return the joints of the controller that takes a topic's commands; () for none."""
+    def of_topic(self, topic: str) -> DeclaredController | None:
+        """Return the controller that takes a topic's commands, if a file declares it."""
         namespaces = [part for part in topic.split("/")[:-1] if part in self.all]
-        return self.all[namespaces[-1]].joints if namespaces else ()
+        return self.all[namespaces[-1]] if namespaces else None
 
 
-def _settings_in(path: Path) -> Iterator[tuple[str, str, Any]]:
-    """Yield each setting of a parameter file: in whose namespace, its own name, its value."""
-    try:
-        parameters = read_parameters(path)
-    except ScenarioError:
-        return
-    for each in parameters:
-        for name, value in _leaves(f"{each.node or ''}/{each.name}", each.value):
-            *_, controller, last = name.replace(".", "/").split("/")
-            yield controller, last, value
+def declared_settings(
+    folders: Iterable[Path], word: bytes, *, first: bool = False
+) -> Iterator[tuple[str, str, Any]]:
+    """Yield each setting of the YAML files below folders that hold a word.
+
+    It is in whose namespace it stands, its own name, and its value. With `first` only those of
+    the first such file come.
+    """
+    for path in islice(_files(folders, word), _MOST_FILES):
+        try:
+            parameters = read_parameters(path)
+        except ScenarioError:
+            continue
+        for each in parameters:
+            for name, value in _leaves(f"{each.node or ''}/{each.name}", each.value):
+                *_, above, last = name.replace(".", "/").split("/")
+                yield above, last, value
+        if first and parameters:
+            return
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -81,7 +104,7 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield from _leaves(f"{name}/{key}", inner)
 
 
-def _files(folders: Iterable[Path]) -> Iterator[Path]:
+def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
     for top in folders:
         for folder, inner, files in os.walk(top):
             inner[:] = sorted(each for each in inner if not each.startswith("."))
@@ -89,5 +112,5 @@ def _files(folders: Iterable[Path]) -> Iterator[Path]:
                 path = Path(folder, file)
                 if not file.endswith((".yaml", ".yml")) or path.stat().st_size > _MOST_BYTES:
                     continue
-                if b"joints" in path.read_bytes():
+                if word in path.read_bytes():
                     yield path

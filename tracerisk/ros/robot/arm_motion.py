@@ -328,10 +328,8 @@ class ArmMotion:
 
     def stop(self, *, fingers: bool = False) -> None:
         """Bring the arm to rest, and the fingers where asked."""
-        self.twin.stop(self.joints)
-        if fingers and self.gripper is not None:
-            self.twin.stop(self.gripper.joints)
-        self._commands.poll()
+        fingertips = self.gripper.joints if fingers and self.gripper is not None else ()
+        self._commands.stop((*self.joints, *fingertips))
 
     def wait(self, motion: Motion, timeout_s: float | None = None) -> bool:
         """Wait in the calling thread for the end of a motion, and return whether it succeeded."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import Location
+from tracerisk.instrument.recording import STOPS
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
@@ -45,6 +46,7 @@ class TwinCommands:
         self._runtime = runtime
         self._recorder: Recorder | None = runtime.recorder
         self._live: list[LiveCommand] = []
+        self._stops: set[tuple[str, int, int]] = set()
         self._is_watching = False
         self.scheduler.when_alone.append(self._end_alone)
 
@@ -74,6 +76,15 @@ class TwinCommands:
             self._is_watching = True
             self.scheduler.spawn(self._watch, "twin", inherit=False, is_controllers=False)
         return command
+
+    def stop(self, joints: Sequence[str]) -> None:
+        """Bring joints to rest for the code that asked for it, whose call led to that."""
+        self.twin.stop(joints)
+        self.poll()
+        frames = {(each.function.file, *each.site) for each in self.stack()}
+        if self._recorder is not None and not frames <= self._stops:
+            self._stops |= frames
+            self._recorder.note(STOPS, sites=sorted(self._stops))
 
     def is_live(self, command: LiveCommand) -> bool:
         """Return whether a command is not over."""

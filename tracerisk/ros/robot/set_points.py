@@ -5,6 +5,10 @@ Joint states are commands where a driver takes them: those of simulators and of 
 of MoveIt's fake controllers. What is published on `joint_states` itself is feedback; it moves no
 real robot.
 
+Numbers are velocities, and not positions, where the controller that a file of the workspace
+declares says so, or else the topic's name. Joints keep a velocity until the next message, as those
+of `JointGroupVelocityController` do.
+
 A stream of set-points is one command for as long as it goes on from the same place in the source:
 it is live until its joints have settled and nothing more has come for a while.
 """
@@ -24,6 +28,7 @@ from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.trajectory_messages import (
@@ -32,6 +37,7 @@ from tracerisk.ros.robot.trajectory_messages import (
     fastest_s,
     twin_trajectory,
 )
+from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -50,7 +56,10 @@ _NODE = "/robot_driver"
 _COMMANDS = ("command", "commands")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 _FEEDBACK = "joint_states"
-_NO_POSITIONS = re.compile(r"velocity|effort|torque")
+_QUANTITY = re.compile(
+    r"(?<=[/_])(?:(pos|positions?)|(vel|velocity|velocities)|(efforts?|torques?))(?=[/_])"
+)
+_FOREVER_S = 1000.0
 _NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
 _SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
 Array = NDArray[np.float64]
@@ -79,6 +88,8 @@ class SetPoints:
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
+        self._velocities = VelocityStream(self._twin)
+        self._velocity_streams = CommandStreams(commands)
         self._subscribed: set[str] = set()
         self._takers = {
             TRAJECTORY: self._take_trajectory,
@@ -115,8 +126,7 @@ class SetPoints:
         if not message.points and message.joint_names:
             # An empty trajectory stops the joints.
             known = {joint.name for joint in self._twin.robot.joints}
-            self._twin.stop([name for name in message.joint_names if name in known])
-            self._commands.poll()
+            self._commands.stop([name for name in message.joint_names if name in known])
             return
         try:
             trajectory = twin_trajectory(message, self._twin, now_ns)
@@ -147,8 +157,6 @@ class SetPoints:
         return all(abs(here.get(name, math.inf) - value) <= tolerance for name, value in goal)
 
     def _take_group(self, topic: str, message: Any) -> None:
-        if self._is_no_position(topic):
-            return
         values = [float(value) for value in message.data]
         joints = self._declared_joints(topic, len(values))
         if joints is None:
@@ -156,17 +164,50 @@ class SetPoints:
         if joints is None:
             self._refuse_group(topic, len(values))
             return
-        self.set_point(topic, joints, np.array(values), "joint_group_command")
+        self._command(topic, joints, np.array(values), "joint_group_command")
+
+    def _command(self, topic: str, joints: tuple[str, ...], values: Array, kind: str) -> None:
+        """Bring joints to positions, or move them at velocities, as the topic means its numbers."""
+        quantity = self._quantity(topic)
+        if quantity == "position":
+            self.set_point(topic, joints, values, kind)
+        elif quantity == "velocity":
+            self._go_on_at(topic, joints, values, kind.replace("command", "velocity"))
+        else:
+            self._refuse(topic, f"commands of {quantity} are not simulated")
+
+    def _quantity(self, topic: str) -> str:
+        declared = self._declared.of_topic(topic)
+        if declared is not None and declared.quantity:
+            return declared.quantity
+        named = [each.lastindex for each in _QUANTITY.finditer(topic)]
+        return {2: "velocity", 3: "effort"}.get(named[-1] or 0, "position") if named else "position"
+
+    def _go_on_at(self, topic: str, joints: tuple[str, ...], speeds: Array, kind: str) -> None:
+        """Move joints at velocities [rad/s or m/s] until the next message, or their limits."""
+        if not np.isfinite(speeds).all():
+            self._refuse(topic, "a velocity is not finite")
+            return
+        asked = dict(zip(joints, speeds.tolist(), strict=True))
+        trajectory = self._velocities.next(asked, self._commands.scheduler.now_ns, _FOREVER_S)
+        if not speeds.any():
+            self._commands.stop(joints)
+        elif trajectory is not None:
+            self._velocity_streams.follow(topic, kind, trajectory, is_set_point=True)
 
     def _declared_joints(self, topic: str, count: int) -> tuple[str, ...] | None:
         """Return the joints of the workspace's controller for a topic, if the robot has them."""
-        declared = self._declared.of_topic(topic)
+        declared = self._joints_declared_for(topic)
         known = {joint.name for joint in self._twin.robot.joints}
         return declared if len(declared) == count and known.issuperset(declared) else None
 
+    def _joints_declared_for(self, topic: str) -> tuple[str, ...]:
+        declared = self._declared.of_topic(topic)
+        return () if declared is None else declared.joints
+
     def _refuse_group(self, topic: str, count: int) -> None:
         robot = self._twin.robot
-        declared = self._declared.of_topic(topic)
+        declared = self._joints_declared_for(topic)
         if not declared or any(each.name in declared for each in robot.joints):
             self._refuse(
                 topic, f"{count} values fit no controller or group of robot '{robot.name}'"
@@ -182,29 +223,33 @@ class SetPoints:
         )
 
     def _take_single(self, topic: str, message: Any) -> None:
-        if self._is_no_position(topic):
-            return
         joint = single_joint(self._twin.robot, topic)
         if joint is None:
             names = ", ".join(each.name for each in self._twin.robot.joints)
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
             return
-        self.set_point(topic, (joint,), np.array([float(message.data)]), "joint_command")
+        self._command(topic, (joint,), np.array([float(message.data)]), "joint_command")
 
     def _take_states(self, topic: str, message: Any) -> None:
         robot = self._twin.robot
         names, values = list(message.name), [float(value) for value in message.position]
         known = {joint.name for joint in robot.joints}
         unknown = [name for name in names if name not in known]
-        if not values and (len(message.velocity) or len(message.effort)):
-            self._refuse(topic, "commands of velocity or effort are not simulated, only positions")
+        speeds = [float(value) for value in message.velocity]
+        is_velocity = not values and len(speeds) > 0
+        values = speeds if is_velocity else values
+        if not values and len(message.effort):
+            self._refuse(topic, "commands of effort are not simulated")
         elif not names or len(names) != len(values):
-            self._refuse(topic, f"{len(values)} positions for {len(names)} names of joints")
+            given = "velocities" if is_velocity else "positions"
+            self._refuse(topic, f"{len(values)} {given} for {len(names)} names of joints")
         elif unknown:
             self._refuse(
                 topic,
                 f"robot '{robot.name}' has no joint '{unknown[0]}'; {one_of(known, unknown[0])}",
             )
+        elif is_velocity:
+            self._go_on_at(topic, tuple(names), np.array(values), "joint_state_velocity")
         else:
             self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
 
@@ -217,12 +262,6 @@ class SetPoints:
                 "it measured, and takes commands elsewhere",
                 self._commands.stack(),
             )
-
-    def _is_no_position(self, topic: str) -> bool:
-        found = _NO_POSITIONS.search(topic)
-        if found is not None:
-            self._refuse(topic, f"commands of {found.group()} are not simulated, only positions")
-        return found is not None
 
     def _refuse(self, topic: str, message: str) -> None:
         self._commands.tell(

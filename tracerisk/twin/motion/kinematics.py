@@ -77,6 +77,22 @@ class Kinematics:
         mujoco.mj_kinematics(self._model, self._data)
         return {name: self._pose(body) for name, body in self._body.items()}
 
+    def jacobian(
+        self, positions: Mapping[str, float], link: str, joints: Sequence[str]
+    ) -> NDArray[np.float64]:
+        """Return how `link` moves with each of `joints`, (6, n): linear, then angular velocity.
+
+        It is in the axes of the base link [m/s, rad/s for 1 rad/s or 1 m/s of the joint].
+        Raises RobotError as `forward`.
+        """
+        body = self._link(link)
+        self._data.qpos[:] = self.positions(positions)
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        found = np.zeros((2, 3, self._model.nv))
+        mujoco.mj_jac(self._model, self._data, *found, self._data.xpos[body], body)
+        return found.reshape(6, -1)[:, [self._dof[name] for name in joints]]
+
     def inverse(
         self,
         group: str,

@@ -188,6 +188,15 @@ class Twin:
         """Return the pose of `link` with some joints at `positions`, the others as they are."""
         return self._kinematics.forward({**self._positions(), **positions}, link)
 
+    def jacobian(
+        self, positions: Mapping[str, float], link: str, joints: Sequence[str]
+    ) -> NDArray[np.float64]:
+        """Return how `link` moves with each of `joints`, (6, n): linear, then angular velocity.
+
+        It is in the axes of the base link, with some joints at `positions`, the others as they are.
+        """
+        return self._kinematics.jacobian({**self._positions(), **positions}, link, joints)
+
     def inverse_kinematics(
         self,
         group: str,

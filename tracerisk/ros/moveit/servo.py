@@ -1,0 +1,362 @@
+"""moveit_servo: velocities of the tool, or of joints, that come as a stream of messages.
+
+Units, scales and the time after which an arm without messages rests are those that a parameter file
+of the workspace gives servo, else those that it has by default (`servo_parameters.yaml` of MoveIt
+2). Near a singularity the tool slows down as there, by the condition number of the Jacobian.
+Servo's slowing down near obstacles is not simulated, nor are goals of poses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import one_of
+from tracerisk.ros.graph.declared_controllers import declared_settings
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.frames import WORLD, fixed_frame
+from tracerisk.ros.robot.state_topics import TopicStream
+from tracerisk.ros.robot.velocity_motion import VelocityStream
+from tracerisk.ros.transforms.poses import rotate
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.graph import Change, Publication
+    from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.ros.robot.commands import TwinCommands
+    from tracerisk.ros.robot.messages import TwinMessages
+    from tracerisk.twin.physics.motion import Pose
+
+TWIST = "geometry_msgs/TwistStamped"
+JOG = "control_msgs/JointJog"
+POSE = "geometry_msgs/PoseStamped"
+_STATUS = {"std_msgs/Int8": "data", "moveit_msgs/ServoStatus": "code"}
+_STATUS_HZ = 10.0
+_NODE = "/servo_node"
+_UNITLESS = "unitless"
+_AHEAD = 0.01  # where it is seen whether a singularity nears [rad or m]
+_DIMENSIONS = 6
+_SLOW = 0.1  # of its speed: less is reported
+_JOINT_JOG, _TWIST, _POSE_GOAL = 0, 1, 2  # as moveit_msgs/ServoCommandType numbers them
+_NO_WARNING, _APPROACHING, _HALTED, _LEAVING = 0, 1, 2, 3  # as moveit_msgs/ServoStatus
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ServoSettings:
+    """What a parameter file gives servo; the defaults are those of MoveIt 2."""
+
+    command_in_type: str = _UNITLESS
+    """`unitless`: shares of the scales, as from a joystick; `speed_units`: m/s and rad/s."""
+    linear: float = 0.4
+    """The speed of the tool at a share of 1 [m/s]."""
+    rotational: float = 0.8
+    """The rate of turn of the tool at a share of 1 [rad/s]."""
+    joint: float = 0.5
+    """The velocity of a joint at a share of 1 [rad/s or m/s]."""
+    incoming_command_timeout: float = 0.1
+    """How long the arm goes on after a message [s]."""
+    lower_singularity_threshold: float = 17.0
+    """The condition number from which the tool slows down."""
+    hard_stop_singularity_threshold: float = 30.0
+    """The condition number at which it stops."""
+    cartesian_command_in_topic: str = "delta_twist_cmds"
+    """The last name of the topic of twists."""
+    joint_command_in_topic: str = "delta_joint_cmds"
+    """The last name of the topic of velocities of joints."""
+    move_group_name: str = ""
+    """The group that moves; empty for the robot's largest."""
+    is_declared: bool = False
+    """Whether a file of the workspace gives them."""
+
+
+class Servo:
+    """Follows the streams of messages that a controller sends to moveit_servo.
+
+    A topic that the controller itself subscribes to is its own affair, and moves nothing.
+    """
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
+        self._runtime = runtime
+        self._graph = runtime.graph
+        self._messages = messages
+        self._commands = commands
+        self._twin = commands.twin
+        self._streams = CommandStreams(commands)
+        self._velocities = VelocityStream(self._twin)
+        self._heard: set[str] = set()
+        self._published: set[str] = set()
+        self._is_paused = False
+        self._expected: int | None = None
+        self._controlled = np.ones(6)
+        self._status = _NO_WARNING
+        self._offer()
+        self._graph.watch(self._on_change)
+
+    def _offer(self) -> None:
+        trigger = "std_srvs/Trigger"
+        services: tuple[tuple[str, str, Callable[[Any], dict[str, Any]]], ...] = (
+            ("start_servo", trigger, lambda _: self._pause(False)),
+            ("unpause_servo", trigger, lambda _: self._pause(False)),
+            ("stop_servo", trigger, lambda _: self._pause(True)),
+            ("pause_servo", trigger, lambda _: self._pause(True)),
+            ("pause_servo", "std_srvs/SetBool", lambda request: self._pause(bool(request.data))),
+            ("switch_command_type", "moveit_msgs/ServoCommandType", self._switch),
+            ("change_control_dimensions", "moveit_msgs/ChangeControlDimensions", self._control),
+            ("change_drift_dimensions", "moveit_msgs/ChangeDriftDimensions", self._drift),
+            ("reset_servo_status", "std_srvs/Empty", lambda _: {}),
+        )
+        for name, kind, handle in services:
+            if self._messages.has_service(kind):
+                self._graph.offer(name, kind, self._answering(kind, handle), node=_NODE)
+
+    def _answering(
+        self, kind: str, handle: Callable[[Any], dict[str, Any]]
+    ) -> Callable[[Any], Any]:
+        def answer(request: Any) -> Any:
+            response = self._messages.response(kind)
+            for name, value in handle(request).items():
+                setattr(response, name, value)
+            return response
+
+        return answer
+
+    @cached_property
+    def settings(self) -> ServoSettings:
+        """What the first parameter file of the workspace that speaks of servo says."""
+        known = {name for name in ServoSettings.__slots__ if name != "is_declared"}
+        found: dict[str, Any] = {}
+        for _, key, value in declared_settings(
+            self._runtime.packages.values(), b"command_in_type", first=True
+        ):
+            wanted = type(ServoSettings.__dataclass_fields__[key].default) if key in known else None
+            if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
+                found.setdefault(key, float(value))
+            elif wanted is str and isinstance(value, str):
+                found.setdefault(key, value.rsplit("/", 1)[-1])
+        return ServoSettings(**found, is_declared=bool(found))
+
+    @cached_property
+    def _arm(self) -> ArmMotion:
+        return ArmMotion(self._commands, group=self.settings.move_group_name or None)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change == "subscribed" and type_name in _STATUS and name.endswith("/status"):
+            self._publish_status(name, type_name)
+        if change != "advertised" or name in self._heard:
+            return
+        last = name.rsplit("/", 1)[-1]
+        if type_name == TWIST and last in (
+            self.settings.cartesian_command_in_topic,
+            "delta_jog_cmds",
+        ):
+            self._hear(name, type_name, self._take_twist)
+        elif type_name == JOG and last in (
+            self.settings.joint_command_in_topic,
+            "joint_delta_jog_cmds",
+        ):
+            self._hear(name, type_name, self._take_jog)
+        elif type_name == POSE and last == "pose_target_cmds":
+            self._hear(name, type_name, self._take_pose)
+
+    def _hear(self, name: str, type_name: str, take: Callable[[str, Any], None]) -> None:
+        self._heard.add(name)
+
+        def deliver(message: Any, publication: Publication) -> None:
+            others = self._graph.subscriptions(name)
+            if publication.by_controller and not any(each.by_controller for each in others):
+                take(name, message)
+
+        self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+
+    # What comes
+
+    def _take_twist(self, topic: str, message: Any) -> None:
+        if not self._is_ready(topic, _TWIST):
+            return
+        linear, angular = message.twist.linear, message.twist.angular
+        asked = np.array([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+        frame = message.header.frame_id.lstrip("/")
+        pose = self._frame(frame)
+        if pose is None:
+            known = [*self._twin.robot.link_names, WORLD]
+            self._streams.refuse(topic, f"there is no frame '{frame}'; {one_of(known, frame)}")
+        elif not np.isfinite(asked).all():
+            self._streams.refuse(topic, "a velocity is not finite")
+        else:
+            scales = self._scales(self.settings.linear, self.settings.rotational)
+            asked = asked * np.repeat(scales, 3) * self._controlled
+            turned = [
+                rotate(pose.orientation, each) for each in (asked[:3].tolist(), asked[3:].tolist())
+            ]
+            speeds = self._joint_speeds(np.concatenate(turned))
+            self._go(
+                topic, "servo_twist", dict(zip(self._arm.joints, speeds.tolist(), strict=True))
+            )
+
+    def _take_jog(self, topic: str, message: Any) -> None:
+        if not self._is_ready(topic, _JOINT_JOG):
+            return
+        names, values = list(message.joint_names), [float(each) for each in message.velocities]
+        known = self._arm.joints
+        unknown = [name for name in names if name not in known]
+        if unknown:
+            self._streams.refuse(
+                topic, f"the arm has no joint '{unknown[0]}'; {one_of(known, unknown[0])}"
+            )
+        elif len(names) != len(values):
+            self._streams.refuse(topic, f"{len(values)} velocities for {len(names)} joints")
+        elif not all(map(math.isfinite, values)):
+            self._streams.refuse(topic, "a velocity is not finite")
+        else:
+            (scale,) = self._scales(self.settings.joint)
+            asked = {**dict.fromkeys(known, 0.0), **dict(zip(names, values, strict=True))}
+            self._go(topic, "servo_jog", {name: scale * each for name, each in asked.items()})
+
+    def _take_pose(self, topic: str, message: Any) -> None:
+        del message
+        self._streams.refuse(topic, "goals of poses for servo are not simulated, only velocities")
+
+    def _is_ready(self, topic: str, kind: int) -> bool:
+        """Whether servo takes such commands now; a finding says where it does not."""
+        if self._is_paused:
+            self._streams.refuse(topic, "servo is stopped")
+            return False
+        if self._expected not in (None, kind):
+            self._streams.refuse(topic, "servo was switched to another type of commands")
+            return False
+        return True
+
+    def _scales(self, *scales: float) -> Array:
+        if self.settings.command_in_type != _UNITLESS:
+            return np.ones(len(scales))
+        if not self.settings.is_declared:
+            self._commands.tell(
+                "assumed_setting",
+                "no file of the workspace gives servo its scales: a share of 1 is taken for "
+                f"{self.settings.linear:g} m/s, {self.settings.rotational:g} rad/s of the tool, "
+                f"{self.settings.joint:g} rad/s of a joint, as by default in MoveIt 2",
+                self._commands.stack(),
+            )
+        return np.array(scales)
+
+    def _frame(self, name: str) -> Pose | None:
+        """Return the pose of a frame in the base of the robot, of the base for no name."""
+        robot = self._twin.robot
+
+        def known(link: str) -> Pose | None:
+            if link in robot.link_names:
+                return self._twin.link_pose(link)
+            return self._twin.link_pose(robot.base_link) if link == WORLD else None
+
+        if not name:
+            return known(robot.base_link)
+        return known(name) or fixed_frame(self._graph, name, known)
+
+    # How the arm moves
+
+    def _joint_speeds(self, twist: Array) -> Array:
+        """Return the velocities of the joints for a velocity of the tool, in the base's axes.
+
+        They are scaled as one where a joint would be too fast, or a singularity is near.
+        """
+        joints = self._arm.arm
+        here = np.array(self._arm.positions())
+        jacobian = self._jacobian(here)
+        speeds: Array = np.linalg.pinv(jacobian, rcond=1e-4) @ twist
+        rated = np.array([joint.velocity_limit for joint in joints])
+        most = float(np.max(np.abs(speeds) / rated, initial=0.0))
+        scale = 1.0 / max(1.0, most)
+        if not np.any(speeds):
+            return speeds
+        share = self._share_near_singularity(here, speeds, _condition(jacobian))
+        slowed: Array = scale * share * speeds
+        return slowed
+
+    def _share_near_singularity(self, here: Array, speeds: Array, condition: float) -> float:
+        """Return the share of its speed that servo leaves the tool, as MoveIt 2 does."""
+        low = self.settings.lower_singularity_threshold
+        high = max(self.settings.hard_stop_singularity_threshold, low + 1e-6)
+        self._status = _NO_WARNING
+        if condition <= low or len(here) < _DIMENSIONS:
+            return 1.0
+        ahead = here + speeds / np.linalg.norm(speeds) * _AHEAD
+        is_leaving = _condition(self._jacobian(ahead)) <= condition
+        share = max(0.0, 1.0 - (condition - low) / (high - low) / (2.0 if is_leaving else 1.0))
+        self._status = (_LEAVING if is_leaving else _APPROACHING) if share else _HALTED
+        if share < _SLOW:
+            self._commands.tell(
+                "command_ignored",
+                f"servo {'slows' if share else 'stops'} the tool at a singularity: the condition "
+                f"number is {condition:.3g}, and it stops at {high:g}; the arm may have to start "
+                "elsewhere",
+                self._commands.stack(),
+            )
+        return share
+
+    def _jacobian(self, positions: Array) -> Array:
+        """Return how the tool moves with each joint, (6, n_joints): linear, then angular."""
+        named = dict(zip(self._arm.joints, positions.tolist(), strict=True))
+        tool = self._arm.tool or self._twin.robot.base_link
+        return self._twin.jacobian(named, tool, self._arm.joints)
+
+    def _go(self, topic: str, kind: str, asked: dict[str, float]) -> None:
+        if not any(asked.values()):
+            self._arm.stop()
+            return
+        for_s = self.settings.incoming_command_timeout or math.inf
+        trajectory = self._velocities.next(asked, self._commands.scheduler.now_ns, min(for_s, 1e3))
+        if trajectory is not None:
+            self._streams.follow(topic, kind, trajectory, is_set_point=True)
+
+    # Its services, and what it says of itself
+
+    def _pause(self, is_paused: bool) -> dict[str, Any]:
+        self._is_paused = is_paused
+        if is_paused:
+            self._arm.stop()
+        return {"success": True}
+
+    def _switch(self, request: Any) -> dict[str, Any]:
+        is_known = request.command_type in (_JOINT_JOG, _TWIST, _POSE_GOAL)
+        if is_known:
+            self._expected = request.command_type
+        return {"success": is_known}
+
+    def _control(self, request: Any) -> dict[str, Any]:
+        names = [f"control_{axis}_{way}" for way in ("translation", "rotation") for axis in "xyz"]
+        self._controlled = np.array([float(getattr(request, name)) for name in names])
+        return {"success": True}
+
+    def _drift(self, request: Any) -> dict[str, Any]:
+        del request
+        self._commands.tell(
+            "not_simulated",
+            "servo is let drift in some directions: the arm holds them all the same",
+            self._commands.stack(),
+        )
+        return {"success": True}
+
+    def _publish_status(self, name: str, type_name: str) -> None:
+        if name in self._published or "servo" not in name:
+            return
+        self._published.add(name)
+
+        def status() -> Any:
+            message = self._messages.new(type_name)
+            setattr(message, _STATUS[type_name], self._status)
+            return message
+
+        publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
+        TopicStream(self._runtime, publication, _STATUS_HZ, status, yields=True)
+
+
+def _condition(jacobian: Array) -> float:
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    return float(values[0] / max(values[-1], 1e-12))
