@@ -9,7 +9,7 @@ from tracerisk.adder.blocks.block import Transition
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.adder.blocks.values import profile_next
 from tracerisk.adder.lock.lock import written_block
-from tracerisk.adder.merge.merge import MergePolicy, merge, merge_block
+from tracerisk.adder.merge.merge import MergePolicy, edits_error, in_the_way, merge
 from tracerisk.errors import EditInTheWayError
 
 STOP = MergePolicy()
@@ -81,6 +81,14 @@ TABLE = {
     "lock from another branch": (1e-09, EDIT, DRIFTED, None, PINNED_BY_EDIT_DRIFTED, TOOL_DRIFTED),
     "lock from another branch, same value": (1e-09, TOOL_DRIFTED, DRIFTED) + (TOOL_DRIFTED,) * 3,
 }
+
+
+def merge_block(base, current, computed, *, policy):
+    """Return the block to write, or raise as every writer of blocks does."""
+    merged = merge(base, current, computed, policy=policy)
+    if in_the_way(merged.edits, policy):
+        raise edits_error(merged.edits)
+    return merged.block
 
 
 @pytest.mark.parametrize("case", sorted(TABLE))

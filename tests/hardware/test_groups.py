@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.quantify.function_use import FunctionUse
-from tracerisk.quantify.groups import group_unit_probabilities, group_unit_probability
+from tracerisk.quantify.groups import group_unit_probabilities
 from tracerisk.quantify.instance_shares import instance_shares
 
 TOLERANCE = 1e-14
@@ -70,6 +70,11 @@ def failure_over_visits(visits, redundancy):
         return 1 - (1 - gate_failure(ends, redundancy)) * math.prod(common)
     alive = math.prod(1 - gate_failure(units, redundancy) for units in own)
     return 1 - alive * math.prod(common)
+
+
+def group_unit_probability(visits, redundancy):
+    """Return the value of a mission which has these visits and no others."""
+    return group_unit_probabilities([FunctionUse(visits, len(visits))], redundancy)[0]
 
 
 def relative_error(found, expected):

@@ -60,7 +60,7 @@ def written(tmp_path):
         path.write_text(text)
     script = tmp_path / "scripts" / "pick.py"
     script.write_text("")
-    return WrittenValues(tmp_path, Program(script, "cell", frozenset({"pick.py", "pick"})), 1)
+    return WrittenValues(tmp_path, Program(script, "cell", frozenset({"pick.py", "pick"})))
 
 
 def of(written: WrittenValues, *need: str):
@@ -121,10 +121,10 @@ def test_the_nearest_file_comes_first(tmp_path):
         folder.mkdir()
         (folder / "p.yaml").write_text(f"speed: {value}\n")
     program = Program(near / "c.py", "near", frozenset({"c.py"}))
-    assert of(WrittenValues(tmp_path, program, 1), "parameter", "/speed") == (2, "near/p.yaml:1")
+    assert of(WrittenValues(tmp_path, program), "parameter", "/speed") == (2, "near/p.yaml:1")
 
 
 def test_a_folder_that_is_gone_writes_nothing():
     gone = Path("/nowhere/at/all")
     program = Program(gone / "c.py", "c", frozenset({"c.py"}))
-    assert WrittenValues(gone, program, 1).arguments == ()
+    assert WrittenValues(gone, program).arguments == ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.prm.formats.models import solved_tops
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.expressions import Exponential, MissionTime, Number, Reference
 from tracerisk.prm.logic.model import (
@@ -20,7 +21,6 @@ from tracerisk.prm.logic.model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.logic.trees import solved_tops
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.fault_tree import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind

@@ -23,13 +23,14 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
+from tracerisk.prm.expressions import LatinHypercube
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.questions.draws import MOST_TOGETHER, InputDraws, UncertainInput
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.tails import intervals
-from tracerisk.prm.questions.uncertainty import latin_hypercube, propagate
+from tracerisk.prm.questions.uncertainty import propagate
 from tracerisk.prm.questions.what_if import with_values
 from tracerisk.report.what_if import render_uncertainty
 
@@ -193,8 +194,10 @@ def test_the_same_seed_gives_the_same_and_another_one_another(case):
 
 
 def test_another_uncertain_parameter_changes_no_draw_of_the_first():
-    alone = latin_hypercube(100, ("a",), 3)["a"]
-    assert np.array_equal(latin_hypercube(100, ("b", "a"), 3)["a"], alone)
+    alone = LatinHypercube(100, 3).uniform("a")
+    beside = LatinHypercube(100, 3)
+    beside.uniform("b")
+    assert np.array_equal(beside.uniform("a"), alone)
     assert sorted((alone * 100).astype(int)) == list(range(100))
 
 
@@ -255,8 +258,9 @@ def test_ten_thousand_samples_of_the_case_study_take_less_than_a_second(case):
 
 
 def lognormal(width, factor, count=10_000):
-    draws = latin_hypercube(count, tuple(map(str, range(width))), 5)
-    return np.column_stack([Lognormal(factor).quantiles(each, 1.0) for each in draws.values()])
+    draws = LatinHypercube(count, 5)
+    columns = [draws.uniform(str(number)) for number in range(width)]
+    return np.column_stack([Lognormal(factor).quantiles(each, 1.0) for each in columns])
 
 
 def test_the_shares_of_a_sum_are_those_of_the_variances():

@@ -4,13 +4,14 @@ import copy
 import pickle
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.ros.messages.ros1 import Interfaces, SerializationError, check_message
+from tracerisk.ros.messages.ros1 import Interfaces, SerializationError
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.time.rostime import Duration, Time
 
@@ -265,6 +266,11 @@ def test_a_service_text_without_two_parts_is_refused(tmp_path: Path):
     (folder / "srv" / "Bad.srv").write_text("float64 x\n")
     with pytest.raises(InputError, match=r"Bad\.srv: 1 parts between lines '---', 2 expected"):
         Interfaces({"my_msgs": folder}).service("my_msgs/Bad")
+
+
+def check_message(message):
+    """Write a message, as sending does."""
+    message.serialize(BytesIO())
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ class Operator:
         return self.wait(self.twin.follow(trajectory))
 
     def state(self, name: str) -> Motion:
-        target = self.twin.robot.named_state("panda_arm", name)
+        target = self.twin.robot.named_states["panda_arm"][name]
         return self.follow(
             self.twin.plan_joints(
                 "panda_arm", target, velocity_scaling=SCALING, acceleration_scaling=SCALING

@@ -20,7 +20,7 @@ def kinematics(panda: Robot) -> Kinematics:
 
 @pytest.fixture
 def ready(panda: Robot) -> dict[str, float]:
-    return {**panda.initial_state, **panda.named_state("panda_arm", "ready")}
+    return {**panda.initial_state, **panda.named_states["panda_arm"]["ready"]}
 
 
 def turn_between(a: tuple[float, ...], b: tuple[float, ...]) -> float:
@@ -59,7 +59,7 @@ def test_a_turn_out_of_reach_is_told_beside_the_distance():
     kinematics = Kinematics(robot)
     tip = robot.group("interbotix_arm").tip_link
     assert tip is not None
-    level = robot.named_state("interbotix_arm", "Home")
+    level = robot.named_states["interbotix_arm"]["Home"]
     here = kinematics.forward({**level, "wrist_angle": 1.0, "elbow": -1.0}, tip)
     rolled = (0.13052619, 0.0, 0.0, 0.99144486)  # by 15 degrees
     with pytest.raises(PlanningError, match=r"found is \d mm and (14|15)\.\d degrees away"):
@@ -130,7 +130,7 @@ def test_a_cartesian_path_leads_out_of_a_singularity():
     # Upright: the elbow is stretched and the axes of the wrist are in line.
     robot = load_robot("ur10e")
     planner = Planner(robot, Kinematics(robot), Clearance(robot))
-    start = {**robot.initial_state, **robot.named_state("ur_manipulator", "home")}
+    start = {**robot.initial_state, **robot.named_states["ur_manipulator"]["home"]}
     goal = Pose((0.4, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0))
     trajectory, fraction = planner.cartesian("ur_manipulator", [goal], start, eef_step=0.02)
     assert fraction == 1.0

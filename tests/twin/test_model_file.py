@@ -190,7 +190,7 @@ def test_the_gripper_is_found_by_its_tendon_and_presses_with_its_larger_box(arm)
 
 def test_keyframes_are_named_states_and_the_arm_begins_at_home(arm):
     home = {"shoulder": 0.5, "elbow": 1.0, "twist": 0.2, "reach": 0.02}
-    assert dict(arm.named_state("arm", "home")) == pytest.approx(home)
+    assert dict(arm.named_states["arm"]["home"]) == pytest.approx(home)
     assert arm.initial_state["elbow"] == 1.0
     assert arm.groups["arm"].tip_link in ("palm", "tool_site")
 

@@ -30,7 +30,7 @@ def free(panda: Robot) -> Twin:
 def go_to_state(twin: Twin, name: str):
     plan = twin.plan_joints(
         "panda_arm",
-        twin.robot.named_state("panda_arm", name),
+        twin.robot.named_states["panda_arm"][name],
         velocity_scaling=0.5,
         acceleration_scaling=0.5,
     )
@@ -48,7 +48,7 @@ def test_the_arm_stands_still_at_its_named_states(free: Twin, state: str):
     free.advance(free.time_ns + 2 * SECOND)
     after = free.joint_state()
     assert np.abs(np.array(after.position) - before).max() < 1e-5
-    wanted = free.robot.named_state("panda_arm", state)
+    wanted = free.robot.named_states["panda_arm"][state]
     for name, value in wanted.items():
         assert after.position[after.names.index(name)] == pytest.approx(value, abs=1e-3)
 
@@ -91,7 +91,7 @@ def test_a_motion_takes_as_long_as_its_trajectory(free: Twin):
 def test_the_arm_keeps_to_its_trajectory(free: Twin):
     plan = free.plan_joints(
         "panda_arm",
-        free.robot.named_state("panda_arm", "ready"),
+        free.robot.named_states["panda_arm"]["ready"],
         velocity_scaling=0.5,
         acceleration_scaling=0.5,
     )
@@ -107,7 +107,7 @@ def test_the_arm_keeps_to_its_trajectory(free: Twin):
 def test_no_joint_is_driven_beyond_its_rated_speed_or_torque(free: Twin, panda: Robot):
     plan = free.plan_joints(
         "panda_arm",
-        free.robot.named_state("panda_arm", "extended"),
+        free.robot.named_states["panda_arm"]["extended"],
         velocity_scaling=1.0,
         acceleration_scaling=1.0,
     )
@@ -248,7 +248,7 @@ def test_fingers_move_alike_and_reach_their_goal(free: Twin):
 
 
 def test_a_trajectory_of_the_fingers_moves_the_gripper(free: Twin):
-    open_hand = free.robot.named_state("hand", "open")
+    open_hand = free.robot.named_states["hand"]["open"]
     motion = free.follow(free.plan_joints("hand", open_hand))
     free.advance(FOREVER)
     assert (motion.outcome, motion.elements) == ("succeeded", ("panda_hand",))
@@ -318,7 +318,7 @@ def test_a_finger_that_is_pressed_on_its_stop_is_measured_there(panda: Robot, pr
 
 def test_planning_moves_nothing(free: Twin):
     before = free.joint_state()
-    free.plan_joints("panda_arm", free.robot.named_state("panda_arm", "ready"))
+    free.plan_joints("panda_arm", free.robot.named_states["panda_arm"]["ready"])
     free.inverse_kinematics("panda_arm", free.link_pose("panda_link8"))
     free.forward_kinematics({"panda_joint1": 1.0}, "panda_link8")
     assert free.joint_state() == before

@@ -56,11 +56,6 @@ def test_an_unknown_robot_is_named_with_those_there_are():
         load_robot("pand")
 
 
-def test_an_unknown_named_state_lists_those_there_are(panda: Robot):
-    with pytest.raises(RobotError, match=r"no named state 'redy'; did you mean 'ready'\?"):
-        panda.named_state("panda_arm", "redy")
-
-
 def test_an_unknown_group_lists_those_there_are(panda: Robot):
     with pytest.raises(RobotError, match=r"no planning group 'arm'.*panda_arm"):
         panda.group("arm")

@@ -13,7 +13,6 @@ from tracerisk.errors import LogError
 from tracerisk.twin.recording.samples import (
     SampleHeader,
     SampleWriter,
-    column_names,
     read_samples,
 )
 
@@ -46,13 +45,6 @@ def test_what_is_written_is_read(tmp_path: Path, n: int):
     assert samples.poses.tolist() == [[1.0, 2.0, 3.0]]
     assert samples.end_pose is not None
     assert samples.end_pose.tolist() == [4.0, 5.0, 6.0]
-
-
-def test_columns_have_names(tmp_path: Path):
-    assert list(column_names(HEADER)) == [
-        "step", "control:a", "control:b", "position:j1", "velocity:j1", "torque:j1", "force:p",
-    ]  # fmt: skip
-    assert len(column_names(HEADER)) == HEADER.width
 
 
 def test_rows_not_committed_are_not_read(tmp_path: Path):

@@ -146,10 +146,8 @@ def test_groups_states_and_collisions_are_those_of_the_srdf():
     assert tiny.groups["limb"].joints == ("shoulder", "elbow")
     assert tiny.groups["limb"].tip_link == "tool"
     assert set(tiny.groups["all"].joints) >= {"shoulder", "elbow", "left_finger_joint"}
-    assert dict(tiny.named_state("limb", "ready")) == {"shoulder": 0.4, "elbow": 2.0}, "in limits"
+    assert dict(tiny.named_states["limb"]["ready"]) == {"shoulder": 0.4, "elbow": 2.0}, "in limits"
     assert tiny.disabled_collisions == {("base", "upper")}
-    with pytest.raises(RobotError, match="no named state 'redy'; did you mean 'ready'"):
-        tiny.named_state("limb", "redy")
 
 
 def test_fingers_make_a_gripper_that_moves_as_its_first_joint():

@@ -405,9 +405,9 @@ def test_the_generic_arm_tells_each_name_that_it_assumes_once():
     robot = with_assumed_names(generic_arm(names_asked(b"")), told.append)
     assert robot.group("manipulator").joints == robot.groups["arm"].joints
     assert robot.group("left_hand").joints == robot.groups["gripper"].joints
-    first = dict(robot.named_state("manipulator", "over_the_table"))
-    assert first == dict(robot.named_state("manipulator", "over_the_table"))
-    assert first != dict(robot.named_state("manipulator", "behind"))
+    first = dict(robot.named_states["manipulator"]["over_the_table"])
+    assert first == dict(robot.named_states["manipulator"]["over_the_table"])
+    assert first != dict(robot.named_states["manipulator"]["behind"])
     assert len(told) == 4
     assert "over_the_table" in told[2]
 
@@ -418,7 +418,7 @@ def test_a_robot_of_a_file_tells_that_an_srdf_would_name_its_groups():
     parts = {name: group for name, group in tiny.groups.items() if name != "all"}
     tiny = replace(tiny, assumes_names=True, groups=parts)
     known = with_assumed_names(tiny, told.append)
-    assert dict(known.named_state("left_arm", "ready")) == dict(tiny.named_state("limb", "ready"))
+    assert dict(known.named_states["left_arm"]["ready"]) == dict(tiny.named_states["limb"]["ready"])
     assert told == [
         "planning group 'left_arm' is assumed to be the limb of the tiny robot, for it is not "
         "known; an SRDF beside its file would define it"

@@ -19,14 +19,6 @@ from tracerisk.quantify.outcome import ZERO, after, solve_hazard, with_digits
 from tracerisk.quantify.probability import survival_log
 
 
-def group_unit_probability(visits: Visits, redundancy: Redundancy) -> float:
-    """Return the one unit probability that stands for unequal units over the visits.
-
-    It is that of a mission which has these visits and no others: see `group_unit_probabilities`.
-    """
-    return group_unit_probabilities([FunctionUse(visits, len(visits))], redundancy)[0]
-
-
 @with_digits
 def group_unit_probabilities(
     functions: Sequence[FunctionUse], redundancy: Redundancy, missions: float = 1.0

@@ -229,3 +229,12 @@ def logic_models(draw, *, figures=None, plain_names=False):
         containers=tuple(containers),
         label=draw(texts),
     )
+
+
+def solved_tops(model, mission_time_h, *, common_cause=True):
+    """Return the probability of each top event for a mission, [h]."""
+    found = {}
+    for top in model.tops:
+        tree = model.fault_tree(top, common_cause=common_cause, mission_time_h=mission_time_h)
+        found[top] = tree.probability(tree.values_at(mission_time_h)).p
+    return found

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from tests.prm.formats.models import solved_tops
 from tracerisk.prm import build_model
 from tracerisk.prm.formats.conversion import logic_of_functions
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa
 from tracerisk.prm.formats.open_psa.rewriting import written_name
 from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
-from tracerisk.prm.logic.trees import solved_tops
 
 
 @pytest.fixture(scope="module")

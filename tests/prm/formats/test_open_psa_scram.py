@@ -6,11 +6,11 @@ import math
 
 import pytest
 
+from tests.prm.formats.models import solved_tops
 from tracerisk.errors import ModelError
 from tracerisk.prm import minimal_cut_sets, prime_implicants
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa, read_open_psa
 from tracerisk.prm.logic.event_trees import solved_event_trees
-from tracerisk.prm.logic.trees import solved_tops
 
 MISSION_H = 8760.0
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from tests.prm.formats.models import logic_models, ordered
+from tests.prm.formats.models import logic_models, ordered, solved_tops
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.event_trees.elements import (
     Branch,
@@ -42,7 +42,6 @@ from tracerisk.prm.logic.model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.logic.trees import solved_tops
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.gates import Gate, GateKind
 

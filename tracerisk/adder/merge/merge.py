@@ -109,24 +109,6 @@ def _edit_order(edit: HandEdit) -> tuple[str, int, str]:
     return (place.file, place.line or 0, edit.field)
 
 
-def merge_block(
-    base: WrittenBlock | None,
-    current: RiskBlock | None,
-    computed: RiskBlock | None,
-    *,
-    policy: MergePolicy,
-) -> RiskBlock | None:
-    """Return the block to write; `None` where there is to be none.
-
-    Raises:
-        EditInTheWayError: if a user edited a `=` value and the policy says "stop".
-    """
-    merged = merge(base, current, computed, policy=policy)
-    if in_the_way(merged.edits, policy):
-        raise edits_error(merged.edits)
-    return merged.block
-
-
 def in_the_way(edits: Iterable[HandEdit], policy: MergePolicy) -> tuple[HandEdit, ...]:
     """Return the edits for which nothing may be written.
 

@@ -40,7 +40,6 @@ from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.sandbox.fork_server import several_come
-from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -110,8 +109,7 @@ class Rounds:
         root = controller.root.resolve()
         script = controller.path.resolve()
         program = program_of(script, root, find_workspace(root))
-        ros = ros_version(script, root)
-        self._written = WrittenValues(project_top(controller.root), program, ros)
+        self._written = WrittenValues(project_top(controller.root), program)
         self._usable: dict[EntryKey, Draft] = {}
         self._cannot: dict[EntryKey, Draft] = {}
         self._places = 0

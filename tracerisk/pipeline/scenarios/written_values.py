@@ -57,10 +57,9 @@ class _Command:
 class WrittenValues:
     """The values written below `top`; those nearest to the controller `program` come first."""
 
-    def __init__(self, top: Path, program: Program, ros: int) -> None:
+    def __init__(self, top: Path, program: Program) -> None:
         self._top = top
         self._program = program
-        self._ros = ros
 
     def of(self, need: Need) -> Written | None:
         """Return the value that is written for a need, as its entry holds it; None for none.

@@ -3,8 +3,7 @@
 A literal is a node's number, negative for its complement.
 Node 1 is the constant that always happens; the events follow from 2 on, then the ANDs, each after
 its arguments.
-An OR is the complement of an AND of complements, so that the graph needs one kind of gate; see
-`LogicGraph.normal_form` for the reading as ANDs and ORs over signed events.
+An OR is the complement of an AND of complements, so that the graph needs one kind of gate.
 """
 
 from __future__ import annotations
@@ -43,13 +42,6 @@ class LogicGraph:
     def event(self, literal: int) -> str:
         """Return the name of the event of a literal."""
         return self.events[abs(literal) - FIRST_EVENT]
-
-    def normal_form(self, literal: int) -> tuple[GateKind, tuple[int, ...]]:
-        """Return the literal of an AND as the gate that it is: AND, or OR of complements."""
-        arguments = self.arguments[abs(literal)]
-        if literal > 0:
-            return GateKind.AND, arguments
-        return GateKind.OR, tuple(-argument for argument in arguments)
 
     def with_constants(self, constants: Mapping[int, int]) -> LogicGraph:
         """Return the graph in which each node of `constants` is TRUE or FALSE, as they say."""

@@ -36,8 +36,6 @@ from tracerisk.prm.expressions.arithmetic import FUNCTIONS
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.linked.links import Absorption, Occupancy, TopEvent
 
-_Terms = tuple[Expression, ...]
-
 _FORMS: dict[str, Callable[[float], Any]] = {"float": float, "int": int, "bool": bool}
 
 _OPERATIONS: dict[str, type[Any]] = {

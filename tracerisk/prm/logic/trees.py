@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -155,18 +155,3 @@ def _substituted(model: LogicModel, top: str, gates: dict[str, Gate]) -> str:
 
 def _target(target: str | bool) -> str:
     return target if isinstance(target, str) else ALWAYS if target else NEVER
-
-
-def solved_tops(
-    model: LogicModel, mission_time_h: float, *, common_cause: bool = True
-) -> Mapping[str, float]:
-    """Return the probability of each top for a mission, [h].
-
-    Raises ModelError when an event has no figure or one that cannot be evaluated, TooLargeError
-    when a tree outgrows every budget.
-    """
-    found = {}
-    for top in model.tops:
-        tree = model.fault_tree(top, common_cause=common_cause, mission_time_h=mission_time_h)
-        found[top] = tree.probability(tree.values_at(mission_time_h)).p
-    return found

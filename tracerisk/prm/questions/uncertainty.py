@@ -123,21 +123,6 @@ class Uncertainty:
         return self.greatest_share <= max(MOST_OF_GREATEST, FEW / self.samples)
 
 
-def latin_hypercube(count: int, names: tuple[str, ...], seed: int) -> dict[str, Samples]:
-    """Return uniform numbers within (0, 1), one in each of `count` equal strata, for each name.
-
-    The numbers of a name follow from the seed and the name alone, so that another parameter
-    changes none of them (McKay, Beckman and Conover, Technometrics 21 (1979)).
-    Raises ModelError when `count` is below 2.
-    """
-    from tracerisk.prm.expressions import LatinHypercube
-
-    if count < 2:
-        raise ModelError(f"{count} samples; give at least 2")
-    draws = LatinHypercube(count, seed)
-    return {name: draws.uniform(f"parameter:{name}:0") for name in names}
-
-
 def propagate(
     model: HybridModel,
     *,

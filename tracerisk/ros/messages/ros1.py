@@ -24,7 +24,6 @@ from tracerisk.ros.messages.ros1_base import (
     MessageException,
     SerializationError,
 )
-from tracerisk.ros.messages.ros1_wire import WRITE_FAILURES, encode
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc, Typesdict
@@ -37,7 +36,6 @@ __all__ = [
     "MessageException",
     "SerializationError",
     "Service",
-    "check_message",
 ]
 
 INTERFACES = Path(__file__).parent / "interfaces"
@@ -364,17 +362,3 @@ class Interfaces:
 
 def _short_reference(name: str) -> str:
     return _TIMES.get(name, name.replace("/msg/", "/"))
-
-
-def check_message(message: Message) -> None:
-    """Check that a message can be sent.
-
-    What the real library would send passes: numpy's numbers and arrays, tuples for lists.
-
-    Raises:
-        SerializationError: the first field that does not fit, as `field pose.x must be ...`.
-    """
-    try:
-        encode(message)
-    except WRITE_FAILURES as error:
-        message._check_types(error)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import mmap
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -303,15 +302,3 @@ def _floats(path: Path) -> Array:
     except OSError as cause:
         raise LogError(f"cannot be read: {cause.strerror}", Location(str(path))) from cause
     return np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
-
-
-def column_names(header: SampleHeader) -> Sequence[str]:
-    """Return the name of each column of `samples.bin`, in order."""
-    return (
-        "step",
-        *(f"control:{name}" for name in header.controls),
-        *(f"position:{name}" for name in header.joints),
-        *(f"velocity:{name}" for name in header.joints),
-        *(f"torque:{name}" for name in header.joints),
-        *(f"force:{name}" for name in header.pads),
-    )

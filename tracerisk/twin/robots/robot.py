@@ -282,17 +282,6 @@ class Robot:
             f"{one_of((gripper.name for gripper in self.grippers), name)}"
         )
 
-    def named_state(self, group: str, state: str) -> Mapping[str, float]:
-        """Return the joint positions of a named state; raise RobotError listing those there are."""
-        self.group(group)
-        states = self.named_states.get(group, {})
-        if state not in states:
-            raise RobotError(
-                f"group '{group}' of robot '{self.name}' has no named state '{state}'; "
-                f"{one_of(states, state)}"
-            )
-        return states[state]
-
 
 def robot_names() -> tuple[str, ...]:
     """Return the names of the shipped robots, sorted."""

@@ -35,7 +35,6 @@ _BEFORE_BODY = frozenset(
     | {"_SELECT", "_ARROW", "_IF", "_ELSE", "NOT", "_QUESTION", "_DEFAULT", "OPEN_SQUARE"}
 )
 _OPENING = {"_OPEN": "_CLOSE", "OPEN_ROUND": "_CLOSE_ROUND", "OPEN_SQUARE": "_CLOSE_SQUARE"}
-_CLOSING = frozenset(_OPENING.values())
 
 
 class Piece(Token):
