@@ -271,9 +271,11 @@ def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(e
 
 def test_each_folder_of_a_large_project_is_looked_at_once(tmp_path, monkeypatch):
     listed, read = [], []
-    text_of, names_in = libraries._text, libraries.names_in
+    text_of, names_in = libraries.read_or_nothing, libraries.names_in
     monkeypatch.setattr(libraries, "names_in", lambda each: listed.append(each) or names_in(each))
-    monkeypatch.setattr(libraries, "_text", lambda each: read.append(each) or text_of(each))
+    monkeypatch.setattr(
+        libraries, "read_or_nothing", lambda each: read.append(each) or text_of(each)
+    )
     (tmp_path / "package.xml").touch()
     package = tmp_path / "parts"
     package.mkdir()

@@ -10,8 +10,9 @@ from tracerisk.adder.blocks.values import component_fields
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.editor.figures import ControllerFigures, UnitUse
 from tracerisk.editor.outline import Outline
-from tracerisk.prm.hybrid.assessment import ComponentContribution, StateAssessment
+from tracerisk.prm.hybrid.assessment import StateAssessment
 from tracerisk.prm.review.model_parts import component_of
+from tracerisk.report.functions_table import units_needed
 from tracerisk.report.tables import counted, share_text
 from tracerisk.trace import QualifiedName, verdict_line
 
@@ -99,7 +100,7 @@ def _components(figures: ControllerFigures, state: StateAssessment) -> Iterator[
         use = figures.use(state.name, component_of(each.name))
         cells = (
             _plain(each.name),
-            _needed(each),
+            units_needed(each),
             f"{each.probability:.3g}",
             "-" if use is None else use_text(use),
             share_text(part),
@@ -120,11 +121,6 @@ def use_text(use: UnitUse) -> str:
     )
     told = ", ".join(f"{what} {seconds:.1f} s" for what, seconds in times if seconds)
     return f"{_plain(use.unit)}: {told or 'not in use'}"
-
-
-def _needed(component: ComponentContribution) -> str:
-    required = "?" if component.required is None else component.required
-    return f"{required} of {component.units}"
 
 
 def closing_lines(figures: ControllerFigures) -> Iterator[str]:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator
 
+from tracerisk.source.dotted_names import last_name
+
 MARKER = "__tracerisk_looped__"
 """The name of the marker in instrumented code; not mangled in classes, hidden from `*`."""
 
@@ -77,13 +79,7 @@ def _holds(test: ast.expr) -> bool:
 
 
 def _is_call_of(node: ast.expr, names: Iterable[str]) -> bool:
-    return isinstance(node, ast.Call) and _last_name(node.func) in names
-
-
-def _last_name(node: ast.expr | None) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
+    return isinstance(node, ast.Call) and last_name(node.func) in names
 
 
 def _leaves(body: Iterable[ast.AST], *, inner: bool) -> bool:
@@ -96,7 +92,7 @@ def _leaves_by(node: ast.AST, *, inner: bool) -> bool:
         return False
     if isinstance(node, ast.Return) or (isinstance(node, ast.Break) and not inner):
         return True
-    if isinstance(node, ast.Call) and _last_name(node.func) in _EXITS:
+    if isinstance(node, ast.Call) and last_name(node.func) in _EXITS:
         return True
     if isinstance(node, ast.ExceptHandler) and _names(node.type) & _INTERRUPTIONS:
         return False
@@ -117,4 +113,4 @@ def _is_over(test: ast.expr) -> bool:
 def _names(node: ast.expr | None) -> set[str]:
     if isinstance(node, ast.Tuple):
         return {name for each in node.elts for name in _names(each)}
-    return {_last_name(node)}
+    return {last_name(node)}

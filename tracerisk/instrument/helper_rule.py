@@ -99,7 +99,7 @@ def helper_rule(
         for frame in stack
         if frame.instance is not None
     }
-    calls = _Calls.of({_call_path(stack) for stack in stacks})
+    calls = _Calls.of({call_path(stack) for stack in stacks})
     named_states = frozenset(f for f in calls.functions if f.name in states)
     named_helpers = frozenset(f for f in calls.functions if f.name in helpers)
     found = set(named_helpers)
@@ -112,10 +112,10 @@ def helper_rule(
         undecided = [f for f in undecided if f not in more]
 
 
-_CallPath = tuple[tuple[FunctionRef, Site, str | None], ...]
+CallPath = tuple[tuple[FunctionRef, Site, str | None], ...]
 
 
-def _call_path(stack: Sequence[Frame]) -> _CallPath:
+def call_path(stack: Sequence[Frame]) -> CallPath:
     """Return what the rules look at; equal for the many commands of a loop."""
     return tuple((frame.function, frame.site, frame.root) for frame in stack)
 
@@ -133,7 +133,7 @@ class _Calls:
     call_sites: dict[FunctionRef, set[tuple[FunctionRef, Site]]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, paths: set[_CallPath]) -> _Calls:
+    def of(cls, paths: set[CallPath]) -> _Calls:
         calls = cls()
         edges: dict[FunctionRef, set[FunctionRef]] = {}
         for path in paths:
@@ -153,7 +153,7 @@ class _Calls:
         calls.functions = set(edges)
         return calls
 
-    def _add(self, path: _CallPath, component: dict[FunctionRef, int]) -> None:
+    def _add(self, path: CallPath, component: dict[FunctionRef, int]) -> None:
         last, site, _ = path[-1]
         self.command_sites.setdefault(last, set()).add(site)
         for (caller, site, root), (callee, _, _) in itertools.pairwise(path):

@@ -270,10 +270,10 @@ NEAR = 0.02
 """Goals are the same whose values differ by no more [rad or m]."""
 
 
-def is_near(goal: Sequence[float], other: Sequence[float]) -> bool:
-    """Return whether two goals are the same: as many values, each within `NEAR`."""
+def is_near(goal: Sequence[float], other: Sequence[float], within: float = NEAR) -> bool:
+    """Return whether two goals are the same: as many values, each `within` the other's."""
     return len(goal) == len(other) and all(
-        abs(one - two) <= NEAR for one, two in zip(goal, other, strict=True)
+        abs(one - two) <= within for one, two in zip(goal, other, strict=True)
     )
 
 

@@ -5,8 +5,9 @@ Each name is imported when it is first used, so that who needs one stage waits f
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from tracerisk.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.results.explanation import explain as explain
@@ -43,18 +44,17 @@ __all__ = [
     "trace_controller",
 ]
 
-_HOMES = {
-    "Controller": "workspace.controller",
-    "load_controller": "workspace.controller",
-    "explain": "results.explanation",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in __all__:
-        raise AttributeError(f"module 'tracerisk.pipeline' has no attribute '{name}'")
-    home = _HOMES.get(name, "stages")
-    return getattr(import_module(f"tracerisk.pipeline.{home}"), name)
+__getattr__ = on_demand(
+    __name__,
+    {
+        "results.explanation": "explain",
+        "stages": (
+            "Annotated annotate at_annotated_lines build check_blocks hand_set load_hardware "
+            "load_robot load_settings solve strip trace_controller"
+        ),
+        "workspace.controller": "Controller load_controller",
+    },
+)
 
 
 def __dir__() -> list[str]:

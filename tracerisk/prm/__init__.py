@@ -1,7 +1,8 @@
 """The probabilistic risk model: fault trees, Markov chains, their link, and solving them."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from tracerisk.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.prm.bayes.network import BayesianNetwork, Given
@@ -88,67 +89,30 @@ __all__ = [
     "solve",
 ]
 
-_ON_DEMAND = (
+__getattr__ = on_demand(
+    __name__,
     {
-        "FIGURE_STATEMENT": "hybrid.assessment",
-        "Assessment": "hybrid.assessment",
-        "BasicEvent": "trees.fault_tree",
-        "BayesianNetwork": "bayes.network",
-        "CommonCauseGroup": "trees.common_cause",
-        "CommonCauseLaw": "trees.common_cause",
-        "ContinuousChain": "markov.continuous",
-        "CutSet": "cut_sets",
-        "CutSets": "cut_sets",
-        "EventTree": "event_trees.event_tree",
-        "FaultTree": "trees.fault_tree",
-        "FunctionState": "hybrid.hybrid",
-        "Gate": "trees.gates",
-        "GateKind": "trees.gates",
-        "Given": "bayes.network",
-        "HybridModel": "hybrid.hybrid",
-        "LinkedModel": "linked",
-        "MarkovChain": "markov",
-        "NextStep": "hybrid.hybrid",
-        "PairImportance": "questions.pair_importance",
-        "Parameter": "hybrid.hybrid",
-        "build_model": "hybrid.from_blocks",
-        "expand_common_cause": "trees.common_cause",
-        "failure_probabilities": "questions.sampled_mission",
-        "minimal_cut_sets": "cut_sets",
-        "pair_importances": "questions.pair_importance",
-        "prime_implicants": "cut_sets",
-        "solve": "hybrid.solve",
-    }
-    | dict.fromkeys(
-        (
-            "GLM",
-            "Constant",
-            "Erlang",
-            "Exponential",
-            "Lognormal",
-            "PerDemand",
-            "PeriodicTest",
-            "Weibull",
+        "bayes.network": "BayesianNetwork Given",
+        "cut_sets": "CutSet CutSets minimal_cut_sets prime_implicants",
+        "dynamic": (
+            "Dependency DynamicEvent DynamicGate DynamicKind DynamicTree Restriction "
+            "RestrictionKind"
         ),
-        "trees.failure_models",
-    )
-    | dict.fromkeys(
-        (
-            "Dependency",
-            "DynamicEvent",
-            "DynamicGate",
-            "DynamicKind",
-            "DynamicTree",
-            "Restriction",
-            "RestrictionKind",
+        "event_trees.event_tree": "EventTree",
+        "hybrid.assessment": "Assessment FIGURE_STATEMENT",
+        "hybrid.from_blocks": "build_model",
+        "hybrid.hybrid": "FunctionState HybridModel NextStep Parameter",
+        "hybrid.solve": "solve",
+        "linked": "LinkedModel",
+        "markov": "MarkovChain",
+        "markov.continuous": "ContinuousChain",
+        "questions.pair_importance": "PairImportance pair_importances",
+        "questions.sampled_mission": "failure_probabilities",
+        "trees.common_cause": "CommonCauseGroup CommonCauseLaw expand_common_cause",
+        "trees.failure_models": (
+            "Constant Erlang Exponential GLM Lognormal PerDemand PeriodicTest Weibull"
         ),
-        "dynamic",
-    )
+        "trees.fault_tree": "BasicEvent FaultTree",
+        "trees.gates": "Gate GateKind",
+    },
 )
-"""The module of each name, imported when the name is first used."""
-
-
-def __getattr__(name: str) -> object:
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_ON_DEMAND[name]}"), name)

@@ -92,7 +92,7 @@ def _rows(
             row(
                 "",
                 Padding(Text(component.name), (0, 0, 0, 2)),
-                _needed(component),
+                units_needed(component),
                 _active(exposures, state.name, component),
                 (f"{component.contribution:.2e}", "", ""),
                 share * part,
@@ -105,7 +105,8 @@ def _rows(
     return rows
 
 
-def _needed(component: ComponentContribution) -> str:
+def units_needed(component: ComponentContribution) -> str:
+    """Return how many units must work, of how many."""
     required = "?" if component.required is None else component.required
     return f"{required} of {component.units}"
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
+from tracerisk.source.dotted_names import dotted_name, last_name
 from tracerisk.source.named_literals import with_named_literals
 
 _DEEPEST = 3  # of functions to which a value is handed on
@@ -91,11 +92,13 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
 
 def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]:
     """Yield the calls that made what is started by one of `calls`: `server.start()`."""
-    owners = {_dotted(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)}
+    owners = {
+        dotted_name(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)
+    }
     for node in ast.walk(tree):
         if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
             continue
-        if owners & {_dotted(each) for each in node.targets} - {""}:
+        if owners & {dotted_name(each) for each in node.targets} - {""}:
             yield node.value
 
 
@@ -123,7 +126,8 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
             for each in ast.walk(tree)
             if isinstance(each, ast.Compare | ast.Match)
             for subject, value in _comparisons(refused.get(id(each), each))
-            if subject is not None and (_bare(subject) is node or _dotted(_bare(subject)) in names)
+            if subject is not None
+            and (_bare(subject) is node or dotted_name(_bare(subject)) in names)
         ]
         if found:
             return tuple(dict.fromkeys(found))
@@ -166,7 +170,7 @@ def used_as(place: Location | None, call: str) -> str:
         for kind in ("int", "float", "str"):
             if kind in casts:
                 return kind
-        is_it = lambda each: each is node or _dotted(each) in names  # noqa: B023, E731
+        is_it = lambda each: each is node or dotted_name(each) in names  # noqa: B023, E731
         for each in ast.walk(tree):
             found = _use(each, is_it)
             if found:
@@ -287,10 +291,10 @@ def _flow(
             path = _path(node.value, known)
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             for target in targets:
-                if path is not None and _dotted(target):
-                    known[_dotted(target)] = path
+                if path is not None and dotted_name(target):
+                    known[dotted_name(target)] = path
                     if isinstance(target, ast.Attribute):
-                        kept[_dotted(target)] = path
+                        kept[dotted_name(target)] = path
     for node in ast.walk(function):
         _compare(node, known, found)
         if isinstance(node, ast.Call) and depth < _DEEPEST:
@@ -402,7 +406,7 @@ def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ..
     bare = _bare(node)
     names: list[str] = []
     while True:
-        dotted = _dotted(bare)
+        dotted = dotted_name(bare)
         if dotted in known:
             rest = tuple(reversed(names))
             path = (*known[dotted], *rest)
@@ -412,20 +416,6 @@ def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ..
             return None
         names.append(bare.attr)
         bare = bare.value
-
-
-def _dotted(node: ast.AST) -> str:
-    if isinstance(node, ast.Attribute):
-        inner = _dotted(node.value)
-        return f"{inner}.{node.attr}" if inner else ""
-    return node.id if isinstance(node, ast.Name) else ""
-
-
-def last_name(node: ast.AST) -> str:
-    """Return the last part of a dotted name; empty for what is none."""
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
 
 
 def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
@@ -438,9 +428,9 @@ def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
             if value is None or all(each is not call for each in ast.walk(value)):
                 continue
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names |= {_dotted(each) for each in targets if _dotted(each)}
+            names |= {dotted_name(each) for each in targets if dotted_name(each)}
         if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
             inner = node.args[0]
-            if any(each is call for each in ast.walk(inner)) or _dotted(inner) in names:
+            if any(each is call for each in ast.walk(inner)) or dotted_name(inner) in names:
                 casts.add(last_name(node.func))
     return names, casts

@@ -6,6 +6,8 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 
+from tracerisk.source.dotted_names import dotted_name
+
 
 def with_named_literals(tree: ast.Module) -> ast.Module:
     """Return the tree with literals where it compares with, or looks up in, a name given once.
@@ -23,9 +25,9 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-                values[_dotted(target)] = node.value
+                values[dotted_name(target)] = node.value
         if isinstance(node, ast.Name | ast.Attribute) and not isinstance(node.ctx, ast.Load):
-            given[_dotted(node)] += 1
+            given[dotted_name(node)] += 1
         if isinstance(node, ast.arg):
             given[node.arg] += 1
     for name, short, value in _in_classes(tree):
@@ -83,7 +85,7 @@ class _Inlined(ast.NodeTransformer):
         return node
 
     def _mapping(self, node: ast.expr) -> ast.expr:
-        found = self._named.get(_dotted(node))
+        found = self._named.get(dotted_name(node))
         if not isinstance(found, ast.Dict):
             return node
         return ast.Dict(self._keys(found), found.values)
@@ -96,17 +98,10 @@ class _Inlined(ast.NodeTransformer):
         named = node
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not node.args:
             named = node.func.value if node.func.attr == "keys" else node
-        found = self._named.get(_dotted(named), node)
+        found = self._named.get(dotted_name(named), node)
         if isinstance(found, ast.Dict):
             parts = [each for each in self._keys(found) if isinstance(each, ast.Constant)]
             return ast.List(list(parts), ast.Load())
         if isinstance(found, ast.List | ast.Tuple | ast.Set):
             return ast.List([self._value(each) for each in found.elts], ast.Load())
         return found
-
-
-def _dotted(node: ast.AST) -> str:
-    if isinstance(node, ast.Attribute):
-        inner = _dotted(node.value)
-        return f"{inner}.{node.attr}" if inner else ""
-    return node.id if isinstance(node, ast.Name) else ""

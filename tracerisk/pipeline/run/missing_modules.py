@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
 from tracerisk.pipeline.workspace.controller import load_controller
-from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.ros.imports.vendor_libraries import remedy
 from tracerisk.source.python_2 import python_2_hint, walk_with_guards
 from tracerisk.source.python_source import parse_source
@@ -36,7 +36,7 @@ class MissingModules:
         files = self._files()
         for path in files:
             shown = self._shown(path)
-            hint = python_2_hint(_read(path), shown) or _unreadable(path, shown)
+            hint = python_2_hint(source_bytes(path), shown) or _unreadable(path, shown)
             if hint is not None:
                 return hint
         top = failed.partition(".")[0]
@@ -45,7 +45,7 @@ class MissingModules:
 
     def python_2(self) -> str | None:
         """Return the hint where the script or one of its own modules is Python 2."""
-        hints = (python_2_hint(_read(path), self._shown(path)) for path in self._files())
+        hints = (python_2_hint(source_bytes(path), self._shown(path)) for path in self._files())
         return next((hint for hint in hints if hint is not None), None)
 
     def _shown(self, path: Path) -> str:
@@ -63,7 +63,7 @@ class MissingModules:
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         for path in files:
             try:
-                tree = ast.parse(_read(path))
+                tree = ast.parse(source_bytes(path))
             except (SyntaxError, ValueError, RecursionError):
                 continue
             for node, is_guarded in walk_with_guards(tree):
@@ -76,7 +76,7 @@ class MissingModules:
 def _unreadable(path: Path, shown: str) -> str | None:
     """Return what keeps a source from being parsed, `None` for nothing."""
     try:
-        parse_source(_read(path), shown)
+        parse_source(source_bytes(path), shown)
     except SourceError as error:
         return str(error)
     return None
@@ -123,10 +123,3 @@ _ENVIRONMENT = "the environment in which tracerisk runs"
 def _listed(names: Sequence[str]) -> str:
     quoted = [f"'{name}'" for name in names]
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError:
-        return b""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recording import Recorder, is_near
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import CYCLE, MISSION_END
 from tracerisk.ros.scenario.schedule import Schedule
@@ -115,7 +115,7 @@ class RunWatch:
             is_another = not current.ways or current.ways[-1] != way
             if is_another:
                 current.ways.append(way)
-            if is_another or not _are_near(current.goals[-1], tuple(goal)):
+            if is_another or not is_near(current.goals[-1], goal, _SAME_GOAL):
                 current.goals.append(tuple(goal))
         self._iteration_of[command_id] = [loop.current for loop in loops]
 
@@ -273,12 +273,7 @@ def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> 
 
 def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
     return _has_same_ways(cycle, other) and all(
-        len(one.goals) == len(two.goals) and all(map(_are_near, one.goals, two.goals))
+        len(one.goals) == len(two.goals)
+        and all(is_near(*goals, _SAME_GOAL) for goals in zip(one.goals, two.goals, strict=True))
         for one, two in zip(cycle, other, strict=True)
-    )
-
-
-def _are_near(goal: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    return len(goal) == len(other) and all(
-        abs(one - two) <= _SAME_GOAL for one, two in zip(goal, other, strict=True)
     )

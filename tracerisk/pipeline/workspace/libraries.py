@@ -28,7 +28,7 @@ from tracerisk.adder.sources.definitions import definitions, parse_python
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.limits import is_secret
-from tracerisk.pipeline.workspace.console_scripts import console_scripts
+from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
 from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
 from tracerisk.text.patterns import pattern
@@ -154,11 +154,11 @@ class Libraries:
     def _names_imported(self, file: Path) -> frozenset[tuple[int, tuple[str, ...]]]:
         """Return what a file names in its imports: the level of a relative one, and its parts."""
         if file not in self._named:
-            self._named[file] = frozenset(_named(_text(file)))
+            self._named[file] = frozenset(_named(read_or_nothing(file)))
         return self._named[file]
 
     def _is_program(self, path: Path) -> bool:
-        if _STARTS.search(_text(path)) is not None:
+        if _STARTS.search(read_or_nothing(path)) is not None:
             return True
         return path.stem in self._commands(controller_root(path))
 
@@ -222,10 +222,3 @@ def _begins_as_script(path: Path) -> bool:
             return re.match(rb"#!.*python", stream.readline(200)) is not None
     except OSError:
         return False
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""

@@ -16,6 +16,7 @@ from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
 from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.ros.controller.needs import Missed, Need
+from tracerisk.source.dotted_names import last_name
 from tracerisk.source.ros_version import ros_version
 
 _SIGNATURES: dict[int, dict[str, Signature]] = {
@@ -102,9 +103,9 @@ def _types(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 def _expression(call: ast.Call, signatures: Mapping[str, Signature]) -> str:
     """Return the expression that stands where a name would, in brackets."""
-    position = signatures[_last_name(call.func)].name
+    position = signatures[last_name(call.func)].name
     if position >= len(call.args):
-        return "(no name)" if _last_name(call.func) != "input" else "(no prompt)"
+        return "(no name)" if last_name(call.func) != "input" else "(no prompt)"
     text = ast.unparse(call.args[position])
     return f"({text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'})"
 
@@ -154,7 +155,7 @@ def _of_argparse(tree: ast.AST, top: Path) -> Iterator[CommandLine]:
     options = [
         _Option.read(node)
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and _last_name(node.func) in ("add_argument", "option")
+        if isinstance(node, ast.Call) and last_name(node.func) in ("add_argument", "option")
     ]
     needed = [word for each in options if each.is_needed for word in each.words]
     # Of a group of which one must be given, the first.
@@ -208,7 +209,7 @@ class _Option:
         kind = given.get("type")
         kind = kind.func if isinstance(kind, ast.Call) else kind
         # The caller needs no file where there is a default or a list of choices.
-        is_file = is_read(called, "" if kind is None else _last_name(kind)) and value == (
+        is_file = is_read(called, "" if kind is None else last_name(kind)) and value == (
             names[-1].strip("-") if names else ""
         )
         is_needed = bool(needed and names and not has_default)
@@ -222,7 +223,7 @@ def _argument_value(names: list[str], given: dict[str | None, ast.expr]) -> str:
     default = _value(given.get("default"))
     if default is not None and not isinstance(default, bool | list | tuple | dict):
         return str(default)
-    kind = _last_name(given["type"]) if "type" in given else "str"
+    kind = last_name(given["type"]) if "type" in given else "str"
     return {"int": "1", "float": "0.1", "bool": "true"}.get(kind) or names[-1].strip("-")
 
 
@@ -231,7 +232,7 @@ def _required_groups(tree: ast.AST) -> set[str]:
         ast.unparse(target)
         for node in ast.walk(tree)
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-        if _last_name(node.value.func) == "add_mutually_exclusive_group"
+        if last_name(node.value.func) == "add_mutually_exclusive_group"
         if any(k.arg == "required" and _value(k.value) is True for k in node.value.keywords)
         for target in node.targets
     }
@@ -280,9 +281,3 @@ def _value(node: ast.expr | None) -> Any:
         return ast.literal_eval(node)
     except (ValueError, TypeError, SyntaxError, RecursionError):
         return None
-
-
-def _last_name(node: ast.expr) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""

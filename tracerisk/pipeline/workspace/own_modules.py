@@ -31,7 +31,7 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
         if path in found or path == script or not path.is_relative_to(top):
             continue
         found[path] = None
-        waiting += _imported(_parsed(_read(path)), path, bases)
+        waiting += _imported(_parsed(source_bytes(path)), path, bases)
     return tuple(found)
 
 
@@ -41,7 +41,9 @@ def with_own_modules(controller: Controller) -> Controller:
     For those who look for names of joints, groups and robots in it; it is not the one that runs.
     """
     texts = [_text(controller.source)]
-    texts += [_text(source) for source in map(_read, own_modules(controller)) if _parsed(source)]
+    texts += [
+        _text(source) for source in map(source_bytes, own_modules(controller)) if _parsed(source)
+    ]
     # Two lines before it, so that no line is taken for a declaration of the encoding.
     source = "\n\n".join(("", *texts, "")).encode()
     return replace(controller, source=source) if _parsed(source) else controller
@@ -109,7 +111,8 @@ def module_files(
             return
 
 
-def _read(path: Path) -> bytes:
+def source_bytes(path: Path) -> bytes:
+    """Return what a file holds, nothing where it cannot be read."""
     try:
         return path.read_bytes()
     except OSError:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.ros.controller.needs import Need, NeedKind
+from tracerisk.source.dotted_names import last_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,17 +101,11 @@ def named_calls(
         name = _text(_argument(node, signature.name, signature.names), texts, declared)
         position = signature.type
         kind = None if position is None else _argument(node, position, signature.types)
-        yield signature.kind, name, "" if kind is None else _last_name(kind), node
+        yield signature.kind, name, "" if kind is None else last_name(kind), node
 
 
 def _called(call: ast.Call) -> str:
-    return _last_name(call.func)
-
-
-def _last_name(node: ast.expr) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
+    return last_name(call.func)
 
 
 def _argument(call: ast.Call, position: int, keywords: tuple[str, ...]) -> ast.expr | None:
@@ -134,7 +129,7 @@ def _constants(tree: ast.Module) -> dict[str, str]:
         else:
             continue
         for target in targets:
-            given.setdefault(_last_name(target), set()).add(_literal(value, declared))
+            given.setdefault(last_name(target), set()).add(_literal(value, declared))
     return {
         name: next(iter(texts))
         for name, texts in given.items()
@@ -178,7 +173,7 @@ def _constant(node: ast.expr | None) -> str:
 def _text(node: ast.expr | None, texts: dict[str, str], declared: dict[str, str]) -> str:
     if node is None:
         return ""
-    return _literal(node, declared) or texts.get(_last_name(node), "")
+    return _literal(node, declared) or texts.get(last_name(node), "")
 
 
 def _names(written: str, full: str) -> bool:

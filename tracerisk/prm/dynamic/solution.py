@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from tracerisk.prm.dynamic.elements import DynamicEvent
 from tracerisk.prm.dynamic.tree import DynamicGroup, DynamicTree
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.probability import Probability, worth
 from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential
 from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
@@ -83,9 +82,9 @@ class DynamicSolution:
                     name=event.name,
                     probability=event.model.probability(self.mission_time_h).p,
                     fussell_vesely=share / total if total > 0.0 else 0.0,
-                    risk_reduction_worth=_ratio(total, without),
-                    risk_achievement_worth=_ratio(failed, total),
-                    tenfold=_ratio(tenfold, total),
+                    risk_reduction_worth=worth(total, without),
+                    risk_achievement_worth=worth(failed, total),
+                    tenfold=worth(tenfold, total),
                 )
             )
         rows.sort(key=lambda row: (-abs(row.fussell_vesely), -row.tenfold, row.name))
@@ -134,9 +133,3 @@ def _tenfold(model: FailureModel) -> FailureModel | None:
     if hasattr(model, "p"):
         return Constant(min(10.0 * model.probability(0.0).p, 1.0))
     return None
-
-
-def _ratio(above: float, below: float) -> float:
-    if below > 0.0:
-        return above / below
-    return math.inf if above > 0.0 else 1.0

@@ -5,8 +5,9 @@ It has one point value, in which a deviate stands for its mean, and can be sampl
 Names and semantics follow the Open-PSA Model Exchange Format 2.0d.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from tracerisk.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.arithmetic import (
@@ -71,42 +72,19 @@ __all__ = [
     "sample",
 ]
 
-_ON_DEMAND = {
-    "BetaDeviate": "deviates",
-    "Call": "arithmetic",
-    "Definitions": "evaluation",
-    "Deviate": "deviates",
-    "Difference": "arithmetic",
-    "Evaluation": "evaluation",
-    "Exponential": "laws",
-    "Expression": "node",
-    "ExpressionModel": "evaluation",
-    "GammaDeviate": "deviates",
-    "Glm": "laws",
-    "Histogram": "deviates",
-    "LatinHypercube": "sampling",
-    "LognormalDeviate": "deviates",
-    "MissionTime": "node",
-    "Negation": "arithmetic",
-    "NormalDeviate": "deviates",
-    "Number": "node",
-    "PeriodicTest": "laws",
-    "Product": "arithmetic",
-    "Quotient": "arithmetic",
-    "Reference": "node",
-    "Sampling": "sampling",
-    "Sum": "arithmetic",
-    "UniformDeviate": "deviates",
-    "Weibull": "laws",
-    "depends_on_mission_time": "evaluation",
-    "evaluate": "evaluation",
-    "references": "evaluation",
-    "sample": "sampling",
-}
-"""The module of each name, imported when the name is first used."""
-
-
-def __getattr__(name: str) -> object:
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_ON_DEMAND[name]}"), name)
+__getattr__ = on_demand(
+    __name__,
+    {
+        "arithmetic": "Call Difference Negation Product Quotient Sum",
+        "deviates": (
+            "BetaDeviate Deviate GammaDeviate Histogram LognormalDeviate NormalDeviate "
+            "UniformDeviate"
+        ),
+        "evaluation": (
+            "Definitions Evaluation ExpressionModel depends_on_mission_time evaluate references"
+        ),
+        "laws": "Exponential Glm PeriodicTest Weibull",
+        "node": "Expression MissionTime Number Reference",
+        "sampling": "LatinHypercube Sampling sample",
+    },
+)

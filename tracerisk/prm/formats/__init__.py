@@ -1,7 +1,8 @@
 """The formats in which models and assessments leave and enter."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from tracerisk.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
@@ -9,15 +10,10 @@ if TYPE_CHECKING:
 
 __all__ = ["assessment_to_json", "dumps", "loads"]
 
-_ON_DEMAND = {
-    "assessment_to_json": "assessment_json",
-    "dumps": "model_json",
-    "loads": "model_json",
-}
-"""The module of each name, imported when the name is first used."""
-
-
-def __getattr__(name: str) -> object:
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_ON_DEMAND[name]}"), name)
+__getattr__ = on_demand(
+    __name__,
+    {
+        "assessment_json": "assessment_to_json",
+        "model_json": "dumps loads",
+    },
+)

@@ -14,6 +14,7 @@ from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
+from tracerisk.prm.formats.json_parts import gate_to_json, schema_of
 from tracerisk.prm.formats.linked_values import read_value, value_to_json
 from tracerisk.prm.linked.elements import (
     UNITS,
@@ -39,11 +40,7 @@ _SHARE = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 def linked_schema() -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of the documents that `dumps` writes and `loads` reads."""
-    from importlib.resources import files
-
-    text = files("tracerisk.prm.formats").joinpath(f"schemas/linked-model-{VERSION}.json")
-    schema: dict[str, Any] = json.loads(text.read_text(encoding="utf-8"))
-    return schema
+    return schema_of("linked-model", VERSION)
 
 
 def linked_data(model: LinkedModel) -> dict[str, Any]:
@@ -187,22 +184,9 @@ def _tree_to_json(tree: LinkedTree) -> dict[str, Any]:
     return {
         "name": tree.name,
         "topEvent": tree.top,
-        "gates": [_gate_to_json(gate) for gate in tree.gates],
+        "gates": [gate_to_json(gate, "min", "max") for gate in tree.gates],
         "events": events,
     }
-
-
-def _gate_to_json(gate: Gate) -> dict[str, Any]:
-    written: dict[str, Any] = {
-        "name": gate.name,
-        "type": gate.kind.value,
-        "inputs": list(gate.inputs),
-    }
-    if gate.k is not None:
-        written["min"] = gate.k
-    if gate.most is not None:
-        written["max"] = gate.most
-    return written
 
 
 def _tree(element: Element) -> LinkedTree:

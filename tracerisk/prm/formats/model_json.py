@@ -11,6 +11,7 @@ from typing import Any
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
+from tracerisk.prm.formats.json_parts import gate_to_json, schema_of
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 from tracerisk.prm.trees.spares import Spares
@@ -62,11 +63,7 @@ def loads(text: str, file: str) -> HybridModel:
 
 def model_schema() -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of the documents that `dumps` writes and `loads` reads."""
-    from importlib.resources import files
-
-    text = files("tracerisk.prm.formats").joinpath(f"schemas/hybrid-model-{VERSION}.json")
-    schema: dict[str, Any] = json.loads(text.read_text(encoding="utf-8"))
-    return schema
+    return schema_of("hybrid-model", VERSION)
 
 
 def _parameter_to_json(parameter: Parameter) -> dict[str, Any]:
@@ -79,7 +76,7 @@ def _parameter_to_json(parameter: Parameter) -> dict[str, Any]:
 def _tree_to_json(tree: FaultTree) -> dict[str, Any]:
     written: dict[str, Any] = {
         "top": tree.top,
-        "gates": [_gate_to_json(gate) for gate in tree.gates],
+        "gates": [gate_to_json(gate, "k", "most") for gate in tree.gates],
         "basic_events": [
             {"name": event.name, "parameter": event.parameter} for event in tree.events
         ],
@@ -104,19 +101,6 @@ def _state_to_json(state: FunctionState) -> dict[str, Any]:
             gate: {"dormancy": each.dormancy, "switch": each.switch}
             for gate, each in state.spares.items()
         }
-    return written
-
-
-def _gate_to_json(gate: Gate) -> dict[str, Any]:
-    written: dict[str, Any] = {
-        "name": gate.name,
-        "type": gate.kind.value,
-        "inputs": list(gate.inputs),
-    }
-    if gate.k is not None:
-        written["k"] = gate.k
-    if gate.most is not None:
-        written["most"] = gate.most
     return written
 
 

@@ -22,6 +22,7 @@ from tracerisk.prm.hybrid.fixed_cycles import failure_of
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
 from tracerisk.prm.hybrid.mission import SolvedMission
+from tracerisk.prm.numbers.probability import worth
 
 
 def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImportance, ...]:
@@ -158,9 +159,9 @@ def _told(
         criticality=birnbaum * scale,
         fussell_vesely=change.fall / held if held > 0.0 else 0.0,
         without=change.left,
-        risk_reduction_worth=_ratio(failure, change.left),
-        risk_achievement_worth=_ratio(change.surely, failure),
-        tenfold=_ratio(change.tenfold, failure),
+        risk_reduction_worth=worth(failure, change.left),
+        risk_achievement_worth=worth(change.surely, failure),
+        tenfold=worth(change.tenfold, failure),
         by_state=_shares(by_state, scale),
         by_unit=_shares(by_unit, scale),
     )
@@ -209,9 +210,3 @@ def _failure_at(base: _Base, name: str, factor: float) -> float:
 
 def _shares(parts: dict[str, float], scale: float) -> tuple[ImportanceShare, ...]:
     return tuple(ImportanceShare(name, part, part * scale) for name, part in parts.items())
-
-
-def _ratio(above: float, below: float) -> float:
-    if below > 0.0:
-        return above / below
-    return math.inf if above > 0.0 else 1.0

@@ -20,7 +20,12 @@ from tracerisk.prm.expressions import (
     references,
 )
 from tracerisk.prm.logic.model import LogicModel
-from tracerisk.prm.questions.uncertainty import PERCENTILES, SAMPLES, InputShare, Uncertainty
+from tracerisk.prm.questions.uncertainty import (
+    SAMPLES,
+    InputShare,
+    Uncertainty,
+    percentiles_of,
+)
 from tracerisk.prm.trees.common_cause import ShareOf
 from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree, HouseEvent
 
@@ -150,7 +155,7 @@ def propagate(
         InputShare(
             name=name,
             value=point_values[name] if name in own else evaluation.of(Reference(name)),
-            percentiles=_percentiles(values),
+            percentiles=percentiles_of(values),
             share=float(share),
             cut=cut[name] if name in own or name in shared else 0,
         )
@@ -216,12 +221,6 @@ def _check_factors(model: LogicModel) -> None:
             more = [name for name in references(expression) if name not in seen]
             seen.update(more)
             waiting.extend(names[name] for name in more if name in names)
-
-
-def _percentiles(values: Array) -> tuple[float, ...]:
-    from tracerisk.prm.numbers.arrays import np
-
-    return tuple(float(each) for each in np.percentile(values, PERCENTILES))
 
 
 def _settable(model: LogicModel) -> dict[str, Expression | None]:

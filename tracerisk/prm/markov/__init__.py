@@ -1,7 +1,8 @@
 """Markov chains whose absorption, visits and times are computed without a subtraction."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from tracerisk.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.chain import MarkovChain
@@ -21,19 +22,14 @@ __all__ = [
     "MatrixSolution",
 ]
 
-_ON_DEMAND = {
-    "ChainSolution": "solution",
-    "ContinuousChain": "continuous",
-    "ContinuousSolution": "continuous",
-    "CycleFigures": "cycles",
-    "MarkovChain": "chain",
-    "MatrixChain": "large.matrix_chain",
-    "MatrixSolution": "large.matrix_solution",
-}
-"""The module of each name, imported when the name is first used."""
-
-
-def __getattr__(name: str) -> object:
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_ON_DEMAND[name]}"), name)
+__getattr__ = on_demand(
+    __name__,
+    {
+        "chain": "MarkovChain",
+        "continuous": "ContinuousChain ContinuousSolution",
+        "cycles": "CycleFigures",
+        "large.matrix_chain": "MatrixChain",
+        "large.matrix_solution": "MatrixSolution",
+        "solution": "ChainSolution",
+    },
+)

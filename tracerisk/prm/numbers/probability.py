@@ -232,6 +232,13 @@ def log_products(pairs: Sequence[Probability]) -> list[float]:
     return sums
 
 
+def worth(above: float, below: float) -> float:
+    """Return the ratio of two figures that are never negative; 1 where both are 0."""
+    if below > 0.0:
+        return above / below
+    return math.inf if above > 0.0 else 1.0
+
+
 def _convolve(counts: list[float], pair: Probability, limit: int) -> list[float]:
     """Add one input to the distribution of how many happen, keeping counts below `limit`."""
     if limit == 1:

@@ -107,7 +107,7 @@ class Uncertainty:
             mean=float(results.mean()),
             deviation=deviation,
             levels=PERCENTILES,
-            percentiles=_percentiles(results),
+            percentiles=percentiles_of(results),
             inputs=inputs,
             standard_error=deviation / math.sqrt(count),
             greatest_share=float(results.max()) / total if total > 0.0 else 0.0,
@@ -228,7 +228,9 @@ def spread_of(
         InputShare(
             name=name,
             value=each.value,
-            percentiles=_percentiles(values[name]) if name in values else each.levels(PERCENTILES),
+            percentiles=percentiles_of(values[name])
+            if name in values
+            else each.levels(PERCENTILES),
             share=shares[name],
             cut=drawn.cut[name],
         )
@@ -257,7 +259,8 @@ def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
     return total
 
 
-def _percentiles(values: Samples) -> tuple[float, ...]:
+def percentiles_of(values: Samples) -> tuple[float, ...]:
+    """Return the values at `PERCENTILES`."""
     from tracerisk.prm.numbers.arrays import np
 
     return tuple(float(each) for each in np.percentile(values, PERCENTILES))

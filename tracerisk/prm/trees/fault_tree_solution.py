@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Literal
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
+from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.trees.fault_tree import FaultTree
@@ -104,8 +104,8 @@ class FaultTreeSolution:
             birnbaum=birnbaum,
             criticality=birnbaum * probability / total if total > 0.0 else 0.0,
             fussell_vesely=drop / total if total > 0.0 else 0.0,
-            risk_reduction_worth=_ratio(total, without),
-            risk_achievement_worth=_ratio(failed, total),
+            risk_reduction_worth=worth(total, without),
+            risk_achievement_worth=worth(failed, total),
             diagnostic_importance=probability * failed / total if total > 0.0 else 0.0,
         )
 
@@ -131,9 +131,3 @@ def solve_tree(
     return FaultTreeSolution(
         tree, {name: value_of(pair_of(given[name])) for name in parameters}, top
     )
-
-
-def _ratio(above: float, below: float) -> float:
-    if below > 0.0:
-        return above / below
-    return math.inf if above > 0.0 else 1.0

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from tracerisk.errors import Location
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.usable_values import UsableValues
-from tracerisk.source.compared_values import calls_at, held_by, last_name, source_tree
+from tracerisk.source.compared_values import calls_at, held_by, source_tree
+from tracerisk.source.dotted_names import last_name
 
 _NUMBERS = ("float", "int")
 

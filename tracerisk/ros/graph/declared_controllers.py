@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.graph.parameter_files import flat, read_parameters
 from tracerisk.ros.graph.runtime import Runtime
 
 _MOST_FILES = 200  # that may declare a controller
@@ -89,19 +89,11 @@ def declared_settings(
         except ScenarioError:
             continue
         for each in parameters:
-            for name, value in _leaves(f"{each.node or ''}/{each.name}", each.value):
+            for name, value in flat(f"{each.node or ''}/{each.name}", each.value):
                 *_, above, last = name.replace(".", "/").split("/")
                 yield above, last, value
         if first and parameters:
             return
-
-
-def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
-    if not isinstance(value, dict):
-        yield name, value
-        return
-    for key, inner in value.items():
-        yield from _leaves(f"{name}/{key}", inner)
 
 
 def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:

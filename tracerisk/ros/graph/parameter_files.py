@@ -68,7 +68,7 @@ def _of_node(values: YamlMap, space: str) -> Iterator[Parameter]:
     for key in keys:
         value = values.get(key)
         _check(values, key, value)
-        for name, inner in _flat(key, plain(value)):
+        for name, inner in flat(key, plain(value)):
             yield Parameter(node, name, inner, values.key_location(key))
 
 
@@ -82,12 +82,13 @@ def _joined(space: str, key: str) -> str:
     return key if not space or key.startswith("~") else f"{space}/{key.lstrip('/')}"
 
 
-def _flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+def flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield each value within mappings, with its dotted name."""
     if not isinstance(value, dict):
         yield name, value
         return
     for key, inner in value.items():
-        yield from _flat(f"{name}.{key}", inner)
+        yield from flat(f"{name}.{key}", inner)
 
 
 def _check(tree: YamlMap, key: str, value: Any) -> None:
@@ -162,11 +163,11 @@ def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, s
             found.append((node, each.name, each.value))
             continue
         name = each.name.lstrip("~").strip("/")
-        for dotted, value in _flat(name.replace("/", "."), each.value):
+        for dotted, value in flat(name.replace("/", "."), each.value):
             found.append((None, dotted, value))
         space, slash, last = name.rpartition("/")
         if slash:
-            found += [(f"/{space}", dotted, value) for dotted, value in _flat(last, each.value)]
+            found += [(f"/{space}", dotted, value) for dotted, value in flat(last, each.value)]
     return tuple(found)
 
 

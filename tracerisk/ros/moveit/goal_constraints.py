@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import RobotError
-from tracerisk.ros.moveit.move_group import GoalKind, MoveGroupServer, Plan, PoseGoal, Scaling
+from tracerisk.ros.moveit.move_group import GoalKind, MoveGroupServer, Plan, PoseGoal
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.transforms.poses import compose, unit_quaternion
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import Scaling
 
 _AT_ORIGIN = (0.0, 0.0, 0.0)
 

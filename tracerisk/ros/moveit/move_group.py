@@ -29,6 +29,7 @@ from tracerisk.twin.physics.motion import (
     PlanningFailure,
     Pose,
 )
+from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -65,14 +66,6 @@ class PoseGoal:
 
 WHOLE_PATH = 0.999
 """A Cartesian path of which less is covered was cut."""
-
-
-@dataclass(frozen=True, slots=True)
-class Scaling:
-    """Fractions in (0, 1] of the rated velocity and acceleration."""
-
-    velocity: float
-    acceleration: float
 
 
 RATED = Scaling(1.0, 1.0)

@@ -11,13 +11,14 @@ from tracerisk.ros.graph.graph import Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.moveit.messages import set_pose, state_message, trajectory_message
-from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, Scaling, valid_fraction
+from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, valid_fraction
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
 from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

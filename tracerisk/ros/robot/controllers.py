@@ -25,6 +25,16 @@ _BROADCASTS = DeclaredController((), "JointStateBroadcaster")
 _BEST_EFFORT = 1
 
 
+def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
+    """Return the controllers of the robot, and those that files of the workspace declare."""
+    robot = runtime.twin.robot
+    known = {
+        each.name: DeclaredController(each.joints, _TYPES[each.type]) for each in robot.controllers
+    }
+    declared = runtime.client(DeclaredControllers)
+    return known | dict(declared.of_robot(joint.name for joint in robot.joints))
+
+
 class ControllerManager:
     """Answers for the controllers of the twin's robot, under any namespace.
 
@@ -50,13 +60,7 @@ class ControllerManager:
 
     @cached_property
     def _controllers(self) -> dict[str, DeclaredController]:
-        robot = self._runtime.twin.robot
-        known = {
-            each.name: DeclaredController(each.joints, _TYPES[each.type])
-            for each in robot.controllers
-        }
-        declared = self._runtime.client(DeclaredControllers)
-        known.update(declared.of_robot(joint.name for joint in robot.joints))
+        known = robot_controllers(self._runtime)
         known.setdefault(BROADCASTER, _BROADCASTS)
         return known
 

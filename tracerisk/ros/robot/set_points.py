@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
@@ -42,7 +43,6 @@ from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
-    from tracerisk.instrument.tracer import Frame
     from tracerisk.twin.robots.robot import Robot
 
 TRAJECTORY = "trajectory_msgs/JointTrajectory"
@@ -289,7 +289,7 @@ class SetPoints:
             return
         now_ns = self._commands.scheduler.now_ns
         stack = self._commands.stack()
-        place = _place(stack)
+        place = call_path(stack)
         stream = self._streams.get(topic)
         if stream is not None and not (
             self._commands.is_live(stream.command) and stream.joints == joints
@@ -404,8 +404,3 @@ def single_joint(robot: Robot, topic: str) -> str | None:
 
 def _asked_s(point: Any) -> float:
     return nanoseconds(point.time_from_start) * 1e-9
-
-
-def _place(stack: tuple[Frame, ...]) -> tuple[Any, ...]:
-    """Return from where in the source a message came, whichever call of it that was."""
-    return tuple((frame.function, frame.site, frame.root) for frame in stack)

@@ -11,16 +11,15 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
-from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ, SensorReading
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2, Message2
+from tracerisk.ros.robot.controllers import robot_controllers
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.time.clock import EPOCH_NS
-from tracerisk.twin.robots.robot import Robot
 
 JOINT_STATES = "/joint_states"
 
@@ -132,15 +131,10 @@ class TwinTopics:
 
     def _joints_of(self, controller: str) -> tuple[str, ...]:
         """Return the joints of a controller; all of the arm for one that nobody describes."""
-        robot: Robot = self._runtime.twin.robot
-        for each in robot.controllers:
-            if each.name == controller:
-                return each.joints
-        names = [joint.name for joint in robot.joints]
-        declared = self._runtime.client(DeclaredControllers).of_robot(names).get(controller)
-        if declared is not None and declared.joints:
-            return declared.joints
-        return tuple(joint.name for joint in robot.arm_joints)
+        known = robot_controllers(self._runtime).get(controller)
+        if known is not None and known.joints:
+            return known.joints
+        return tuple(joint.name for joint in self._runtime.twin.robot.arm_joints)
 
     def _controller_state(self, joints: Sequence[str]) -> Any:
         """Return the state of a controller of joints, whose set points are where they are.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
 from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.twin.recording.joint_motion import runs
 
 Flags = NDArray[np.bool_]
 Array = NDArray[np.float64]
@@ -29,7 +30,7 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     if not mask.any():
         return Exposure()
     activity, mask = _around(activity, mask)
-    spans = _runs(mask)
+    spans = runs(mask)
     longest_moving = _longest(activity.moving, mask, spans)
     moving, holding = activity.moving & mask, activity.holding & mask
     grasping, active = activity.grasping & mask, activity.active & mask
@@ -91,21 +92,15 @@ def _longest(flags: Flags, mask: Flags, spans: tuple[Steps, Steps]) -> int:
     that outlasts many short visits would otherwise belong to none of them, and how a motion is
     cut into visits would decide whether it is seen at all.
     """
-    starts, stops = _runs(flags & mask)
+    starts, stops = runs(flags & mask)
     if not len(starts):
         return 0
     span = np.searchsorted(spans[0], starts, side="right") - 1
     fills = (spans[0][span] == starts) & (spans[1][span] == stops)
-    whole_starts, whole_stops = _runs(flags)
+    whole_starts, whole_stops = runs(flags)
     around = np.searchsorted(whole_starts, starts, side="right") - 1
     lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
     return int(lengths.max(initial=0))
-
-
-def _runs(flags: Flags) -> tuple[Steps, Steps]:
-    """Return where the runs of true entries start, and where they stop."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
-    return edges[::2], edges[1::2]
 
 
 def _begins(flags: Flags) -> Flags:

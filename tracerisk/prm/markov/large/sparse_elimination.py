@@ -69,43 +69,15 @@ def eliminate_rows(
     return in_end, in_state, in_weight, out_end, out_share, leaving, dense, stuck
 
 
-def solve_left(
-    start: Array,
-    head: int,
-    leaving: Array,
-    in_ptr: Array,
-    in_end: Array,
-    in_state: Array,
-    in_weight: Array,
-    out_ptr: Array,
-    out_end: Array,
-    out_state: Array,
-    out_share: Array,
-    dense: Array,
-) -> Array:
-    """Return u with u G = start, all by rank; G as in `factors`."""
+def solve_left(start: Array, head: int, leaving: Array, *rows: Array) -> Array:
+    """Return u with u G = start, all by rank; `rows` are those of `Factors`."""
     moved: Array = start.copy()
-    ways = (in_ptr, in_end, in_state, in_weight, out_ptr, out_end, out_state, out_share, dense)
-    _solve_left(head, moved, leaving, *ways)
+    _solve_left(head, moved, leaving, *rows)
     return moved
 
 
-def solve_right(
-    reward: Array,
-    head: int,
-    leaving: Array,
-    in_ptr: Array,
-    in_end: Array,
-    in_state: Array,
-    in_weight: Array,
-    out_ptr: Array,
-    out_end: Array,
-    out_state: Array,
-    out_share: Array,
-    dense: Array,
-) -> Array:
-    """Return x with G x = reward, all by rank; G as in `factors`."""
+def solve_right(reward: Array, head: int, leaving: Array, *rows: Array) -> Array:
+    """Return x with G x = reward, all by rank; `rows` are those of `Factors`."""
     value: Array = reward.copy()
-    ways = (in_ptr, in_end, in_state, in_weight, out_ptr, out_end, out_state, out_share, dense)
-    _solve_right(head, value, leaving, *ways)
+    _solve_right(head, value, leaving, *rows)
     return value

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tracerisk.prm.hybrid.assessment import ComponentContribution, StateAssessment
+from tracerisk.prm.hybrid.assessment import StateAssessment
+from tracerisk.report.functions_table import units_needed
 from tracerisk.report.html import figures
 from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
@@ -24,12 +25,6 @@ def functions_section(report: ReportInput) -> Section:
         has_times=report.exposures is not None,
     )
     return Section("functions", "Functions", html)
-
-
-def needed(component: ComponentContribution) -> str:
-    """Return how many units must work, of how many."""
-    required = "?" if component.required is None else component.required
-    return f"{required} of {component.units}"
 
 
 def _functions(report: ReportInput) -> Table:
@@ -70,7 +65,7 @@ def _of_function(
         else:
             cells += [
                 Cell(component.name, component=component_of(component.name)),
-                Cell(needed(component)),
+                Cell(units_needed(component)),
             ]
         if exposures is not None:
             found = exposures.get(state.name, {})

@@ -11,7 +11,8 @@ from moveit_msgs.msg import (
 )
 
 from tracerisk.errors import one_of
-from tracerisk.ros.moveit.move_group import MoveGroupServer, Scaling
+from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.twin.robots.robot import Scaling
 
 from ._server import server
 from .exception import MoveItCommanderException

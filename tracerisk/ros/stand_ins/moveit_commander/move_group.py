@@ -19,9 +19,10 @@ from moveit_msgs.msg import (
 from shape_msgs.msg import SolidPrimitive
 
 from tracerisk.errors import one_of
-from tracerisk.ros.moveit.move_group import Plan, PoseGoal, Scaling
+from tracerisk.ros.moveit.move_group import Plan, PoseGoal
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.robots.robot import Scaling
 
 from . import conversions
 from ._pick_place import GroupPickPlace

@@ -67,7 +67,8 @@ class ProcessPool:
         error_callback: Callable[[BaseException], object] | None = None,
     ) -> _Result:
         """Call a function in the pool."""
-        return self._begin(func, [(tuple(args), kwds or {})], callback, error_callback, True)
+        futures = [self._executor.submit(func, *args, **(kwds or {}))]
+        return self._begin(_Result(futures, is_single=True), callback, error_callback)
 
     def map(self, func: Callable[..., Any], iterable: Any, chunksize: int | None = None) -> Any:
         """Call a function for each item, and wait for the list of results."""
@@ -82,10 +83,8 @@ class ProcessPool:
         error_callback: Callable[[BaseException], object] | None = None,
     ) -> _Result:
         """Call a function for each item."""
-        del chunksize
-        return self._begin(
-            func, [((each,), {}) for each in iterable], callback, error_callback, False
-        )
+        arguments = ((each,) for each in iterable)
+        return self.starmap_async(func, arguments, chunksize, callback, error_callback)
 
     def starmap(self, func: Callable[..., Any], iterable: Any, chunksize: int | None = None) -> Any:
         """Call a function with each item as its arguments, and wait for the list of results."""
@@ -101,9 +100,8 @@ class ProcessPool:
     ) -> _Result:
         """Call a function with each item as its arguments."""
         del chunksize
-        return self._begin(
-            func, [(tuple(each), {}) for each in iterable], callback, error_callback, False
-        )
+        futures = [self._executor.submit(func, *each) for each in iterable]
+        return self._begin(_Result(futures, is_single=False), callback, error_callback)
 
     def imap(self, func: Callable[..., Any], iterable: Any, chunksize: int = 1) -> Iterator[Any]:
         """Yield the results for each item, in the order of the items."""
@@ -133,16 +131,10 @@ class ProcessPool:
 
     def _begin(
         self,
-        func: Callable[..., Any],
-        calls: list[tuple[tuple[Any, ...], dict[str, Any]]],
+        result: _Result,
         callback: Callable[[Any], object] | None,
         error_callback: Callable[[BaseException], object] | None,
-        is_single: bool,
     ) -> _Result:
-        result = _Result(
-            [self._executor.submit(func, *args, **kwds) for args, kwds in calls],
-            is_single=is_single,
-        )
         if callback is not None or error_callback is not None:
             self._executor.submit(_call_back, result, callback, error_callback)
         return result

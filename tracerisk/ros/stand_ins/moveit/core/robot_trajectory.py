@@ -11,8 +11,8 @@ import numpy as np
 
 from tracerisk.errors import one_of
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
-from tracerisk.ros.moveit.move_group import Scaling
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.robots.robot import Scaling
 
 from .._library import library, log_error, new
 from .robot_model import RobotModel

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.moveit.move_group import Scaling, valid_fraction
+from tracerisk.ros.moveit.move_group import valid_fraction
+from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
     from ._moveit_py import MoveItPy

@@ -12,9 +12,10 @@ from moveit_msgs.msg import Constraints
 
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
-from tracerisk.ros.moveit.move_group import Plan, Scaling
+from tracerisk.ros.moveit.move_group import Plan
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import Scaling
 
 from .._library import library, log_error
 from ..core.kinematic_constraints import _pose_constraint, construct_joint_constraint
