@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import tokenize
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -44,16 +45,19 @@ KEPT = {"told", "told after s"}
 _CODE = re.compile(r"`[^`]*`")
 
 
-def texts(path: Path) -> list[tuple[int, str]]:
-    """All strings of a source, docstrings among them, with their lines."""
-    found = []
+@cache
+def read(path: Path) -> tuple[list[tuple[int, str]], list[str]]:
+    """All strings of a source, docstrings among them, with their lines; and its docstrings."""
+    found, docstrings = [], []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.JoinedStr):
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Module, ast.AsyncFunctionDef)):
+            docstrings.append(ast.get_docstring(node) or "")
+        elif isinstance(node, ast.JoinedStr):
             parts = [each.value for each in node.values if isinstance(each, ast.Constant)]
             found.append((node.lineno, "{}".join(parts)))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             found.append((node.lineno, node.value))
-    return found
+    return found, docstrings
 
 
 def comments(path: Path) -> list[tuple[int, str]]:
@@ -77,7 +81,7 @@ def test_the_documentation_has_the_plain_words(words):
 def test_messages_help_and_docstrings_have_the_plain_words():
     found = []
     for path in SOURCES:
-        for line, text in texts(path):
+        for line, text in read(path)[0]:
             plain = " ".join(text.split())
             found += [
                 f"{path.relative_to(ROOT)}:{line}: '{words}', write '{INSTEAD[words]}'"
@@ -88,13 +92,12 @@ def test_messages_help_and_docstrings_have_the_plain_words():
 
 
 def test_docstrings_open_with_what_is_done():
-    found = []
-    for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Module, ast.AsyncFunctionDef)):
-                opening = ast.get_docstring(node) or ""
-                if OPENINGS.match(opening):
-                    found.append(f"{path.relative_to(ROOT)}: {opening.splitlines()[0]}")
+    found = [
+        f"{path.relative_to(ROOT)}: {opening.splitlines()[0]}"
+        for path in SOURCES
+        for opening in read(path)[1]
+        if OPENINGS.match(opening)
+    ]
     assert not found, "\n".join(found)
 
 
@@ -106,7 +109,7 @@ def test_texts_and_comments_name_what_is_done_and_by_whom():
             continue
         lines = list(enumerate(whole.splitlines(), 1))
         if path.suffix == ".py":
-            lines = [each for each in texts(path) if each[1] not in KEPT] + comments(path)
+            lines = [each for each in read(path)[0] if each[1] not in KEPT] + comments(path)
         found += [
             f"{path.relative_to(ROOT)}:{line}: '{vague[0]}'; write print, report, list, hold or user"
             for line, text in lines
