@@ -167,10 +167,10 @@ def shares(rows: list[Row], kinds: dict[str, str]) -> str:
     good = sum(row.counts(kinds.get(row.name, "")) for row in able)
     share = f" ({good / len(able):.1%})" if able else ""
     late = [row.name for row in rows if row.seconds > ALLOWED_S]
-    told = f"took longer: {', '.join(late)}" if late else "none took longer"
+    text = f"took longer: {', '.join(late)}" if late else "none took longer"
     return (
         f"{good} of {len(able)} rows outside class a{share} are complete or partial "
-        f"within {ALLOWED_S:g} s; {told}"
+        f"within {ALLOWED_S:g} s; {text}"
     )
 
 
@@ -217,8 +217,8 @@ def main() -> None:
     print(f"\n{shares(rows, kinds)}")
     missed = Counter(found[1] for row in rows if (found := _MISSED.search(row.cause)))
     if missed:
-        told = ", ".join(f"{name} ({n})" for name, n in sorted(missed.items()))
-        print(f"\nModules that rows missed: {told}")
+        text = ", ".join(f"{name} ({n})" for name, n in sorted(missed.items()))
+        print(f"\nModules that rows missed: {text}")
 
 
 if __name__ == "__main__":

@@ -169,9 +169,9 @@ def in_a_process(
     """
     least: float | None = None
     for _ in range(TIMES):
-        with tempfile.TemporaryFile() as told:
+        with tempfile.TemporaryFile() as output:
             process = subprocess.Popen(
-                command, stdout=told, stderr=subprocess.DEVNULL, env=environment
+                command, stdout=output, stderr=subprocess.DEVNULL, env=environment
             )
             until = time.monotonic() + limit_s
             while True:
@@ -182,8 +182,8 @@ def in_a_process(
                     process.kill()
                 time.sleep(0.005)
             process.returncode = os.waitstatus_to_exitcode(status)
-            told.seek(0)
-            printed = told.read().decode()
+            output.seek(0)
+            printed = output.read().decode()
         if process.returncode:
             return None, printed
         taken = usage.ru_utime + usage.ru_stime
@@ -273,28 +273,28 @@ def measure(path: Path, expected: str, options: argparse.Namespace, bytecode: st
     )
 
 
-def told(value: float | None, form: str) -> str:
+def shown(value: float | None, form: str) -> str:
     return "-" if value is None else format(value, form)
 
 
-def tell(row: Row, options: argparse.Namespace) -> None:
+def print_row(row: Row, options: argparse.Namespace) -> None:
     parts = [
         f"{row.model:10}",
-        f"{told(row.p_top, '.17g'):>23}",
-        f"{told(row.cold_s, '.3f'):>7}",
-        f"{told(row.command_s, '.3f'):>8}",
-        f"{told(row.peer_cold_s, '.3f'):>10}",
-        f"{told(row.cold_ratio, '.2f'):>6}",
-        f"{told(row.read_s, '.4f'):>7}",
-        f"{told(row.warm_s, '.4f'):>7}",
-        f"{told(row.peer_warm_s, '.4f'):>10}",
-        f"{told(row.warm_ratio, '.1f'):>6}",
-        f"{told(row.peak_mb, '.0f'):>5}",
-        f"{told(row.to_expected, '.1e'):>11}",
-        f"{told(row.to_order, '.1e'):>8}",
+        f"{shown(row.p_top, '.17g'):>23}",
+        f"{shown(row.cold_s, '.3f'):>7}",
+        f"{shown(row.command_s, '.3f'):>8}",
+        f"{shown(row.peer_cold_s, '.3f'):>10}",
+        f"{shown(row.cold_ratio, '.2f'):>6}",
+        f"{shown(row.read_s, '.4f'):>7}",
+        f"{shown(row.warm_s, '.4f'):>7}",
+        f"{shown(row.peer_warm_s, '.4f'):>10}",
+        f"{shown(row.warm_ratio, '.1f'):>6}",
+        f"{shown(row.peak_mb, '.0f'):>5}",
+        f"{shown(row.to_expected, '.1e'):>11}",
+        f"{shown(row.to_order, '.1e'):>8}",
     ]
     if options.cut_sets:
-        parts += [f"{told(row.cut_sets_s, '.3f'):>10}", f"{told(row.peer_cut_sets_s, '.3f'):>9}"]
+        parts += [f"{shown(row.cut_sets_s, '.3f'):>10}", f"{shown(row.peer_cut_sets_s, '.3f'):>9}"]
     print(*parts, flush=True)
 
 
@@ -337,9 +337,9 @@ def main() -> int:
         cold(paths[0], options.time_limit, bytecode)
         for path in paths:
             rows.append(measure(path, expected.get(path.stem, ""), options, bytecode))
-            tell(rows[-1], options)
-    tell_ratios("cold", [row.cold_ratio for row in rows])
-    tell_ratios("warm", [row.warm_ratio for row in rows])
+            print_row(rows[-1], options)
+    report_ratios("cold", [row.cold_ratio for row in rows])
+    report_ratios("warm", [row.warm_ratio for row in rows])
     wrong = [
         row.model for row in rows if max(row.to_expected or 0.0, row.to_order or 0.0) > MOST_ERROR
     ]
@@ -349,7 +349,7 @@ def main() -> int:
     return 1 if wrong else 0
 
 
-def tell_ratios(name: str, found: list[float | None]) -> None:
+def report_ratios(name: str, found: list[float | None]) -> None:
     ratios = [ratio for ratio in found if ratio is not None]
     if ratios:
         print(

@@ -50,7 +50,7 @@ def one(path: Path) -> str:
     return "same" if threads == greenlets else f"differs: {again.trace.end.message}"
 
 
-def told(folder: Path, path: str) -> str:
+def shown(folder: Path, path: str) -> str:
     """Return the same of a controller in a process of its own."""
     try:
         found = subprocess.run(
@@ -82,7 +82,7 @@ def main() -> None:
         return
     wanted = listed(options)
     with ThreadPoolExecutor(options.jobs) as pool:
-        results = list(pool.map(lambda each: told(each[0], each[1]), wanted))
+        results = list(pool.map(lambda each: shown(each[0], each[1]), wanted))
     rows = [
         (name, result)
         for (_, _, name), result in zip(wanted, results, strict=True)

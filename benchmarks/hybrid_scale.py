@@ -134,9 +134,9 @@ def main() -> int:
         command = [sys.executable, __file__, "--one", json.dumps(asdict(case))]
         done = subprocess.run(command, check=True, capture_output=True, text=True)
         taken = json.loads(done.stdout)
-        told = [f"{key} {value:.3g}" for key, value in taken.items()]
+        lines = [f"{key} {value:.3g}" for key, value in taken.items()]
         print(
-            f"{name} ({case.functions} functions x {case.components}): {', '.join(told)}",
+            f"{name} ({case.functions} functions x {case.components}): {', '.join(lines)}",
             flush=True,
         )
     return 0

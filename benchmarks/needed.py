@@ -50,9 +50,9 @@ def main() -> None:
         found = gather_evidence(place / script, cells=options.cells, jobs=options.jobs)
         seconds = time.monotonic() - began
         failed = sum(1 for each in found.cells if each.fails)
-        told = sum(1 for each in found.cells if each.told_by)
+        notified = sum(1 for each in found.cells if each.told_by)
         print(
-            f"{name:<18}{found.robot:<8}{len(found.cells):>6}{failed:>8}{told:>6}{seconds:>9.1f}",
+            f"{name:<18}{found.robot:<8}{len(found.cells):>6}{failed:>8}{notified:>6}{seconds:>9.1f}",
             flush=True,
         )
         cells += found.cells

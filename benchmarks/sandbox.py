@@ -61,22 +61,22 @@ def traced(folder: Path, path: str, sandbox: str) -> tuple[bytes, float]:
 
 
 def compared(folder: Path, path: str, name: str, repeat: int) -> Compared:
-    told: set[bytes] = set()
+    outputs: set[bytes] = set()
     seconds: dict[str, list[float]] = {"require": [], "off": []}
     is_traced = True
     for _ in range(repeat):
         for sandbox, kept in seconds.items():
             out, took_s = traced(folder, path, sandbox)
-            told.add(out)
+            outputs.add(out)
             kept.append(took_s)
             try:
                 is_traced = bool((json.loads(out).get("trace") or {}).get("functions"))
             except json.JSONDecodeError:
                 is_traced = False
             if not is_traced and sandbox == "off":
-                return Compared(name, False, len(told) == 1, 0.0, 0.0)
+                return Compared(name, False, len(outputs) == 1, 0.0, 0.0)
     medians = [statistics.median(seconds[sandbox]) for sandbox in ("require", "off")]
-    return Compared(name, is_traced, len(told) == 1, *medians)
+    return Compared(name, is_traced, len(outputs) == 1, *medians)
 
 
 def listed(options: argparse.Namespace) -> list[tuple[Path, str, str]]:

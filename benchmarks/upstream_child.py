@@ -77,8 +77,8 @@ class Reporter:
             self._failed.setdefault(name, last_line(report.longreprtext))
         elif report.skipped:
             where = report.longrepr
-            told = str(where[-1]) if isinstance(where, tuple) else str(where)
-            self._failed.setdefault(name, f"skipped: {told}")
+            text = str(where[-1]) if isinstance(where, tuple) else str(where)
+            self._failed.setdefault(name, f"skipped: {text}")
         if report.when == "teardown":
             cause = self._failed.pop(name, None)
             outcome = "passed" if cause is None else "failed"
@@ -102,9 +102,9 @@ def named(nodeid: str) -> str:
 def last_line(text: str) -> str:
     """Return the line of a failure that says what it was, with the place in the tests."""
     lines = [line for line in text.splitlines() if line.startswith("E  ")]
-    told = lines[0][1:].strip() if lines else text.strip().splitlines()[-1] if text else ""
+    found = lines[0][1:].strip() if lines else text.strip().splitlines()[-1] if text else ""
     places = [line for line in text.splitlines() if ".py:" in line and ": " in line]
-    return f"{told} ({places[-1].strip()})" if places else told
+    return f"{found} ({places[-1].strip()})" if places else found
 
 
 def serve_build_products(aliases: dict[str, str], folders: dict[str, str]) -> None:

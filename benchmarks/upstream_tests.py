@@ -279,10 +279,10 @@ def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
         ("out", "Out of scope"),
         ("skipped", "Skipped by themselves"),
     ):
-        told = [each for each in results if each.outcome == kind]
-        if told:
+        reported = [each for each in results if each.outcome == kind]
+        if reported:
             yield f"\n{head}:\n"
-            yield from _by_reasons(told, markdown=markdown)
+            yield from _by_reasons(reported, markdown=markdown)
 
 
 def _row(cells: Sequence[object]) -> str:
@@ -345,8 +345,8 @@ def main() -> int:
         if not wanted:
             parser.error("no tests in the checkouts that are given: name one with --rclpy DIR, say")
         with ThreadPoolExecutor(options.jobs) as pool:
-            told = pool.map(lambda each: ran(each, given, known), wanted)
-            results = [each for own in told for each in own]
+            results_of = pool.map(lambda each: ran(each, given, known), wanted)
+            results = [each for own in results_of for each in own]
     print("\n".join(table(results, markdown=options.markdown)))
     if options.json is not None:
         options.json.write_text(json.dumps([asdict(each) for each in results], indent=1) + "\n")

@@ -99,8 +99,8 @@ def _serve(requests: socket.socket) -> None:
                 os.close(answers)
                 os.close(ready)
                 continue
-            told, found, _, _ = socket.recv_fds(requests, 1, 4)
-            if not told:
+            reported, found, _, _ = socket.recv_fds(requests, 1, 4)
+            if not reported:
                 for process in running:
                     signal.pidfd_send_signal(process, signal.SIGKILL)
                 return

@@ -234,20 +234,20 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
 
 def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
     base = commit(runner, steps("= 4e-07"))
-    tool, told = tmp_path / "bin" / "python", tmp_path / "told"
+    tool, reported = tmp_path / "bin" / "python", tmp_path / "told"
     tool.parent.mkdir()
     tool.write_text(
         f"""#!/bin/sh
 [ "$1 $2 $3" = "-I -m tracerisk" ] || exec {sys.executable} "$@"
 shift 3
-echo "$@" >>"{told}"
+echo "$@" >>"{reported}"
 """
     )
     tool.chmod(stat.S_IRWXU)
     limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
     for inputs in ({}, limits):
         runner.run(base, prefix=tmp_path, files="cell.py", comment="false", **inputs)
-    lines = told.read_text().splitlines()
+    lines = reported.read_text().splitlines()
     checks = [line.partition(" --sarif")[0] for line in lines if line.startswith("check")]
     diffs = [line for line in lines if line.startswith("diff")]
     assert all(line.endswith(" -- cell.py") for line in lines)

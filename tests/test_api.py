@@ -15,10 +15,10 @@ def test_an_assessment_is_that_of_the_command_and_writes_nothing(example, quick)
     before = example.files()
     done = tracerisk.assess(path)
     assert example.files() == before
-    told = example.run("run", "quick.py", "--check", "--json").json
-    assert told["assessment"] == assessment_to_json(done.assessment)
+    reported = example.run("run", "quick.py", "--check", "--json").json
+    assert reported["assessment"] == assessment_to_json(done.assessment)
     assert [each.name for each in done.annotated.computed.blocks] == [
-        state["name"] for state in told["model"]["states"]
+        state["name"] for state in reported["model"]["states"]
     ]
 
 

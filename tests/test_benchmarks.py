@@ -103,9 +103,9 @@ def test_the_shares_leave_out_the_rows_that_cannot_give_a_trace(corpus):
         corpus._row("repo:slow.py", 150.0, found),
         corpus._row("repo:two.py", 1.0, {"exit_code": 2}),
     ]
-    told = corpus.shares(rows, {"repo:two.py": "a"})
-    assert told.startswith("1 of 2 rows outside class a (50.0%)")
-    assert told.endswith("took longer: repo:slow.py")
+    reported = corpus.shares(rows, {"repo:two.py": "a"})
+    assert reported.startswith("1 of 2 rows outside class a (50.0%)")
+    assert reported.endswith("took longer: repo:slow.py")
 
 
 def test_each_row_with_a_class_has_a_reason(corpus, tmp_path):
@@ -254,11 +254,11 @@ def test_every_rule_of_the_scope_has_a_reason_and_a_kind(monkeypatch):
     assert all(rule.reason and rule.test.partition("/")[2] for rule in rules)
 
 
-def test_the_page_tells_every_reason_and_the_command_as_it_is(monkeypatch, capsys):
+def test_the_page_says_every_reason_and_the_command_as_it_is(monkeypatch, capsys):
     upstream = _loaded("upstream_tests", monkeypatch)
     page = (ROOT / "docs" / "upstream.md").read_text(encoding="utf-8")
-    told = {line.partition(": `")[0].lower() for line in page.splitlines() if ": `" in line}
-    assert {f"- {rule.reason}".lower() for rule in upstream.rules()} <= told
+    reported = {line.partition(": `")[0].lower() for line in page.splitlines() if ": `" in line}
+    assert {f"- {rule.reason}".lower() for rule in upstream.rules()} <= reported
     monkeypatch.setattr(sys, "argv", ["upstream_tests.py", "--help"])
     with pytest.raises(SystemExit):
         upstream.main()

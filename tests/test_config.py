@@ -161,7 +161,7 @@ def test_a_controller_has_settings_of_its_own(tmp_path):
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe", b"[tool\n"])
-def test_what_is_no_toml_is_told(tmp_path, data):
+def test_what_is_no_toml_is_reported(tmp_path, data):
     (tmp_path / "pyproject.toml").write_bytes(data)
     with pytest.raises(SettingsError, match=r"pyproject\.toml: is not valid TOML: "):
         read_settings(tmp_path)
@@ -183,7 +183,7 @@ def test_tools_that_are_no_table_settle_nothing(tmp_path):
         ('[tool.tracerisk]\nargs = "x"\n', 2, "expected a list of strings"),
     ],
 )
-def test_what_is_wrong_in_a_table_is_told_with_its_line(tmp_path, text, line, message):
+def test_what_is_wrong_in_a_table_is_reported_with_its_line(tmp_path, text, line, message):
     (tmp_path / "a.py").write_text("")
     (tmp_path / "pyproject.toml").write_text(text)
     with pytest.raises(SettingsError, match=message) as caught:

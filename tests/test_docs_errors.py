@@ -145,7 +145,7 @@ def call(tmp_path, monkeypatch, capfd):
     return run
 
 
-def assert_told(code: str, out: str, folder: Path) -> None:
+def assert_reported(code: str, out: str, folder: Path) -> None:
     """The message in the section of a code is what was printed, `...` standing for anything."""
     (message,) = re.findall(r"^```text\n(.*?)\n```$", SECTIONS[code], re.MULTILINE | re.DOTALL)
     assert len(message) > 30
@@ -166,36 +166,36 @@ def edit(old: str, new: str) -> None:
 
 
 @pytest.mark.parametrize("code", STATIC)
-def test_what_is_given_wrongly_is_told_so(code, call, tmp_path):
+def test_what_is_given_wrongly_is_reported_so(code, call, tmp_path):
     files, command = STATIC[code]
     put(files)
     exit_code, out = call(command)
     assert exit_code == ExitCode.BAD_INPUT
     assert f"[{code}]" in out
-    assert_told(code, out, tmp_path)
+    assert_reported(code, out, tmp_path)
     if not command.startswith("check"):  # which tells of several
         assert f'"code": "{code}"' in call(f"{command} --json")[1]
 
 
-def test_a_sandbox_that_is_required_in_vain_is_told_so(call, tmp_path, monkeypatch):
+def test_a_sandbox_that_is_required_in_vain_is_reported_so(call, tmp_path, monkeypatch):
     monkeypatch.setattr("tracerisk.sandbox.process.support", lambda: Support(0, seccomp=False))
     put({"cell.py": CELL})
     exit_code, out = call("run cell.py --robot panda --sandbox require")
     assert exit_code == ExitCode.BAD_INPUT
-    assert_told("sandbox", out, tmp_path)
+    assert_reported("sandbox", out, tmp_path)
 
 
-def test_an_edit_in_the_way_is_told_so(call, tmp_path):
+def test_an_edit_in_the_way_is_reported_so(call, tmp_path):
     put({"cell.py": CELL, **DATA})
     assert call(ANNOTATE) == (ExitCode.FINE, "")
     edit("= 1e-07", "= 2e-07")
     exit_code, out = call(ANNOTATE)
     assert exit_code == ExitCode.EDIT_IN_THE_WAY
-    assert_told("edit", out, tmp_path)
+    assert_reported("edit", out, tmp_path)
 
 
 @pytest.mark.parametrize("code", CHECKS)
-def test_what_a_check_finds_is_told_so(code, call, tmp_path):
+def test_what_a_check_finds_is_reported_so(code, call, tmp_path):
     (old, new), settings = CHECKS[code]
     put({"cell.py": CELL, **DATA, "pyproject.toml": f"[tool.tracerisk]\n{settings}\n"})
     assert call(ANNOTATE)[0] == ExitCode.FINE
@@ -210,10 +210,10 @@ def test_what_a_check_finds_is_told_so(code, call, tmp_path):
     exit_code, out = call("check cell.py")
     is_edit = code in ("edited", "undecided")
     assert exit_code == (ExitCode.EDIT_IN_THE_WAY if is_edit else ExitCode.WOULD_CHANGE)
-    assert_told(code, out, tmp_path)
+    assert_reported(code, out, tmp_path)
 
 
-def test_a_redundancy_by_hand_over_units_that_differ_is_told_so(call, tmp_path, quick):
+def test_a_redundancy_by_hand_over_units_that_differ_is_reported_so(call, tmp_path, quick):
     put({"cell.py": quick()})
     assert call("run cell.py --quiet")[0] == ExitCode.FINE
     at_motor = "quantity = 7\n    # |   redundancy "
@@ -221,10 +221,10 @@ def test_a_redundancy_by_hand_over_units_that_differ_is_told_so(call, tmp_path, 
     edit(":= false", ":= true  ! computed false; by design")
     exit_code, out = call("check cell.py")
     assert exit_code == ExitCode.WOULD_CHANGE
-    assert_told("unequal", out, tmp_path)
+    assert_reported("unequal", out, tmp_path)
 
 
-def test_a_contact_that_is_to_fail_is_told_so_and_so_are_pictures_that_nothing_draws(
+def test_a_contact_that_is_to_fail_is_reported_so_and_so_are_pictures_that_nothing_draws(
     call, tmp_path, quick, monkeypatch
 ):
     put(
@@ -237,14 +237,14 @@ def test_a_contact_that_is_to_fail_is_told_so_and_so_are_pictures_that_nothing_d
     assert call("run cell.py --quiet")[0] == ExitCode.WOULD_CHANGE
     exit_code, out = call("check cell.py")
     assert exit_code == ExitCode.WOULD_CHANGE
-    assert_told("contact", out, tmp_path)
+    assert_reported("contact", out, tmp_path)
     monkeypatch.setenv("MUJOCO_GL", "none")
     exit_code, out = call("report cell.py --png pictures")
     assert exit_code == ExitCode.BAD_INPUT
-    assert_told("render", out, tmp_path)
+    assert_reported("render", out, tmp_path)
 
 
-def test_a_launch_file_that_is_not_read_in_time_is_told_so(call, tmp_path):
+def test_a_launch_file_that_is_not_read_in_time_is_reported_so(call, tmp_path):
     put(
         {
             "package.xml": "<package><name>cell</name></package>",
@@ -254,14 +254,14 @@ def test_a_launch_file_that_is_not_read_in_time_is_told_so(call, tmp_path):
     )
     exit_code, out = call("run cell.py --stall-limit 0.5 --launch turn.launch.py")
     assert exit_code == ExitCode.CONTROLLER_FAILED
-    assert_told("limit", out, tmp_path)
+    assert_reported("limit", out, tmp_path)
     exit_code, out = call("run cell.py --stall-limit 0.5 --launch turn.launch.py --json")
     assert exit_code == ExitCode.CONTROLLER_FAILED
     assert '"code": "limit"' in out
 
 
 @pytest.mark.parametrize("code", RUNS)
-def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
+def test_a_run_that_fails_is_reported_so(code, call, tmp_path, quick):
     act, options = RUNS[code]
     inside = act.startswith("ACT ")
     source = (
@@ -273,7 +273,7 @@ def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
     is_faulted = code in ("run-raised", "run-exited")
     bad = ExitCode.WOULD_CHANGE if is_faulted else ExitCode.CONTROLLER_FAILED
     assert exit_code == (ExitCode.BAD_INPUT if bad_input else bad)
-    assert_told(code, out, tmp_path)
+    assert_reported(code, out, tmp_path)
 
 
 LAMP = (
@@ -290,7 +290,7 @@ VERDICTS: dict[str, tuple[str, str]] = {
 
 
 @pytest.mark.parametrize("code", VERDICTS)
-def test_a_verdict_that_does_not_pass_is_told_so(code, call, tmp_path, quick):
+def test_a_verdict_that_does_not_pass_is_reported_so(code, call, tmp_path, quick):
     act, options = VERDICTS[code]
     spare = "\n\ndef spare(arm):\n    arm.go()\n" if code == "coverage" else ""
     source = quick(act.removeprefix("ACT ")) + spare
@@ -304,7 +304,7 @@ def test_a_verdict_that_does_not_pass_is_told_so(code, call, tmp_path, quick):
         Path("tracerisk.lock").write_text(json.dumps({**lock}))
     exit_code, out = call(f"check cell.py {options}")
     assert exit_code == ExitCode.WOULD_CHANGE
-    assert_told(code, out, tmp_path)
+    assert_reported(code, out, tmp_path)
 
 
 def codes_of(error: type[TraceRiskError]) -> set[str]:
@@ -335,6 +335,6 @@ def test_every_class_of_errors_has_a_code_of_its_own():
     assert len(codes) == len(set(codes)) > 10
 
 
-def test_every_good_end_is_told():
-    told = TEXT.partition("## How a run may end well")[2]
-    assert set(re.findall(r"^`(\w+)`:", told, re.MULTILINE)) == GOOD_ENDS
+def test_every_good_end_is_reported():
+    reported = TEXT.partition("## How a run may end well")[2]
+    assert set(re.findall(r"^`(\w+)`:", reported, re.MULTILINE)) == GOOD_ENDS

@@ -21,10 +21,10 @@ def test_the_examples_of_a_format_run_with_the_output_that_they_show(section, la
     (code,) = re.findall(r"^```python\n(.*?)^```$", part, re.MULTILINE | re.DOTALL)
     test = doctest.DocTestParser().get_doctest(code, {name: file}, "docs/formats.md", None, 0)
     runner = doctest.DocTestRunner(verbose=False)
-    told: list[str] = []
-    runner.run(test, out=told.append)
+    reported: list[str] = []
+    runner.run(test, out=reported.append)
     assert runner.tries > 3
-    assert runner.failures == 0, "".join(told)
+    assert runner.failures == 0, "".join(reported)
 
 
 def test_the_commands_print_what_is_shown(tmp_path, monkeypatch, capfd):

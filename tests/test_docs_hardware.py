@@ -52,11 +52,11 @@ def test_every_key_is_explained():
         return set(node.get("properties", ())).union(*map(keys, node.values()))
 
     prose = re.sub(r"^```.*?^```$", "", TEXT, flags=re.MULTILINE | re.DOTALL)
-    told = set(re.findall(r"\b[a-z_]+\b", " ".join(re.findall(r"`([^`]+)`", prose))))
-    assert keys(SCHEMA) - told == set()
+    text = set(re.findall(r"\b[a-z_]+\b", " ".join(re.findall(r"`([^`]+)`", prose))))
+    assert keys(SCHEMA) - text == set()
 
 
-def test_every_word_that_is_allowed_is_told():
+def test_every_word_that_is_allowed_is_reported():
     def words(node) -> set[str]:
         if isinstance(node, list):
             return set().union(*map(words, node))
@@ -65,5 +65,5 @@ def test_every_word_that_is_allowed_is_told():
         own = {str(word) for word in node.get("enum", ())} if "enum" in node else set()
         return own.union(*map(words, node.values()))
 
-    told = set(re.findall(r"[\w/.]+", TEXT))
-    assert words(SCHEMA) - {repr(10 / 3), "second"} <= told
+    reported = set(re.findall(r"[\w/.]+", TEXT))
+    assert words(SCHEMA) - {repr(10 / 3), "second"} <= reported

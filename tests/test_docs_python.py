@@ -33,13 +33,13 @@ def test_every_example_of_the_python_guide_runs_with_the_output_that_it_shows():
     for block in blocks:
         test = doctest.DocTestParser().get_doctest(block, names, "docs/python.md", None, 0)
         runner = doctest.DocTestRunner(Numeric(), verbose=False)
-        told: list[str] = []
-        runner.run(test, out=told.append, clear_globs=False)
-        assert runner.failures == 0, "".join(told)
+        reported: list[str] = []
+        runner.run(test, out=reported.append, clear_globs=False)
+        assert runner.failures == 0, "".join(reported)
         names = test.globs
 
 
-def test_other_digits_or_words_are_told_apart():
+def test_other_digits_or_words_are_reported_apart():
     assert Numeric().check_output("p=0.1234567890123456\n", "p=0.1234567890123459\n", 0)
     assert not Numeric().check_output("p=0.12345678\n", "p=0.12345679\n", 0)
     assert not Numeric().check_output("p=0.5\n", "q=0.5\n", 0)

@@ -36,8 +36,8 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
         pages.append(example.read("report.html").decode())
     run, plain, against = (re.findall(r"<h2[^>]*>(.*?)</h2>", page) for page in pages)
     listed = re.findall(r"^\| ([A-Z][^|]*) \|", TEXT, re.MULTILINE)
-    told = [part for each in listed for part in each.split(", ")]
-    assert sorted(["Since REV", *run]) == sorted(told)
+    reported = [part for each in listed for part in each.split(", ")]
+    assert sorted(["Since REV", *run]) == sorted(reported)
     assert plain == ["Timeline", *run[1:]]
     assert against == ["Timeline", "Since HEAD", *plain[1:]]
 
@@ -52,10 +52,10 @@ def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys):
     found = []
     for words in (again, kept):
         code = main([*words, "--quiet"])
-        told = capsys.readouterr().err
-        if "without a screen" in told:
-            pytest.skip(f"nothing can be drawn here: {told}")
-        assert code == 0, told
+        text = capsys.readouterr().err
+        if "without a screen" in text:
+            pytest.skip(f"nothing can be drawn here: {text}")
+        assert code == 0, text
         found.append({path.name: path.read_bytes() for path in Path("pictures").iterdir()})
     assert sorted(found[0]) == ["01-act.png", "legend.json"]
     pytest.importorskip("av", reason="av is not installed")

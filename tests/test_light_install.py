@@ -127,10 +127,10 @@ def test_what_reads_blocks_works_with_the_base_alone(annotated, light, words):
         assert "extra large: not installed: pip install 'tracerisk[large]'" in outcome.out
 
 
-def test_check_tells_what_the_whole_installation_tells(annotated, light):
-    light_told, told = light("check", "cell.py"), annotated.run("check", "cell.py")
-    assert (light_told.code, light_told.out) == (told.code, told.out)
-    assert light_told.code in (0, 1)
+def test_check_says_what_the_whole_installation_says(annotated, light):
+    light_reported, reported = light("check", "cell.py"), annotated.run("check", "cell.py")
+    assert (light_reported.code, light_reported.out) == (reported.code, reported.out)
+    assert light_reported.code in (0, 1)
 
 
 def test_diff_compares_versions_with_the_base_alone(repository, annotated_source, light_python):
@@ -181,7 +181,7 @@ def test_it_is_json_where_that_was_asked_for(example, light):
     assert (outcome.code, outcome.json["error"]["code"]) == (2, "dependency")
 
 
-def test_several_stale_controllers_are_told_once(annotated, light):
+def test_several_stale_controllers_are_reported_once(annotated, light):
     annotated.write("other.py", annotated.read("cell.py"))
     outcome = light("refresh", "cell.py", "other.py")
     assert (outcome.code, outcome.err.count("tracerisk[sim]")) == (2, 1), outcome.err
@@ -207,7 +207,7 @@ def test_samples_say_what_to_install(annotated, light):
 
 
 @pytest.mark.parametrize(
-    ("program", "told"),
+    ("program", "expected"),
     [
         (
             "import tracerisk as t; from pathlib import Path\n"
@@ -228,11 +228,11 @@ def test_samples_say_what_to_install(annotated, light):
         ),
     ],
 )
-def test_the_python_api_raises_the_same(python, tmp_path, monkeypatch, program, told):
+def test_the_python_api_raises_the_same(python, tmp_path, monkeypatch, program, expected):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bare.py").write_text("def home(arm):\n    arm.go()\n")
     done = python(program)
-    assert done.stderr.splitlines()[-1] == f"tracerisk.errors.DependencyError: {told}"
+    assert done.stderr.splitlines()[-1] == f"tracerisk.errors.DependencyError: {expected}"
 
 
 def test_a_large_tree_has_the_same_figures_without_the_compiled_loops(python):

@@ -139,7 +139,7 @@ def test_nothing_of_an_ended_child_is_left(run, tmp_path):
 
 
 def test_the_limit_of_a_controllers_processor_time_names_its_option():
-    assert Limit("cpu_limit_s", 120.0).told == (
+    assert Limit("cpu_limit_s", 120.0).advice == (
         "raise it with --cpu-limit or the setting cpu_limit_s (now 120)"
     )
 

@@ -87,7 +87,7 @@ def test_what_is_no_scalar_of_the_core_schema_is_a_string():
     assert load_placed("[!!float 1, !!int 2, !!null '', !!bool true]") == [1.0, 2, None, True]
 
 
-def test_keys_and_entries_have_the_places_that_the_other_reader_tells(tmp_path):
+def test_keys_and_entries_have_the_places_that_the_other_reader_says(tmp_path):
     text = "a:\n  b: {c: 1, 'd': [2, é, {e: 3}]}\n  f:\n    - x\n    -   - y\n"
     path = tmp_path / "a.yaml"
     path.write_text(text, encoding="utf-8")
@@ -112,7 +112,7 @@ def test_merged_keys_follow_own_ones_and_the_first_merge_counts():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("a: [1\n", "2:1: is not valid YAML: while parsing a flow sequence, did not find expected"),
         ("a: [", "1:5: is not valid YAML: while parsing a flow node, did not find"),
@@ -131,12 +131,12 @@ def test_merged_keys_follow_own_ones_and_the_first_merge_counts():
         ("", "1: expected a mapping at the top, found nothing"),
     ],
 )
-def test_what_is_no_mapping_of_yaml_is_an_error_with_its_place(tmp_path, text, told):
+def test_what_is_no_mapping_of_yaml_is_an_error_with_its_place(tmp_path, text, expected):
     file = tmp_path / "a.yaml"
     file.write_text(text)
     with pytest.raises(InputError) as found:
         read_large_yaml(file, shown="a.yaml")
-    assert str(found.value).startswith(f"a.yaml:{told}")
+    assert str(found.value).startswith(f"a.yaml:{expected}")
 
 
 @pytest.mark.parametrize("deep", ["a: " + "[" * 100_000, "a: " + "{b: " * 20_000])

@@ -20,7 +20,7 @@ def test_a_number_without_a_dot_is_read_without_a_word(tmp_path, version):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("a: [1\n", "a.yaml:2:1: is not valid YAML: "),
         ("? [a: b]\n: c\n", "a.yaml: cannot be read as YAML: "),
@@ -35,9 +35,9 @@ def test_a_number_without_a_dot_is_read_without_a_word(tmp_path, version):
         ("- 1\n", "a.yaml:1: expected a mapping at the top, found "),
     ],
 )
-def test_what_is_no_mapping_of_yaml_is_an_error_with_its_place(tmp_path, text, told):
+def test_what_is_no_mapping_of_yaml_is_an_error_with_its_place(tmp_path, text, expected):
     file = tmp_path / "a.yaml"
     file.write_text(text)
     with pytest.raises(InputError) as found:
         read_yaml(file, shown="a.yaml")
-    assert str(found.value).startswith(told)
+    assert str(found.value).startswith(expected)

@@ -136,14 +136,14 @@ def gather_evidence(
     executor: Executor | None = None,
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
-    told: Callable[[int, int, float], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
     noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Fail each unit of the robot at drawn instants, and write what became of the mission.
 
     `cells` is how many are drawn; `until` goes on until the 90 % interval of the mission's factor
     is no wider. No cell begins after `most_s` [s]. `jobs` local processes work on it, or the
-    workers of an `executor`; `shard` (i, n) tries every n-th cell. `told` is called with the
+    workers of an `executor`; `shard` (i, n) tries every n-th cell. `progress` is called with the
     cells done, of how many, and the seconds left. The file is `tracerisk.evidence` in the
     controller's root; what it holds already is not tried again unless `fresh`. `noted` gets why
     runs were whole ones, where they could not be branched off one.
@@ -163,7 +163,7 @@ def gather_evidence(
         executor=executor,
         shard=shard,
         fresh=fresh,
-        told=told,
+        progress=progress,
         noted=noted,
     )
 
@@ -178,7 +178,7 @@ def sweep(
     most_s: float | None = None,
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
-    told: Callable[[int, int, float], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
 ) -> tuple[SweepPoint, ...]:
     """Run a controller at every combination of values, and return the figure of each.
 
@@ -198,7 +198,7 @@ def sweep(
         factors = [parse_factor(each) for each in over]
     workers = Workers(jobs, executor, most_s)
     return run_sweep(
-        Path(path), factors, settings, workers=workers, shard=shard, fresh=fresh, told=told
+        Path(path), factors, settings, workers=workers, shard=shard, fresh=fresh, progress=progress
     )
 
 
@@ -228,19 +228,19 @@ def evidence_replays(
     folder: str | Path,
     settings: Mapping[str, Any] | None = None,
     *,
-    told: Callable[[int, int, float], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
 ) -> int:
     """Write a page with the replay of each failure that matters; return how many.
 
     They are the worst of each component, mode and function that ended the mission; `index.html`
-    leads to them. `told` as in `gather_evidence`. Raises as that, and InputError where the folder
-    is a file.
+    leads to them. `progress` as in `gather_evidence`. Raises as that, and InputError where the
+    folder is a file.
     """
     from tracerisk.dependencies import require_simulator
     from tracerisk.pipeline.results.evidence_replays import write_replays
 
     require_simulator("replaying failures")
-    return write_replays(Path(path), found, Path(folder), settings, told=told)
+    return write_replays(Path(path), found, Path(folder), settings, progress=progress)
 
 
 def run_with_faults(

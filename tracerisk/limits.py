@@ -39,7 +39,7 @@ class Limit:
     """Its value, in the unit at the end of its name."""
 
     @property
-    def told(self) -> str:
+    def advice(self) -> str:
         """How to raise the limit: option and setting with its value."""
         option = self.setting.rpartition("_")[0].replace("_", "-")
         return f"raise it with --{option} or the setting {self.setting} (now {self.value:g})"

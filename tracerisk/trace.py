@@ -331,11 +331,11 @@ def verdict_line(verdict: Verdict | None) -> str:
     ran, number = verdict.coverage.ran, verdict.coverage.all
     covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
     # Functions that never ran are counted by the coverage.
-    told = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
-    if not told:
+    reported = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
+    if not reported:
         return f"{verdict.kind}, {covered}"
-    more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
-    return f"{verdict.kind}: {told[0]}{more}; {covered}"
+    more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""
+    return f"{verdict.kind}: {reported[0]}{more}; {covered}"
 
 
 NEVER_RAN = "never-ran"
@@ -430,8 +430,8 @@ class Trace:
     @property
     def drafted(self) -> str:
         """In words that a drafted scenario gave it values; empty where none did."""
-        told = (each for each in self.assumptions if each.startswith(DRAFTED))
-        return next(told, "").removeprefix(DRAFTED).strip()
+        drafts = (each for each in self.assumptions if each.startswith(DRAFTED))
+        return next(drafts, "").removeprefix(DRAFTED).strip()
 
     @property
     def is_measured(self) -> bool:
@@ -441,8 +441,8 @@ class Trace:
     @property
     def lost(self) -> tuple[str, ...]:
         """What could not be known of a real robot, or on real ROS, in words."""
-        told = (each for each in self.assumptions if each.startswith(LOST))
-        return tuple(each.removeprefix(LOST).strip() for each in told)
+        losses = (each for each in self.assumptions if each.startswith(LOST))
+        return tuple(each.removeprefix(LOST).strip() for each in losses)
 
     @property
     def is_usable(self) -> bool:

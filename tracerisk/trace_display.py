@@ -91,9 +91,9 @@ def _table(trace: Trace) -> str:
             total = seconds.get(key, 0.0)
             row.append("in use" if key in unknown else f"{total:.2f}" if total >= 0.005 else "")
         rows.append(row)
-    told = [f"{more} more functions"] if more else []
-    told += [f"{left_out} more elements"] if left_out else []
-    rest = f"<p>and {' and '.join(told)}</p>" if told else ""
+    remarks = [f"{more} more functions"] if more else []
+    remarks += [f"{left_out} more elements"] if left_out else []
+    rest = f"<p>and {' and '.join(remarks)}</p>" if remarks else ""
     body = "".join(_html_row("td", row) for row in rows)
     return f"<table><thead>{_html_row('th', head)}</thead><tbody>{body}</tbody></table>{rest}"
 
@@ -141,11 +141,11 @@ def _bars(
         width = max((visit.duration_s or 0.0) * scale, 1.0)
         y = rank_of[visit.function] * _ROW + 4
         seconds = "" if visit.duration_s is None else f", {visit.duration_s:.2f} s"
-        told = f"{visit.function.name}: from {visit.start_s:.2f} s{seconds}, {visit.outcome}"
+        words = f"{visit.function.name}: from {visit.start_s:.2f} s{seconds}, {visit.outcome}"
         yield (
             f"<rect x='{x:.1f}' y='{y:.1f}' width='{width:.1f}' height='{_BAR:.0f}' "
             f"fill='{_FILL}' stroke='{_INK}' stroke-width='0.5'>"
-            f"<title>{escape(told)}</title></rect>"
+            f"<title>{escape(words)}</title></rect>"
         )
     if len(visits) > _MOST_BARS:
         y = _ROW * len(functions) + 16

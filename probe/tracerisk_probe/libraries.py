@@ -67,9 +67,9 @@ def joints_of(message: Any) -> Sequence[str]:
 
 def type_name(kind: Any) -> str:
     """Return the ROS name of a message, service or action class."""
-    told = getattr(kind, "_type", None)
-    if isinstance(told, str):
-        return told[: -len("Action")] if told.endswith("Action") else told
+    stated = getattr(kind, "_type", None)
+    if isinstance(stated, str):
+        return stated[: -len("Action")] if stated.endswith("Action") else stated
     module = getattr(kind, "__module__", "").split(".")
     return "/".join([*module[:2], getattr(kind, "__name__", "")])
 
@@ -110,13 +110,13 @@ def _actionlib_send(original: Callable[..., Any]) -> Callable[..., Any]:
         number = command("action", name, type_name(self.ActionSpec), joints_of(goal))
 
         def watched(handle: Any) -> None:
-            if handle.get_comm_state() == _DONE and not told:
-                told.append(True)
+            if handle.get_comm_state() == _DONE and not reported:
+                reported.append(True)
                 ended(number, _ROS1_ENDS.get(handle.get_terminal_state(), "aborted"))
             if transition_cb:
                 transition_cb(handle)
 
-        told: list[bool] = []
+        reported: list[bool] = []
         with Within():
             return original(self, goal, watched, feedback_cb)
 
@@ -276,11 +276,11 @@ def _rclpy_result(original: Callable[..., Any]) -> Callable[..., Any]:
         if number:
             self._tracerisk_probe = 0
 
-            def told(done: Any) -> None:
+            def notify(done: Any) -> None:
                 answer = None if done.cancelled() or done.exception() else done.result()
                 ended(number, _ROS2_ENDS.get(getattr(answer, "status", 6), "aborted"))
 
-            future.add_done_callback(told)
+            future.add_done_callback(notify)
         return future
 
     return get_result_async

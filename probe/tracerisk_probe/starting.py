@@ -110,7 +110,7 @@ def run_module(name: str, arguments: Sequence[str]) -> None:
 def _flush_at_the_end(found: Output) -> None:
     def end() -> None:
         found.flush()
-        _tell_unpublished(found)
+        _report_unpublished(found)
 
     atexit.register(end)
     real_exit: Callable[[int], NoReturn] = os._exit
@@ -134,7 +134,7 @@ def _ending(found: Output) -> Callable[[int, FrameType | None], Any]:
     return end
 
 
-def _tell_unpublished(found: Output) -> None:
+def _report_unpublished(found: Output) -> None:
     topic = found.topic
     if topic is not None and found.path is None and not topic.is_used:
         sys.stderr.write(

@@ -65,7 +65,7 @@ class Topic:
                 self._publish(self._waiting.popleft())
             except Exception as error:  # noqa: BLE001 -- the node's end is no error of the controller
                 self._publish = None
-                _tell(f"nothing more is published: {type(error).__name__}: {error}")
+                _report(f"nothing more is published: {type(error).__name__}: {error}")
                 return
 
 
@@ -85,7 +85,7 @@ class Output:
         self.topic = topic
         self.before_sending: Callable[[], None] = lambda: None
         self._dropped = 0
-        self._told = 0
+        self._reported = 0
         self._start()
         os.register_at_fork(after_in_child=self._forked)
 
@@ -103,9 +103,11 @@ class Output:
         done = threading.Event()
         self._queue.put(done)
         done.wait(timeout_s)
-        if self._dropped > self._told:
-            _tell(f"{self._dropped} objects were dropped: they came faster than they were written")
-            self._told = self._dropped
+        if self._dropped > self._reported:
+            _report(
+                f"{self._dropped} objects were dropped: they came faster than they were written"
+            )
+            self._reported = self._dropped
 
     def _start(self) -> None:
         self._thread = threading.Thread(target=self._run, name="tracerisk-probe", daemon=True)
@@ -147,8 +149,8 @@ class Output:
                     line = line[os.write(self._descriptor, line) :]
             except OSError as error:
                 self._descriptor = -1
-                _tell(f"{self.path}: nothing more is written: {error.strerror}")
+                _report(f"{self.path}: nothing more is written: {error.strerror}")
 
 
-def _tell(message: str) -> None:
+def _report(message: str) -> None:
     sys.stderr.write(f"tracerisk-probe: {message}\n")

@@ -118,7 +118,7 @@ UNCLEAR = Evidence(is_fresh=False)
 
 
 @pytest.mark.parametrize("policy", [STOP, ACCEPT])
-def test_what_nobody_can_tell_the_author_of_is_left_alone_without_advice_to_pin_it(
+def test_what_nobody_can_say_the_author_of_is_left_alone_without_advice_to_pin_it(
     block, make_block, policy
 ) -> None:
     from tracerisk.adder.merge.merge import edits_error, in_the_way
@@ -136,7 +136,7 @@ def test_what_nobody_can_tell_the_author_of_is_left_alone_without_advice_to_pin_
     assert "a user changed" not in text
 
 
-def test_what_nobody_can_tell_the_author_of_may_be_dropped(block, make_block) -> None:
+def test_what_nobody_can_say_the_author_of_may_be_dropped(block, make_block) -> None:
     mixed = changed(block, "= 7.344e-08", "= 3.333e-08")
     now = make_block(gripper=1e-07, motor=2e-07)
     merged = merge(None, mixed, now, policy=DISCARD, evidence=lambda: UNCLEAR)
@@ -159,7 +159,7 @@ FOUND = {
 
 
 @pytest.mark.parametrize("case", FOUND)
-def test_git_tells_who_wrote_what_neither_digest_nor_lock_knows(
+def test_git_says_who_wrote_what_neither_digest_nor_lock_knows(
     case: str, block, make_block
 ) -> None:
     key, text, author = FOUND[case]
@@ -176,8 +176,8 @@ def test_git_tells_who_wrote_what_neither_digest_nor_lock_knows(
     found = changed(block, before, after)
     now = make_block(gripper=1e-07, motor=2e-07)
     merged = merge(written_block(block), found, now, policy=STOP, evidence=lambda: kept)
-    told = {"tool": [], "user": [True], "unknown": [False]}[author]
-    assert [edit.is_certain for edit in merged.edits] == [*told, *told][: len(merged.edits)]
+    reported = {"tool": [], "user": [True], "unknown": [False]}[author]
+    assert [edit.is_certain for edit in merged.edits] == [*reported, *reported][: len(merged.edits)]
     assert bool(merged.edits) == (author != "tool")
 
 

@@ -150,14 +150,14 @@ def test_a_body_whose_first_line_goes_on_takes_the_block_below():
     assert annotated[2] == "  /***"
 
 
-def test_a_short_name_tells_of_the_only_function_around():
+def test_a_short_name_reports_the_only_function_around():
     source = SOURCE.encode()
     annotated = insert_blocks(source, blocks(["cell::Robot::place"]), "a.cpp")
     by_hand = annotated.replace(b"name = cell::Robot::place", b"name = place")
     assert [each.function for each in read_blocks(by_hand, "a.cpp")] == ["cell::Robot::place"]
 
 
-def test_a_block_under_another_name_is_told_with_the_function_that_it_is_in():
+def test_a_block_under_another_name_is_reported_with_the_function_that_it_is_in():
     annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
     with pytest.raises(MisplacedBlockError, match="`name = main`"):
         read_blocks(annotated.replace(b"name = main", b"name = other"), "a.cpp")
@@ -201,12 +201,12 @@ def test_overloads_have_a_block_each_where_that_is_asked():
     assert insert_blocks(source, blocks(["f"]), "a.cpp").index(b"@Function") > source.index(b"dou")
 
 
-def test_an_unknown_function_is_told_with_those_there_are():
+def test_an_unknown_function_is_reported_with_those_there_are():
     with pytest.raises(InputError, match=r"no function mian.*did you mean 'main'"):
         insert_blocks(SOURCE.encode(), blocks(["mian"]), "a.cpp")
 
 
-def test_a_function_that_cannot_be_read_is_told_with_the_place():
+def test_a_function_that_cannot_be_read_is_reported_with_the_place():
     source = b"int f() {\n}\nint g() {\n  MACRO\n}\n"
     with pytest.raises(
         InputError, match=r"no function g .*from line 5 on something cannot be read"
@@ -251,7 +251,7 @@ def test_broken_sources_lose_nothing(source):
     assert strip_blocks(source, "a.cpp") == source
 
 
-def test_the_lines_of_blocks_are_told():
+def test_the_lines_of_blocks_are_reported():
     annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
     first = annotated.decode().split("\n").index("  /***") + 1
     assert block_lines(annotated, "a.cpp") == tuple(range(first, first + 7))

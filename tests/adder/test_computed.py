@@ -204,7 +204,7 @@ def test_a_visit_before_the_cycle_weighs_once_in_a_function_of_the_cycle(lines, 
         ),
     ],
 )
-def test_what_a_trace_does_not_tell_is_an_error_that_says_what_to_do(
+def test_what_a_trace_does_not_say_is_an_error_that_says_what_to_do(
     exposure, lines, message, compute
 ):
     trace = trace_of(("move", 5.0, {"j1": exposure}))
@@ -228,20 +228,20 @@ def test_a_load_law_without_a_speed_says_whose_speed_it_takes(compute):
 
 
 @pytest.mark.parametrize(
-    ("age", "told"),
+    ("age", "expected"),
     [((), "are new"), (("age: {value: 12000, per: hour}",), "were in use for 12000 h")],
 )
-def test_what_ages_says_from_what_age(age, told, compute):
+def test_what_ages_says_from_what_age(age, expected, compute):
     (line,) = compute(
         MOVE, "weibull: {shape: 2, scale: 30000, per: hour}", *age, JOINTS
     ).assumptions
     assert line == (
-        f"part: Weibull, of units that {told} when the mission begins; the mission's hazard is "
+        f"part: Weibull, of units that {expected} when the mission begins; the mission's hazard is "
         "spread over its time in use"
     )
 
 
-def test_failures_that_no_mode_has_are_told_as_harmless(compute):
+def test_failures_that_no_mode_has_are_reported_as_harmless(compute):
     modes = "modes: {jams: {fraction: 0.4, when: [moving]}, slips: {fraction: %s, when: [holding]}}"
     (line,) = compute(MOVE, RATE, modes % "0.35", JOINTS).assumptions
     assert line == (
@@ -250,7 +250,7 @@ def test_failures_that_no_mode_has_are_told_as_harmless(compute):
     assert compute(MOVE, RATE, modes % "0.6", JOINTS).assumptions == ()
 
 
-def test_figures_with_an_error_factor_are_told_as_medians(compute):
+def test_figures_with_an_error_factor_are_reported_as_medians(compute):
     rate = "failure_rate: {value: 570, unit: FIT, error_factor: 3%s}"
     (line,) = compute(MOVE, rate % "", JOINTS).assumptions
     assert line == (

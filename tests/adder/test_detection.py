@@ -78,7 +78,7 @@ TESTED = ", detected: {test_interval: 0.1, per: hour}"
         trace_of(1.0, 60.0, 60.0, 60.0, cycle=Cycle(1, 1, 6)),
     ],
 )
-def test_tests_within_the_mission_are_left_out_and_told(power, trace):
+def test_tests_within_the_mission_are_left_out_and_reported(power, trace):
     entry, assumptions = power(trace, TESTED)
     assert entry.redundancy.text == "true"
     (line,) = assumptions
@@ -86,7 +86,7 @@ def test_tests_within_the_mission_are_left_out_and_told(power, trace):
 
 
 @pytest.mark.parametrize("missions", [1.5, 2.0, 36.0])
-def test_a_test_rarer_than_missions_tells_the_mean_of_those_between_two(power, missions):
+def test_a_test_rarer_than_missions_says_the_mean_of_those_between_two(power, missions):
     entry, assumptions = power(trace_of(360.0 / missions), TESTED)
     alone, _ = power(trace_of(360.0 / missions))
     # A pair with P fails within n missions with (nP)^2, in the mean of one with n P^2.
@@ -114,7 +114,7 @@ def test_a_mission_without_a_time_cannot_be_compared_with_a_test_interval(power)
 
 
 @pytest.mark.parametrize("missions", [1.5, 4.0])
-def test_spares_tested_more_rarely_than_missions_come_tell_the_mean_as_well(power, missions):
+def test_spares_tested_more_rarely_than_missions_come_say_the_mean_as_well(power, missions):
     def hazard(p, times):
         h = -times * math.log1p(-p)
         return h - math.log1p(h)

@@ -423,7 +423,7 @@ def test_a_bad_block_is_an_error_with_file_and_line(case: str, read_block) -> No
         ("true, detected hourly", "detected mission_start, the first failures of a group stay"),
     ],
 )
-def test_a_redundancy_that_cannot_be_is_told_with_what_can(read_block, text, message):
+def test_a_redundancy_that_cannot_be_is_reported_with_what_can(read_block, text, message):
     with pytest.raises(BlockError, match=f"redundancy = {text} is not allowed; .*{message}"):
         read_block(
             f"""
@@ -460,7 +460,7 @@ def test_a_reason_may_begin_with_the_word_computed(read_block, reason):
     assert again.call_sequence.reason == reason
 
 
-def test_a_reason_behind_a_hash_is_told_where_it_goes(read_block):
+def test_a_reason_behind_a_hash_is_reported_where_it_goes(read_block):
     text = "RiskAnnotation\n@Function {\n  name = f\n  callSequence := 2  # why, FMEA-1\n}"
     with pytest.raises(BlockError, match="write `callSequence := 2  ! why, FMEA-1`"):
         read_block(text)

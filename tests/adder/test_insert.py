@@ -126,12 +126,12 @@ def test_the_encoding_of_the_file_is_kept(encoding: str) -> None:
     check("f", f"# coding: {encoding}\ndef f():\n    <block>\n    return '{word}'\n", encoding)
 
 
-def test_a_line_tells_which_of_equal_names_is_meant() -> None:
+def test_a_line_says_which_of_equal_names_is_meant() -> None:
     after = "if a:\n    def f():\n        <block>\n        pass\nelse:\n    def f(): pass\n"
     check("f", after, lines={"f": 2})
 
 
-def test_a_block_moves_to_the_definition_that_the_line_tells() -> None:
+def test_a_block_moves_to_the_definition_that_the_line_says() -> None:
     source = b"if a:\n    def f():\n        pass\nelse:\n    def f():\n        pass\n"
     blocks = {"f": short_block("f")}
     last = insert_blocks(source, blocks, "c.py")

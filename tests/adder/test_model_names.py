@@ -23,7 +23,7 @@ def test_a_shared_stem_gets_its_folders():
     assert names(("p/x.py", "go"), ("p/a/x.py", "go")) == ["x.go", "a.x.go"]
 
 
-def test_it_does_not_matter_from_where_paths_are_told():
+def test_it_does_not_matter_from_where_paths_are_reported():
     below = names(("x.py", "go"), ("a/x.py", "go"))
     assert below == names(("/home/me/x.py", "go"), ("/home/me/a/x.py", "go"))
 

@@ -109,5 +109,5 @@ def test_more_units_than_a_line_holds_are_counted():
         {"functions": {"place": {"instances": {"motor": {"joint1": "1e-9"}}}}},
     ],
 )
-def test_a_lock_edited_by_hand_tells_no_instances(summary):
+def test_a_lock_edited_by_hand_says_no_instances(summary):
     assert not any(kept_values(summary, "place").values())

@@ -132,14 +132,14 @@ def test_what_stands_behind_the_gutter_is_not_plain():
         ((b"Places the part. */", b"Places the part."), 19, "has no `*/`"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(change, line, message):
+def test_what_is_wrong_is_reported_with_its_line(change, line, message):
     with pytest.raises(BlockError, match=re.escape(message)) as caught:
         read_c_blocks(C.replace(*change), "arm.c")
     assert caught.value.location.line == line
 
 
 @pytest.mark.parametrize("name", ["a.c", "a.CPP", "dir/a.hpp", "A.java", "a.ino"])
-def test_the_ending_tells_the_language(name):
+def test_the_ending_says_the_language(name):
     assert is_c_like(name)
     assert not is_c_like("a.py")
 

@@ -188,7 +188,7 @@ def files() -> dict[str, bytes]:
 def test_a_bad_block(name, verb, known, annotated, tmp_path, monkeypatch, capfd) -> None:
     if (verb, name) in BUT:
         pytest.skip("the list of what was set by hand follows no next")
-    before, after, line, *told = BAD[name]
+    before, after, line, *reported = BAD[name]
     monkeypatch.chdir(tmp_path)
     for file, data in annotated.items():
         if known or file != "tracerisk.lock":
@@ -200,12 +200,12 @@ def test_a_bad_block(name, verb, known, annotated, tmp_path, monkeypatch, capfd)
     assert main([*VERBS[verb]]) == 2
     out, err = capfd.readouterr()
     assert f"cell.py:{line}: " in out + err
-    for part in told:
+    for part in reported:
         assert part in out + err
     assert files() == found
 
 
-def test_two_blocks_of_one_function_are_told_with_both_places(
+def test_two_blocks_of_one_function_are_reported_with_both_places(
     annotated, tmp_path, monkeypatch, capfd
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -69,7 +69,7 @@ def test_the_markdown_has_its_tag(changed):
 
 
 @pytest.mark.parametrize(
-    ("options", "code", "told"),
+    ("options", "code", "expected"),
     [
         (["--max-increase", "0.6"], 0, ""),
         (["--max-increase", "0.5"], 1, "mission failure rises by 58.7 %, over --max-increase 0.5"),
@@ -81,10 +81,10 @@ def test_the_markdown_has_its_tag(changed):
         ),
     ],
 )
-def test_limits_make_the_exit_code(changed, options, code, told):
+def test_limits_make_the_exit_code(changed, options, code, expected):
     outcome = changed.run("diff", *options)
     assert outcome.code == code
-    assert told in outcome.err
+    assert expected in outcome.err
     assert (outcome.err == "") == (code == 0)
     data = changed.run("diff", *options, "--json").json
     assert (data["exit_code"], len(data["exceeded"])) == (code, code)
@@ -96,7 +96,7 @@ def test_a_rise_within_the_noise_exceeds_no_increase(changed, steps):
     assert changed.run("diff", "--max-increase", "0", "--max-failure-probability", "1e-9").code == 1
 
 
-def test_what_is_not_utf_8_is_told_all_the_same(changed, steps):
+def test_what_is_not_utf_8_is_reported_all_the_same(changed, steps):
     name = os.fsdecode(b"caf\xe9.py")
     published = (
         "/*** * RiskAnnotation\n * @Function {\n *   name = f\n *   callSequence = 1\n * }\n"
@@ -113,7 +113,7 @@ def test_what_is_not_utf_8_is_told_all_the_same(changed, steps):
         assert "caf\ufffd.py" in outcome.out
 
 
-def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
+def test_errors_exit_with_2_and_say_the_version(changed, steps, tmp_path):
     outcome = changed.run("diff", "nope")
     assert (outcome.code, outcome.out) == (2, "")
     assert "'nope' is not a revision here" in outcome.err
@@ -128,7 +128,7 @@ def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "expected"),
     [
         (["--max-increase", "-1"], "'-1' is not a share from 0 up, such as 0.1 for 10 %"),
         (["--max-increase", "x"], "'x' is not a share from 0 up"),
@@ -137,10 +137,10 @@ def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
         (["--textconv", "gone.py"], "gone.py: cannot be read"),
     ],
 )
-def test_bad_options_exit_with_2(changed, options, told):
+def test_bad_options_exit_with_2(changed, options, expected):
     outcome = changed.run("diff", *options)
     assert outcome.code == 2
-    assert told in outcome.err
+    assert expected in outcome.err
 
 
 def test_it_imports_no_simulator_and_no_libcst(changed):
@@ -166,7 +166,7 @@ def test_plain_git_diff_shows_the_model_by_textconv(changed):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (("quantity = 7", "quantity = 0"), "risk model: line 11: quantity = 0 is not allowed"),
         (("next = place 1", "next = elsewhere 1"), "no mission of these blocks alone: function"),
@@ -174,11 +174,11 @@ def test_plain_git_diff_shows_the_model_by_textconv(changed):
         (("callSequence = 2", "callSequence = 1"), "(the other stands at line 2)"),
     ],
 )
-def test_textconv_tells_what_is_wrong_and_never_fails(changed, steps, change, told):
+def test_textconv_says_what_is_wrong_and_never_fails(changed, steps, change, expected):
     changed.write("bad.py", steps().replace(*change))
     outcome = changed.run("diff", "--textconv", "bad.py")
     assert outcome.code == 0, outcome.err
-    assert told in outcome.out
+    assert expected in outcome.out
     assert "bad.py" not in outcome.out
     assert outcome.out.startswith(steps().replace(*change))
 
@@ -191,7 +191,7 @@ def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
 
 
 @pytest.mark.parametrize(
-    ("change", "threshold", "is_told"),
+    ("change", "threshold", "is_reported"),
     [
         ({"gripper": "= 2.1e-07"}, "0.1", False),
         ({"gripper": "= 2.1e-07"}, "0.01", True),
@@ -202,12 +202,12 @@ def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
     ],
 )
 @pytest.mark.parametrize("form", ["text", "markdown"])
-def test_a_small_change_is_told_only_where_a_reviewer_must_see_it(
-    repository, steps, change, threshold, is_told, form
+def test_a_small_change_is_reported_only_where_a_reviewer_must_see_it(
+    repository, steps, change, threshold, is_reported, form
 ):
     repository.write("pick.py", steps())
     repository.commit()
     repository.write("pick.py", steps(**change))
     outcome = repository.run("diff", "--silent-below", threshold, "--format", form)
     assert outcome.code == 0, outcome.err
-    assert bool(outcome.out) == is_told
+    assert bool(outcome.out) == is_reported

@@ -27,7 +27,7 @@ def settings_of(example, file: str, *more: str) -> dict[str, dict[str, object]]:
     return outcome.json["settings"]
 
 
-def test_each_setting_is_told_with_its_value_and_its_place(example, quick):
+def test_each_setting_is_reported_with_its_value_and_its_place(example, quick):
     example.write("pyproject.toml", TABLES)
     for name in ("left", "right"):
         example.write(f"src/{name}.py", quick("go()", "grip()"))
@@ -42,8 +42,8 @@ def test_each_setting_is_told_with_its_value_and_its_place(example, quick):
     right = settings_of(example, "src/right.py", "--robot", "ur5e")
     assert right["seed"] == {"value": 3, "from": "all", "line": 2, **place}
     assert right["duration_s"]["value"] == 7.0
-    told = {"value": "ur5e", "from": "command line", "file": None, "line": None}
-    assert right["robot"] == told
+    reported = {"value": "ur5e", "from": "command line", "file": None, "line": None}
+    assert right["robot"] == reported
 
 
 def test_the_settings_stand_one_a_line(example, quick):

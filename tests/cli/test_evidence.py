@@ -282,8 +282,8 @@ def test_diff_says_what_a_change_did_to_failures(repository, quick):
         for at in range(20)
     ]
     before = Evidence("f", "panda", 0, 20, (), tuple(cells))
-    told = [replace(each, told_after_s=0.4, told_by="path_cut", fails=True) for each in cells]
-    after = replace(before, cells=tuple(told))
+    reported = [replace(each, told_after_s=0.4, told_by="path_cut", fails=True) for each in cells]
+    after = replace(before, cells=tuple(reported))
     repository.write("tracerisk.evidence", dump_evidence({"controller.py": before}))
     repository.git("add", "-A")
     repository.git("commit", "-qm", "before")

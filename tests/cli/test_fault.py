@@ -26,9 +26,11 @@ def test_a_run_with_a_fault_prints_its_effect(moving):
     )
     assert lines[1] == "without the fault: partial, 2 of 3 functions with commands ran"
     assert any(line.startswith("with the fault: faulted") for line in lines)
-    (told,) = (at for at, line in enumerate(lines) if line.startswith("reported to the controller"))
-    assert "s after the fault" in lines[told]
-    assert "joint 'panda_joint1' is" in lines[told + 1]
+    (reported,) = (
+        at for at, line in enumerate(lines) if line.startswith("reported to the controller")
+    )
+    assert "s after the fault" in lines[reported]
+    assert "joint 'panda_joint1' is" in lines[reported + 1]
     assert "controller.py on panda" in outcome.err, "the run without is told as soon as it is over"
 
 
@@ -70,7 +72,7 @@ def test_what_is_kept_is_the_recording_of_the_run_with_the_fault(moving):
     assert np.ptp(position[begin + 1 :]) < 1e-4
 
 
-def test_json_tells_the_same(moving):
+def test_json_says_the_same(moving):
     first, second = (moving.run("run", "controller.py", *JAMMED, "--json") for _ in range(2))
     assert first.out == second.out
     assert first.json["faults"] == [{"mode": "jam", "time_s": 0.3, "unit": "panda_joint1"}]
@@ -111,7 +113,7 @@ def test_options_of_blocks_and_figures_do_not_go_with_it(moving, option):
     assert f"{option[0]} does not go with --fault" in outcome.err
 
 
-def test_a_controller_that_fails_without_a_fault_is_told_as_ever(example, quick):
+def test_a_controller_that_fails_without_a_fault_is_reported_as_ever(example, quick):
     example.write("controller.py", quick().replace("    act(arm)\n", "    raise OSError(5)\n"))
     outcome = example.run("run", "controller.py", *JAMMED)
     assert outcome.code == example.run("run", "controller.py").code != 0

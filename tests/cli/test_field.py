@@ -87,7 +87,7 @@ def test_the_table_says_what_follows(field):
     assert "pick 0.25" in outcome.out
 
 
-def test_the_twin_is_told_apart_where_it_leaves_the_intervals(field):
+def test_the_twin_is_reported_apart_where_it_leaves_the_intervals(field):
     example, names = field
     example.write("twin.json", trace_json.dumps(mission(2.0, 1.0)))
     fine = example.run("field", *names, "--against", "twin.json")
@@ -100,7 +100,7 @@ def test_the_twin_is_told_apart_where_it_leaves_the_intervals(field):
     assert "pick: panda_joint1 moving_s is 3 on the twin" in apart.out
 
 
-def test_a_function_that_one_of_both_lacks_is_told(field):
+def test_a_function_that_one_of_both_lacks_is_reported(field):
     example, names = field
     example.write("twin.json", trace_json.dumps(mission(2.0)))
     apart = example.run("field", *names, "--against", "twin.json")

@@ -71,7 +71,7 @@ def test_the_shipped_description_of_a_robot_is_shown(example):
     assert row.split()[:4] == ["gripper", "2", "all", "needed"]
 
 
-def test_what_an_optional_part_the_robot_lacks_is_told(example):
+def test_what_an_optional_part_the_robot_lacks_is_reported(example):
     example.write(
         "h.yaml",
         "components:\n  camera:\n    failure_rate: {value: 1e-6, per: hour}\n"
@@ -99,7 +99,7 @@ def test_yaml_is_written_anew_and_says_the_same(cell):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is not a format; allowed: .sysml"),
         (("cell", "-o", "a.yaml"), "cell: its name has no ending"),
@@ -107,11 +107,11 @@ def test_yaml_is_written_anew_and_says_the_same(cell):
         (("gone.yaml", "-o", "a.yaml"), "gone.yaml: cannot be read"),
     ],
 )
-def test_what_cannot_be_converted_is_told(cell, arguments, told):
+def test_what_cannot_be_converted_is_reported(cell, arguments, expected):
     before = cell.files()
     outcome = cell.run("hardware", "convert", *arguments)
     assert outcome.code == 2
-    assert told in outcome.err
+    assert expected in outcome.err
     assert cell.files() == before
 
 
@@ -280,7 +280,7 @@ def test_blocks_and_result_are_the_same_from_either_format(annotated):
     assert sources[:2] == sources[2:]
 
 
-def test_what_is_left_out_of_a_model_is_told(example):
+def test_what_is_left_out_of_a_model_is_reported(example):
     example.write(
         "cell.sysml",
         """\
@@ -306,7 +306,7 @@ package Cell {
     assert (outcome.code, outcome.err) == (0, "")
 
 
-def test_a_fault_in_sysml_is_told_before_anything_is_simulated(example, quick):
+def test_a_fault_in_sysml_is_reported_before_anything_is_simulated(example, quick):
     example.write("cell.sysml", "package P {\n    part robot {\n        part motor [;\n    }\n}\n")
     example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell.sysml"\n')
     example.write("controller.py", quick('open("ran", "w").close()'))

@@ -29,7 +29,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_fault_in_the_hardware_is_told_before_anything_is_simulated(
+def test_a_fault_in_the_hardware_is_reported_before_anything_is_simulated(
     name, example, quick, hardware
 ):
     old, new, line, message = FAULTS[name]
@@ -80,7 +80,7 @@ SETTINGS = {
 
 
 @pytest.mark.parametrize("setting", SETTINGS)
-def test_a_fault_in_the_settings_is_told_with_its_line(setting, example, quick):
+def test_a_fault_in_the_settings_is_reported_with_its_line(setting, example, quick):
     example.write("pyproject.toml", f"[project]\nname = 'cell'\n[tool.tracerisk]\n{setting}\n")
     example.write("controller.py", quick())
     before = example.files()

@@ -58,7 +58,7 @@ def test_without_an_error_factor_for_the_model_it_says_what_to_do(error_factor, 
     )
 
 
-def test_samples_without_uncertainty_are_told_before_anything_runs(example):
+def test_samples_without_uncertainty_are_reported_before_anything_runs(example):
     example.write("cell.py", "raise SystemExit(7)\n")
     outcome = example.run("run", "cell.py", "--samples", "10")
     assert outcome.code == 2

@@ -44,13 +44,13 @@ def test_each_commit_that_changed_the_risk_is_a_row(grown):
     assert "through gripper" in found["commits"][1]["change"]
 
 
-def test_the_commit_that_raised_it_most_is_told(grown):
+def test_the_commit_that_raised_it_most_is_reported(grown):
     found = rows(grown.run("history", "cell.py", "--json"))
     hashes = commits(grown)[-5:]
     assert found["largest_rise"]["commit"] in (hashes[2], hashes[4])
     assert found["largest_rise"]["ratio"] == pytest.approx(4.0)
-    told = grown.run("history", "cell.py")
-    assert "largest rise: x4 by" in told.out
+    reported = grown.run("history", "cell.py")
+    assert "largest rise: x4 by" in reported.out
 
 
 @pytest.mark.parametrize(("limit", "since"), [("5e-7", 4), ("1.5e-7", 2), ("1e-6", None)])
@@ -122,7 +122,7 @@ def test_all_controllers_of_the_lock_where_none_is_named(grown):
         (("cell.py", "new.py", "--badge", "b.svg"), "--badge is that of one controller"),
     ],
 )
-def test_what_cannot_be_told_is_said(grown, words, message):
+def test_what_cannot_be_reported_is_said(grown, words, message):
     grown.write("new.py", "x = 1\n")
     outcome = grown.run("history", *words)
     assert outcome.code == 2

@@ -125,7 +125,7 @@ def test_without_a_controller_or_git_it_still_helps(example):
     assert example.run("init", "nothing").code == 2
 
 
-def test_malformed_settings_are_told_before_anything_is_written(cell):
+def test_malformed_settings_are_reported_before_anything_is_written(cell):
     cell.write("pyproject.toml", "[tool.tracerisk\n")
     before = files(cell)
     outcome = cell.run("init", "--yes")

@@ -191,7 +191,7 @@ def test_a_figure_of_a_branch_that_did_not_rename_the_function_is_nobodys_edit(r
     assert ": edited" not in checked.out
 
 
-def test_blocks_of_an_earlier_version_are_told_and_written_anew(repository):
+def test_blocks_of_an_earlier_version_are_reported_and_written_anew(repository):
     refresh(repository, "motor")
     new = repository.files()
     old = re.sub(rb"(RiskAnnotation) \S+", rb"\1", repository.read("c.py"))
@@ -219,17 +219,17 @@ def test_a_value_of_another_run_in_a_fresh_file_is_stale(two_branches):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ((), "expected three locks, BASE OURS THEIRS, and not 0; or --install"),
         (("a", "b", "c"), "a: there is no such file; git gives three locks"),
         (("--install", "a"), "--install takes no files"),
     ],
 )
-def test_what_cannot_be_merged_is_an_error(repository, words, told):
+def test_what_cannot_be_merged_is_an_error(repository, words, expected):
     done = repository.run("lock-merge", *words)
     assert done.code == 2
-    assert told in done.err
+    assert expected in done.err
 
 
 def test_a_lock_that_cannot_be_read_is_left_alone(repository):

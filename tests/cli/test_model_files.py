@@ -185,7 +185,7 @@ def top_of(call, *arguments):
         ("// dtmc\nint main() {}\n", "x.cpp", None),
     ],
 )
-def test_the_format_is_told_by_the_content_then_by_the_name(text, name, found):
+def test_the_format_is_reported_by_the_content_then_by_the_name(text, name, found):
     assert detected(text.encode(), name) is found
 
 
@@ -278,7 +278,7 @@ def test_a_limit_is_held_against_tops(call):
     assert call("solve", "cooling.xml", "--max-failure-probability", "0.02").code == 0
 
 
-def test_a_doubled_argument_is_told(call):
+def test_a_doubled_argument_is_reported(call):
     doubled = '<basic-event name="valve"/>\n        <basic-event name="valve"/>\n      </or>'
     Path("doubled.xml").write_text(
         xml().replace('<basic-event name="valve"/>\n      </or>', doubled)
@@ -286,8 +286,8 @@ def test_a_doubled_argument_is_told(call):
     outcome = call("solve", "doubled.xml")
     assert outcome.code == 0
     assert "valve" in outcome.err
-    (told,) = solved(call, "doubled.xml")["notes"]
-    assert told in outcome.err
+    (reported,) = solved(call, "doubled.xml")["notes"]
+    assert reported in outcome.err
 
 
 def test_tops_are_solved_in_each_phase_of_an_alignment(call):
@@ -446,7 +446,7 @@ def test_cut_sets_of_functions_of_gates_and_without_figures(call):
     assert "top: 2 minimal cut sets" in dynamic.out
 
 
-def test_prime_implicants_tell_what_must_not_happen(call):
+def test_prime_implicants_say_what_must_not_happen(call):
     Path("not.xml").write_text(
         xml().replace('<basic-event name="b"/>', '<not><basic-event name="b"/></not>')
     )
@@ -464,7 +464,7 @@ def test_prime_implicants_tell_what_must_not_happen(call):
         (["cooling.xml", "--max-order", "0"], "max_order is 0"),
     ],
 )
-def test_what_has_no_cut_sets_is_told(call, arguments, message):
+def test_what_has_no_cut_sets_is_reported(call, arguments, message):
     outcome = call("cut-sets", *arguments)
     assert outcome.code == 2
     assert message in outcome.err
@@ -538,7 +538,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
         (["cooling.xml", "-o", "no/o.xml"], "no/o.xml: cannot be written"),
     ],
 )
-def test_what_a_format_cannot_hold_is_told_and_nothing_written(call, arguments, message):
+def test_what_a_format_cannot_hold_is_reported_and_nothing_written(call, arguments, message):
     Path("x.py").write_text("pass\n")
     before = sorted(Path().iterdir())
     outcome = call("convert", *arguments)
@@ -583,13 +583,13 @@ def test_a_curve_goes_up_to_the_mission_time(call):
         (("rate.xml", "--mission-time", "9", "--curve", "1"), "1 steps; give at least 2"),
     ],
 )
-def test_a_curve_that_cannot_be_is_told(call, arguments, message):
+def test_a_curve_that_cannot_be_is_reported(call, arguments, message):
     outcome = call("solve", *arguments)
     assert outcome.code == 2
     assert message in outcome.err
 
 
-def test_importances_tell_how_likely_an_event_is_where_the_top_is(call):
+def test_importances_say_how_likely_an_event_is_where_the_top_is(call):
     found = solved(call, "cooling.xml", "--importance", "--mission-time", "100")["tops"][0]
     for each in found["importance"]:
         expected = each["probability"] * each["risk_achievement_worth"]
@@ -626,7 +626,7 @@ def test_properties_of_a_chain_are_answered(call):
     assert len(swept["sweeps"][0]["points"]) == 2
 
 
-def test_a_limit_that_does_not_hold_is_told_by_the_exit_code(call):
+def test_a_limit_that_does_not_hold_is_reported_by_the_exit_code(call):
     Path("walk.prism").write_text(WALK)
     outcome = call("solve", "walk.prism", "--property", 'P>=0.5 [F "won"]')
     assert outcome.code == 1
@@ -642,7 +642,7 @@ def test_a_limit_that_does_not_hold_is_told_by_the_exit_code(call):
         (("repair.tra", "--property", "P=? [F x=1]"), "'x' is not a variable"),
     ],
 )
-def test_what_cannot_be_asked_of_a_model_is_told(call, arguments, message):
+def test_what_cannot_be_asked_of_a_model_is_reported(call, arguments, message):
     outcome = call("solve", *arguments)
     assert outcome.code == 2
     assert message in outcome.err

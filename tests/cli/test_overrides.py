@@ -65,7 +65,7 @@ ROWS = [
 ]
 
 
-def test_each_thing_set_by_hand_is_told_with_its_place_without_any_run(example):
+def test_each_thing_set_by_hand_is_reported_with_its_place_without_any_run(example):
     example.write("pick.py", PINNED)
     outcome = example.run("overrides", "pick.py", "--json")
     assert outcome.code == 0, outcome.err
@@ -103,8 +103,8 @@ def test_a_drift_beyond_the_limit_exits_1_and_names_the_field(limit, code, examp
     example.write("pick.py", PINNED)
     outcome = example.run("overrides", "pick.py", "--max-drift", limit)
     assert outcome.code == code
-    told = "pick.py:12: Picker.place.gripper.probability has drifted by +150 %"
-    assert (told in outcome.err) == bool(code)
+    text = "pick.py:12: Picker.place.gripper.probability has drifted by +150 %"
+    assert (text in outcome.err) == bool(code)
 
 
 def test_a_smaller_value_drifts_below_zero_and_where_zero_is_computed_without_bound(example):
@@ -120,7 +120,7 @@ def test_a_smaller_value_drifts_below_zero_and_where_zero_is_computed_without_bo
     assert "infinite" in example.run("overrides", "pick.py").out
 
 
-def test_of_a_value_set_since_the_last_refresh_the_lock_tells_what_is_computed(annotated):
+def test_of_a_value_set_since_the_last_refresh_the_lock_says_what_is_computed(annotated):
     source = annotated.read("controller.py").decode()
     value = source.split("probability = ")[1].split("\n")[0]
     annotated.write(
@@ -133,7 +133,7 @@ def test_of_a_value_set_since_the_last_refresh_the_lock_tells_what_is_computed(a
     assert found["drift_percent"] == pytest.approx(100 * (1 - float(value)) / float(value))
 
 
-def test_of_an_omission_in_short_the_lock_tells_the_figure(annotated):
+def test_of_an_omission_in_short_the_lock_says_the_figure(annotated):
     source = annotated.read("controller.py").decode()
     head, _, rest = source.partition("    # | @Component {\n    # |   name = ")
     name = rest.split("\n")[0]
@@ -159,7 +159,7 @@ def test_blocks_of_the_published_form_are_read_too(example):
     assert found["drift_percent"] == pytest.approx(100.0)
 
 
-def test_a_file_named_twice_is_told_once_and_one_without_blocks_has_nothing(example):
+def test_a_file_named_twice_is_reported_once_and_one_without_blocks_has_nothing(example):
     example.write("pick.py", PINNED)
     example.write("plain.py", "x = 1\n")
     twice = example.run("overrides", "pick.py", "./pick.py", "plain.py", "--json")
@@ -170,7 +170,7 @@ def test_a_file_named_twice_is_told_once_and_one_without_blocks_has_nothing(exam
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         ([], "no tracerisk.lock in or below this folder knows a controller; name a FILE"),
         (["nowhere.py"], "nowhere.py: cannot be read: No such file or directory"),
@@ -178,8 +178,8 @@ def test_a_file_named_twice_is_told_once_and_one_without_blocks_has_nothing(exam
         (["bad.py", "--max-drift", "-1"], "-1 is not a percentage from 0 up"),
     ],
 )
-def test_bad_input_is_told(arguments, told, example):
+def test_bad_input_is_reported(arguments, expected, example):
     example.write("bad.py", "def f():\n    # | RiskAnnotation\n    # | @Function {\n    pass\n")
     outcome = example.run("overrides", *arguments)
     assert outcome.code == 2
-    assert told in outcome.err
+    assert expected in outcome.err

@@ -179,10 +179,10 @@ def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
         begun = [stack.enter_context(started(example, *words, "--quiet")) for words in asked]
         ends = [process.communicate(timeout=1800) for process in begun]
     # A check that came first found what was not annotated yet; none found anything broken.
-    for words, process, (_, told) in zip(asked, begun, ends, strict=True):
+    for words, process, (_, reported) in zip(asked, begun, ends, strict=True):
         allowed = (0,) if words[0] == "run" else (0, 1, 2)
-        assert process.returncode in allowed, (words, told)
-        assert b"Traceback" not in told
+        assert process.returncode in allowed, (words, reported)
+        assert b"Traceback" not in reported
     assert {example.read(name) for name in names} == {run.read("controller.py")}
     assert example.run("check").code == 0
     left = {path.name for path in example.folder.iterdir()}

@@ -18,7 +18,7 @@ def sections(document):
     return document.xpath("//main/section/@id")
 
 
-def told(document, section):
+def reported(document, section):
     return " ".join(document.get_element_by_id(section).text_content().split())
 
 
@@ -51,9 +51,9 @@ def test_a_run_writes_its_report(example, two_steps):
     assert example.read("controller.py").decode() == two_steps
     document = parsed(example)
     assert sections(document) == ALL
-    assert "Replay and timeline" in told(document, "timeline")
+    assert "Replay and timeline" in reported(document, "timeline")
     assert len(document.xpath("//*[@class='line block']")) > 20
-    assert "act" in told(document, "functions")
+    assert "act" in reported(document, "functions")
 
 
 def test_a_report_is_made_of_what_a_run_has_kept(kept):
@@ -78,7 +78,7 @@ def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):
     assert (
         "The trace of its last run is stale: controller.py has changed. `tracerisk run` or "
         "`refresh` brings it up to date, `--trace` names another."
-    ) in told(document, "coverage")
+    ) in reported(document, "coverage")
 
 
 def test_a_trace_that_is_not_kept_is_missed(annotated, monkeypatch):
@@ -86,14 +86,16 @@ def test_a_trace_that_is_not_kept_is_missed(annotated, monkeypatch):
     assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
     document = parsed(annotated)
     assert sections(document) == WITHOUT_A_RUN
-    assert "The trace of its last run is not kept on this machine." in told(document, "coverage")
+    assert "The trace of its last run is not kept on this machine." in reported(
+        document, "coverage"
+    )
 
 
 def test_without_a_lock_no_run_is_known(annotated, monkeypatch):
     monkeypatch.chdir(annotated.folder)
     (annotated.folder / "tracerisk.lock").unlink()
     assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
-    assert "tracerisk.lock knows of no run of it." in told(parsed(annotated), "coverage")
+    assert "tracerisk.lock knows of no run of it." in reported(parsed(annotated), "coverage")
     assert main(["report", "controller.py", "-o", "b.html", "--trace", "trace.json", "-q"]) == 0
     assert sections(parsed(annotated, "b.html")) == ALL
 
@@ -110,9 +112,9 @@ def test_the_difference_to_a_revision_stands_behind_the_replay(kept):
     assert main(["report", "controller.py", "-o", "out.html", "--against", "HEAD", "-q"]) == 0
     document = parsed(kept)
     assert sections(document)[:2] == ["timeline", "difference"]
-    assert "mission failure rises from" in told(document, "difference")
-    assert "<b>it broke</b>" in told(document, "difference")
-    assert "<b>it broke</b>" in told(document, "pins")
+    assert "mission failure rises from" in reported(document, "difference")
+    assert "<b>it broke</b>" in reported(document, "difference")
+    assert "<b>it broke</b>" in reported(document, "pins")
 
 
 def test_against_takes_one_revision(kept, capsys):
@@ -120,7 +122,7 @@ def test_against_takes_one_revision(kept, capsys):
     assert "--against takes one revision" in capsys.readouterr().err
 
 
-def test_a_runs_report_tells_the_difference_to_a_revision(annotated):
+def test_a_runs_report_says_the_difference_to_a_revision(annotated):
     git(annotated, "init", "-q")
     git(annotated, "add", "controller.py", "tracerisk.lock")
     git(annotated, "commit", "-qm", "before")
@@ -135,7 +137,7 @@ def test_a_runs_report_tells_the_difference_to_a_revision(annotated):
     document = parsed(annotated)
     assert sections(document) == [ALL[0], "difference", *ALL[1:]]
     assert document.xpath("//section[@id='difference']/h2")[0].text_content() == "Since HEAD"
-    assert "mission failure rises from" in told(document, "difference")
+    assert "mission failure rises from" in reported(document, "difference")
 
 
 @pytest.mark.parametrize(
@@ -149,7 +151,7 @@ def test_a_runs_report_tells_the_difference_to_a_revision(annotated):
         (["--report", "o.html", "--against", "controller.py"], "'controller.py' is a file"),
     ],
 )
-def test_what_a_run_cannot_compare_is_told_before_it(kept, capsys, words, message):
+def test_what_a_run_cannot_compare_is_reported_before_it(kept, capsys, words, message):
     git(kept, "init", "-q")
     git(kept, "add", "controller.py")
     git(kept, "commit", "-qm", "before")
@@ -173,7 +175,7 @@ def test_sources_of_other_languages_have_a_report(example, monkeypatch):
     document = parsed(example)
     lines = document.xpath("//*[contains(@class, 'line block')]/@data-n")
     assert lines == [str(number) for number in range(3, 15)]
-    assert "No run is known of these sources." in told(document, "coverage")
+    assert "No run is known of these sources." in reported(document, "coverage")
 
 
 def test_plain_blocks_are_marked_while_their_comment_lasts(example, monkeypatch):
@@ -195,7 +197,7 @@ def test_a_source_in_its_own_encoding_is_readable(example, annotated_source, mon
     source = f"# -*- coding: latin-1 -*-\n# gr\xf6\xdfer\n{text}"
     example.write("place.py", source.encode("latin-1"))
     assert main(["report", "place.py", "-o", "out.html", "-q"]) == 0
-    assert "gr\xf6\xdfer" in told(parsed(example), "source")
+    assert "gr\xf6\xdfer" in reported(parsed(example), "source")
 
 
 def test_json_names_the_page_and_has_the_figures(kept, capsys):
@@ -215,7 +217,7 @@ def test_json_names_the_page_and_has_the_figures(kept, capsys):
         (["controller.py"], "-o/--output"),
     ],
 )
-def test_what_cannot_be_done_is_told(kept, words, message, capsys):
+def test_what_cannot_be_done_is_reported(kept, words, message, capsys):
     kept.write("plain.py", "x = 1\n")
     kept.write("bytes", b"\xff\xfe")
     try:

@@ -88,10 +88,12 @@ def test_a_report_that_is_there_is_linked_and_another_page_is_not(here, parsed):
         (here.folder / "cells/welding/weld.html").unlink()
 
 
-def test_a_broken_or_deleted_controller_is_told_and_keeps_no_other_from_being_told(here, parsed):
+def test_a_broken_or_deleted_controller_is_reported_and_keeps_no_other_from_being_reported(
+    here, parsed
+):
     text = here.read("pick.py")
     path = here.folder / "pick.py"
-    for broken, told in (
+    for broken, reported in (
         (text.replace(b"quantity = ", b"quantity = x", 1), "quantity"),
         (None, "cannot be read: No such file or directory; restore it"),
     ):
@@ -103,7 +105,7 @@ def test_a_broken_or_deleted_controller_is_told_and_keeps_no_other_from_being_to
             assert main(["report", "--all", "-o", "all.html", "--quiet"]) == 0
             first, second = rows(here.read("all.html").decode(), parsed)
             assert first[0].startswith("pick.py")
-            assert told in first[0]
+            assert reported in first[0]
             assert first[2] == "\N{EN DASH}"
             assert second[0].startswith("weld.py")
         finally:
@@ -149,13 +151,13 @@ def test_the_history_is_in_the_report_only_where_it_is_asked_for(here, parsed):
     assert b'id="history"' not in plain
     assert main([*words, "--history"]) == 0
     page = parsed(here.read("weld.html").decode())
-    told = [
+    reported = [
         [" ".join(" ".join(cell.itertext()).split()) for cell in row.xpath("./*")]
         for row in page.xpath("//*[@id='history-table']/tbody/tr")
     ]
-    assert [row[4].split(" cells")[0] for row in told] == ["Assess <both>", "Set a figure"]
-    assert float(told[0][1]) < 1e-7 < float(told[1][1])
-    assert told[1][2].startswith("x")
+    assert [row[4].split(" cells")[0] for row in reported] == ["Assess <both>", "Set a figure"]
+    assert float(reported[0][1]) < 1e-7 < float(reported[1][1])
+    assert reported[1][2].startswith("x")
     assert len(page.xpath("//*[@id='history']//svg//circle")) == 2
     assert not page.xpath("//*[@id='history']//svg//*[@style]")
     (here.folder / "weld.html").unlink()

@@ -31,11 +31,11 @@ def here(recorded, monkeypatch):
 def test_a_picture_is_written_for_each_function_and_a_legend(here, capfd):
     recording = ["--recording", "recording", "--json"]
     code = main(["report", "controller.py", "--png", "pictures", *recording])
-    told = capfd.readouterr()
-    if code == 2 and "without a screen" in told.err:
-        pytest.skip(f"{REASON}: {told.err}")
-    assert code == 0, told.err
-    data = json.loads(told.out)
+    text = capfd.readouterr()
+    if code == 2 and "without a screen" in text.err:
+        pytest.skip(f"{REASON}: {text.err}")
+    assert code == 0, text.err
+    data = json.loads(text.out)
     names = ["01-act.png", "02-home.png", "legend.json"]
     assert data["pictures"] == [f"pictures/{name}" for name in names]
     assert "report" not in data
@@ -77,21 +77,21 @@ def test_a_controller_that_fails_has_no_pictures(example, quick, monkeypatch, ca
         ),
     ],
 )
-def test_what_cannot_be_done_is_told(here, words, message, capsys):
+def test_what_cannot_be_done_is_reported(here, words, message, capsys):
     here.write("other.py", "x = 1\n")
     here.write("place.cpp", "int x;\n")
     code = main(["report", *words])
-    told = capsys.readouterr().err
-    if "without a screen" in told:
-        pytest.skip(f"{REASON}: {told}")
+    text = capsys.readouterr().err
+    if "without a screen" in text:
+        pytest.skip(f"{REASON}: {text}")
     assert code == 2
-    assert message in told
+    assert message in text
     assert not (here.folder / "out").exists()
 
 
-def test_without_a_way_to_draw_it_is_told_what_to_install(here, monkeypatch, capsys):
+def test_without_a_way_to_draw_it_is_reported_what_to_install(here, monkeypatch, capsys):
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     assert main(["report", "controller.py", "--png", "out", "--recording", "recording"]) == 2
-    told = capsys.readouterr().err
-    assert "install libegl1, libgl1 and libgl1-mesa-dri, or libosmesa6" in told
+    text = capsys.readouterr().err
+    assert "install libegl1, libgl1 and libgl1-mesa-dri, or libosmesa6" in text
     assert not (here.folder / "out").exists()

@@ -109,7 +109,7 @@ def test_a_robot_file_of_ones_own_is_shown_too(example):
     assert (joint["velocity"], joint["torque"]) == (3.0, 4.0)
 
 
-def test_a_name_that_is_none_is_told_with_the_nearest_and_all_there_are(example):
+def test_a_name_that_is_none_is_reported_with_the_nearest_and_all_there_are(example):
     outcome = example.run("robots", "pandaa", "--json")
     assert outcome.code == outcome.json["exit_code"] == 2
     message = outcome.json["error"]["message"]

@@ -30,7 +30,7 @@ def steps(annotated_source):
     )
 
 
-def test_check_tells_what_code_scanning_should_show(repository, steps):
+def test_check_says_what_code_scanning_should_show(repository, steps):
     repository.write("src/cell.py", steps)
     repository.commit()
     outcome = repository.run("check", "src/cell.py", "--sarif", "found.sarif")
@@ -73,7 +73,7 @@ def test_a_block_that_cannot_be_read_is_an_alert(repository, steps):
     assert summary(results_in(repository.folder, "found.sarif")) == {("unreadable", "cell.py")}
 
 
-def test_diff_tells_of_redundancy_that_a_change_took(repository, steps):
+def test_diff_reports_redundancy_that_a_change_took(repository, steps):
     repository.write("cell.py", steps)
     repository.commit()
     repository.write("cell.py", steps.replace("redundancy = true", "redundancy := false  ! ; sold"))
@@ -85,7 +85,7 @@ def test_diff_tells_of_redundancy_that_a_change_took(repository, steps):
     }
 
 
-def test_diff_tells_of_a_component_that_a_change_leaves_out(repository, steps):
+def test_diff_reports_a_component_that_a_change_leaves_out(repository, steps):
     repository.write("cell.py", steps)
     repository.commit()
     lines = steps.splitlines()
@@ -114,7 +114,7 @@ def dead_branch(tmp_path_factory, example_in, quick):
     return example
 
 
-def test_run_tells_of_motions_that_never_ran(dead_branch):
+def test_run_reports_motions_that_never_ran(dead_branch):
     found = results_in(dead_branch.folder, "run.sarif")
     assert {each["ruleId"] for each in found} == {"uncovered-motion"}
     names = [each["locations"][0]["logicalLocations"][0]["fullyQualifiedName"] for each in found]
@@ -122,7 +122,7 @@ def test_run_tells_of_motions_that_never_ran(dead_branch):
     assert "never can move the arm and never ran" in found[1]["message"]["text"]
 
 
-def test_check_tells_of_them_without_a_run_where_they_stand_now(dead_branch, example):
+def test_check_reports_them_without_a_run_where_they_stand_now(dead_branch, example):
     for name, data in dead_branch.files().items():
         example.write(name, data)
     lock = json.loads(example.read("tracerisk.lock"))

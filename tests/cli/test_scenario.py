@@ -246,7 +246,7 @@ def test_calls_that_wait_come_one_after_the_other(example):
     assert "keep one of at and wait" in bad.err
 
 
-def test_what_nothing_helps_is_told_with_what_was_found(example):
+def test_what_nothing_helps_is_reported_with_what_was_found(example):
     example.write("c.py", HEAD + "import not_there_at_all\n")
     outcome = example.run("scenario", "c.py", "--write")
     assert outcome.code == 2
@@ -316,7 +316,7 @@ def test_the_source_alone_is_listed_without_a_run(example):
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "expected"),
     [
         (("--no-run", "--write"), "--no-run writes nothing"),
         (("-o", "x.yaml"), "--output says where --write writes"),
@@ -331,7 +331,7 @@ def test_the_source_alone_is_listed_without_a_run(example):
         (("--write", "-o", "gone/n.yaml", "--scenario", "s.yaml"), "gone/n.yaml: "),
     ],
 )
-def test_what_is_not_allowed_loses_nothing(example, quick, options, told):
+def test_what_is_not_allowed_loses_nothing(example, quick, options, expected):
     example.write("c.py", quick())
     example.write("c.scenario.yaml", "answers: [kept]\n")
     example.write("s.yaml", "answers: [other]\n")
@@ -339,7 +339,7 @@ def test_what_is_not_allowed_loses_nothing(example, quick, options, told):
     before = example.files()
     outcome = example.run("scenario", "c.py", *options)
     assert outcome.code == 2, outcome.out
-    assert told in outcome.err
+    assert expected in outcome.err
     assert example.files() == before
 
 

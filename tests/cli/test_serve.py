@@ -160,7 +160,7 @@ def test_redundancy_is_solved_by_the_model_of_blocks_that_say_so(server, annotat
 
 
 @pytest.mark.parametrize(
-    ("query", "told"),
+    ("query", "expected"),
     [
         ("rate.moter=2", "no component 'moter'; did you mean 'motor'"),
         ("rate.motor=0", "'0' is no factor; allowed: 0.001 to 1000"),
@@ -175,13 +175,13 @@ def test_redundancy_is_solved_by_the_model_of_blocks_that_say_so(server, annotat
         ("&".join(f"rate.a{n}=1" for n in range(300)), "the query cannot be read"),
     ],
 )
-def test_a_change_that_cannot_be_is_refused_with_its_reason(server, query, told):
+def test_a_change_that_cannot_be_is_refused_with_its_reason(server, query, expected):
     found = get(server, f"/what-if/pick.py?{query}")
     assert found.status == 400
-    assert told in found.json["error"]
+    assert expected in found.json["error"]
 
 
-def test_what_blocks_do_not_tell_is_not_offered_and_the_page_says_so(server):
+def test_what_blocks_do_not_say_is_not_offered_and_the_page_says_so(server):
     page = get(server, "/controller/pick.py").text
     assert "Payload is not offered" in page
     assert "Speed is not offered: the hardware data behind the blocks is not known here" in page
@@ -228,8 +228,8 @@ def test_two_hosts_are_refused(server):
 )
 @pytest.mark.parametrize("path", ["/", "/state", "/what-if/pick.py?rate.motor=2"])
 def test_a_page_of_another_site_gets_nothing(server, headers, path):
-    told = [each.format(port=server.server_port) for each in headers]
-    found = get(server, path, *told)
+    reported = [each.format(port=server.server_port) for each in headers]
+    found = get(server, path, *reported)
     assert found.status == 403
     assert "Access-Control-Allow-Origin" not in found.headers
     assert b"pick.py" not in found.body
@@ -338,10 +338,10 @@ def test_names_and_messages_are_escaped(server, folder, annotated_source):
     assert name in unescape(get(server, "/").text)
 
 
-def test_a_broken_a_deleted_and_a_restored_file_are_each_told(server, folder):
+def test_a_broken_a_deleted_and_a_restored_file_are_each_reported(server, folder):
     good = Path("pick.py").read_text()
     states = [get(server, "/state").json["state"]]
-    for text, told in (
+    for text, reported in (
         (good.replace("quantity = 3", "quantity = three"), "quantity = three is not allowed"),
         (good[: len(good) // 2], ""),
         ("def (", "pick.py"),
@@ -353,7 +353,7 @@ def test_a_broken_a_deleted_and_a_restored_file_are_each_told(server, folder):
             Path("pick.py").write_text(text)
         found = get(server, "/")
         assert found.status == 200
-        assert told in unescape(found.text)
+        assert reported in unescape(found.text)
         assert "3.000e-05" in found.text, "the other one is still shown"
         assert get(server, "/controller/pick.py").status in (200, 422)
         assert get(server, "/what-if/pick.py?rate.motor=2").status in (200, 400)
@@ -363,7 +363,7 @@ def test_a_broken_a_deleted_and_a_restored_file_are_each_told(server, folder):
     assert solved(server, "/what-if/pick.py?rate.motor=2")["after"] > 0.0
 
 
-def test_a_broken_lock_is_told_until_it_is_whole_again(server, folder):
+def test_a_broken_lock_is_reported_until_it_is_whole_again(server, folder):
     good = Path("tracerisk.lock").read_text()
     for text in ("{", "[]", good[:100], ""):
         Path("tracerisk.lock").write_text(text)
@@ -456,7 +456,7 @@ def test_it_listens_to_this_machine_alone(server):
             socket.create_connection((address, server.server_port), timeout=2).close()
 
 
-def test_a_port_that_is_taken_is_told(server, folder, capsys):
+def test_a_port_that_is_taken_is_reported(server, folder, capsys):
     assert main(["serve", "--port", str(server.server_port)]) == 2
     assert f"port {server.server_port} of 127.0.0.1 cannot be had" in capsys.readouterr().err
     assert main(["serve", "nowhere"]) == 2
@@ -595,12 +595,12 @@ def test_a_page_of_another_site_cannot_read_this_one(server, browsers, folder):
         try:
             browser = browsers[1]
             browser.get(f"http://localhost:{foreign.server_port}/")
-            told = browser.execute_async_script(
+            reported = browser.execute_async_script(
                 "const done = arguments[1];"
                 "fetch(arguments[0]).then((r) => r.text()).then(done, (e) => done(`refused: ${e}`))",
                 f"{server.url}what-if/pick.py",
             )
-            assert told.startswith("refused")
+            assert reported.startswith("refused")
             framed = browser.execute_async_script(
                 "const done = arguments[1], frame = document.createElement('iframe');"
                 "frame.onload = () => { try { done(frame.contentDocument.body.textContent) }"
@@ -639,8 +639,8 @@ def test_speed_changes_what_counts_time_in_use_and_nothing_else(folder, annotate
     assert found.command == "tracerisk solve pick.py --set motor=x0.5"
     less = found.before.mission.failure_probability - found.after.mission.failure_probability
     assert less == pytest.approx(2e-6, rel=1e-4)
-    (told,) = found.assumptions
-    assert "no torque grows with the speed" in told
+    (reported,) = found.assumptions
+    assert "no torque grows with the speed" in reported
     none = choices_of(known, replace(hardware, components=hardware.components[1:]))
     assert (none.has_speed, "no component has figures by time" in none.notes[1]) == (False, True)
     assert choices_of(known, hardware).has_speed

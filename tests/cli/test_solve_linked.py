@@ -160,7 +160,7 @@ def test_the_limit_is_held_against_the_figure(solve):
         (["--uncertainty", "--error-factor", "motr=2"], "no parameter 'motr'"),
     ],
 )
-def test_what_cannot_be_asked_is_told(solve, arguments, message):
+def test_what_cannot_be_asked_is_reported(solve, arguments, message):
     outcome = solve(*arguments)
     assert outcome.code == 2
     assert message in outcome.err

@@ -168,9 +168,9 @@ def test_quiet_prints_what_is_asked_for_and_nothing_else(talking):
     assert shown.code == 1
     assert derived.startswith("act")
     assert "Functions" not in derived
-    told = [line for line in shown.lines if line and "tube" not in line]
-    assert len(told) == 1
-    assert told[0].endswith("is over --max-failure-probability 0")
+    reported = [line for line in shown.lines if line and "tube" not in line]
+    assert len(reported) == 1
+    assert reported[0].endswith("is over --max-failure-probability 0")
     # Solving is asked for to see the figures.
     assert "Functions" in talking.run("solve", "controller.py", "--quiet").out
 
@@ -189,7 +189,7 @@ def test_ctrl_c_leaves_the_terminal_clean(talking):
 
 
 @pytest.mark.slow
-def test_a_failing_controller_is_told_of_where_the_bar_was(example, quick):
+def test_a_failing_controller_is_reported_of_where_the_bar_was(example, quick):
     example.write("controller.py", quick("raise SystemError('no tube')"))
     shown = at_terminal(example, "run", "controller.py")
     assert shown.code == 4
@@ -273,7 +273,7 @@ def test_an_encoding_without_lines_and_bars_gets_plain_signs(annotated, encoding
 
 
 @pytest.mark.slow
-def test_refresh_tells_its_phases_too(annotated):
+def test_refresh_says_its_phases_too(annotated):
     path = annotated.folder / "controller.py"
     path.write_text(path.read_text().replace("+= 0.05", "+= 0.06"))
     shown = at_terminal(annotated, "refresh")

@@ -39,7 +39,7 @@ def test_run_prints_one_schema_with_its_result(annotated_run):
     assert list(data) == sorted(data)
 
 
-def test_run_check_tells_that_a_controller_would_change_and_leaves_it(example, quick):
+def test_run_check_says_that_a_controller_would_change_and_leaves_it(example, quick):
     example.write("controller.py", quick())
     before = example.files()
     outcome = example.run("run", "controller.py", "--check")
@@ -116,7 +116,7 @@ def test_accepting_and_discarding_at_once_is_a_usage_error(annotated):
     assert "not allowed with argument" in outcome.err
 
 
-def test_a_malformed_block_is_told_before_a_run(annotated):
+def test_a_malformed_block_is_reported_before_a_run(annotated):
     line = edit(annotated, "callSequence = 1", "calSequence = 1")
     before = annotated.files()
     outcome = annotated.run("run", "controller.py")
@@ -127,7 +127,7 @@ def test_a_malformed_block_is_told_before_a_run(annotated):
     assert annotated.files() == before
 
 
-def test_a_malformed_lock_is_told_before_a_run(annotated):
+def test_a_malformed_lock_is_reported_before_a_run(annotated):
     annotated.write("tracerisk.lock", "{")
     outcome = annotated.run("run", "controller.py")
     assert outcome.code == 2
@@ -225,7 +225,7 @@ def test_strip_gives_back_the_bytes_and_check_leaves_them(annotated, two_steps):
     assert annotated.run("strip", "controller.py", "--check").code == 0
 
 
-def test_strip_keeps_what_a_person_set_unless_told(annotated):
+def test_strip_keeps_what_a_person_set_unless_reported(annotated):
     line = edit(annotated, "probability = ", "probability := ")
     before = annotated.files()
     outcome = annotated.run("strip", "controller.py")
@@ -315,7 +315,7 @@ def test_a_recording_is_kept_in_a_folder_only(example, quick):
     )
 
 
-def test_doctor_tells_what_a_controller_gets(annotated):
+def test_doctor_says_what_a_controller_gets(annotated):
     outcome = annotated.run("doctor", "controller.py", "--json")
     assert outcome.code == 0, outcome.err
     found = outcome.json["found"]
@@ -381,9 +381,9 @@ def test_doctor_fits_a_terminal(example):
 
 
 def test_hardware_show_alone_is_that_of_the_settings(example):
-    told = example.run("hardware", "show")
-    assert told.code == 2
-    assert "the settings name no description" in told.err
+    reported = example.run("hardware", "show")
+    assert reported.code == 2
+    assert "the settings name no description" in reported.err
     example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell/hw.yaml"\n')
     example.write(
         "cell/hw.yaml",

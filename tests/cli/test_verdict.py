@@ -44,7 +44,7 @@ def test_a_scenario_accepts_as_well(example, logs):
     assert example.run("run", "c.py", "--scenario", "world.yaml").code == 0
 
 
-def test_an_acceptance_that_does_not_occur_is_told_by_run_and_check(example, quick):
+def test_an_acceptance_that_does_not_occur_is_reported_by_run_and_check(example, quick):
     example.write("c.py", quick())
     example.write("pyproject.toml", ACCEPT % LOGGED)
     ran, checked = example.run("run", "c.py"), example.run("check", "c.py")
@@ -53,7 +53,9 @@ def test_an_acceptance_that_does_not_occur_is_told_by_run_and_check(example, qui
     assert "accepted, and did not occur; remove it: error-logged" in checked.err
 
 
-def test_a_change_that_accepts_its_own_fault_is_told_first_and_can_fail(repository, logs, quick):
+def test_a_change_that_accepts_its_own_fault_is_reported_first_and_can_fail(
+    repository, logs, quick
+):
     repository.write("c.py", quick())
     assert repository.run("run", "c.py", "-q").code == 0
     repository.commit()

@@ -151,8 +151,8 @@ def test_the_figure_follows_and_no_source_is_written(watching, example, quick):
     assert list(example.files()) == ["a.py"]
     # The same as by a run of its own, to the digits that are printed.
     assert watched.end() == 130
-    told = example.run("run", "a.py", "--diff", "--json").json
-    figure = told["assessment"]["mission"]["failure_probability"]
+    reported = example.run("run", "a.py", "--diff", "--json").json
+    figure = reported["assessment"]["mission"]["failure_probability"]
     assert f"{figure:.4g}" == f"{second:.4g}"
 
 
@@ -170,9 +170,9 @@ def test_what_changes_no_run_is_not_run_again(watching, example, quick):
     assert watched.until("a.py: nothing")
     watched.settled()
     example.write("cell.yaml", hardware.replace("9.5e-08", "9.5e-07"))
-    told = watched.until("mission failure ")
-    assert told.endswith("without a run")
-    assert float(told.split()[2].rstrip(",")) > 5 * first
+    reported = watched.until("mission failure ")
+    assert reported.endswith("without a run")
+    assert float(reported.split()[2].rstrip(",")) > 5 * first
 
 
 def test_sources_are_written_when_that_is_asked_for(watching, example, quick):
@@ -188,11 +188,11 @@ def test_sources_are_written_when_that_is_asked_for(watching, example, quick):
     assert example.run("check", "a.py").code == 0
     # What it writes itself is no change that it runs for.
     time.sleep(1.0)
-    told = [line for line in watched.lines if line.startswith("mission failure")]
-    assert len(told) == 2
+    reported = [line for line in watched.lines if line.startswith("mission failure")]
+    assert len(reported) == 2
 
 
-def test_a_broken_and_a_deleted_file_are_told_and_waited_for(watching, example, quick):
+def test_a_broken_and_a_deleted_file_are_reported_and_waited_for(watching, example, quick):
     path = example.write("a.py", quick())
     watched = watching("a.py")
     watched.settled()
@@ -245,11 +245,11 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
         time.sleep(0.05)
     last = watched.figure()
     time.sleep(1.5)
-    told = [line for line in watched.lines if line.startswith("mission failure")]
-    assert len(told) <= 3
+    reported = [line for line in watched.lines if line.startswith("mission failure")]
+    assert len(reported) <= 3
     assert watched.end() == 130
-    if len(told) > 2:
-        last = float(told[-1].split()[2].rstrip(","))
+    if len(reported) > 2:
+        last = float(reported[-1].split()[2].rstrip(","))
     figure = example.run("run", "a.py", "--diff", "--json").json["assessment"]["mission"]
     assert f"{figure['failure_probability']:.4g}" == f"{last:.4g}"
 
@@ -274,18 +274,18 @@ def test_its_end_leaves_no_process(watching, example, quick, number, code, is_bu
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         (("--write",), "--write goes with --watch"),
         (("--watch", "--check"), "--check goes with a single run"),
         (("--watch", "--fault", "gripper:stuck@1"), "--fault goes with a single run"),
     ],
 )
-def test_what_does_not_go_with_it_is_refused(example, quick, arguments, told):
+def test_what_does_not_go_with_it_is_refused(example, quick, arguments, expected):
     example.write("a.py", quick())
     done = example.run("run", "a.py", *arguments)
     assert done.code == 2
-    assert told in done.err
+    assert expected in done.err
 
 
 def test_each_update_is_one_document_of_json(watching, example, quick):

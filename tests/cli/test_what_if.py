@@ -140,7 +140,7 @@ def test_pairs_show_what_components_do_together(model, file):
     assert ["gripper", "power", "1"] in [line[:3] for line in shown]
 
 
-def test_uncertainty_is_told_with_the_share_of_each_component(model, file):
+def test_uncertainty_is_reported_with_the_share_of_each_component(model, file):
     call = ("solve", file, "--uncertainty", "--error-factor", "3", "--error-factor", "power=1.5")
     outcome = model.run(*call, "--samples", "2000", "--seed", "4", "--json")
     assert outcome.code == 0, outcome.err
@@ -157,7 +157,7 @@ def test_uncertainty_is_told_with_the_share_of_each_component(model, file):
     assert "Share of each input in that spread" in shown
 
 
-def test_samples_that_are_cut_are_told(model):
+def test_samples_that_are_cut_are_reported(model):
     call = ("--uncertainty", "--error-factor", "power=3", "--samples", "100")
     shown = model.run("solve", "model.json", "--set", "power=0.9", *call).out
     assert "samples above 1 were taken as 1; is its error factor" in " ".join(shown.split())
@@ -210,7 +210,7 @@ def test_what_was_not_asked_for_is_not_in_the_json(model):
         (["--error-factor", "3"], "--error-factor goes with --uncertainty; add it"),
     ],
 )
-def test_what_cannot_be_asked_is_told(model, arguments, message):
+def test_what_cannot_be_asked_is_reported(model, arguments, message):
     outcome = model.run("solve", "controller.py", *arguments, "--json")
     assert outcome.code == 2
     assert message in outcome.err
@@ -296,7 +296,7 @@ def test_a_figure_is_set_by_a_rate_beside_that_of_the_hardware_description(model
         (["gripper=1e-6", "--hardware", "arm.yaml"], "--hardware goes with --uncertainty; add it"),
     ],
 )
-def test_what_is_no_rate_is_told(model, arguments, message):
+def test_what_is_no_rate_is_reported(model, arguments, message):
     Path("arm.yaml").write_text(HARDWARE, encoding="utf-8")
     outcome = model.run("solve", "model.json", "--set", *arguments)
     assert outcome.code == 2

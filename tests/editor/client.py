@@ -80,11 +80,11 @@ class Editor:
 
     def _take(self, params: lsp.PublishDiagnosticsParams) -> None:
         self._published.setdefault(params.uri, []).append(params)
-        self._tell()
+        self._report()
 
     def _message(self, params: lsp.ShowMessageParams) -> None:
         self.messages.append(params.message)
-        self._tell()
+        self._report()
 
     def _edit(self, params: lsp.ApplyWorkspaceEditParams) -> lsp.ApplyWorkspaceEditResult:
         self.edits.append(params.edit)
@@ -96,7 +96,7 @@ class Editor:
     def _lenses(self, _: None) -> None:
         self.refreshed_lenses += 1
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         self._news.set()
 
     def _wait(self, coroutine: Any) -> Any:
@@ -134,17 +134,17 @@ class Editor:
 
         async def published() -> list[lsp.Diagnostic]:
             while True:
-                told = self._published.get(uri, [])
-                if seen is not None and len(told) > seen:
-                    return list(told[-1].diagnostics)
-                if seen is None and told and told[-1].version == self.versions.get(uri):
-                    return list(told[-1].diagnostics)
+                reported = self._published.get(uri, [])
+                if seen is not None and len(reported) > seen:
+                    return list(reported[-1].diagnostics)
+                if seen is None and reported and reported[-1].version == self.versions.get(uri):
+                    return list(reported[-1].diagnostics)
                 self._news.clear()
                 await self._news.wait()
 
         return self._wait(asyncio.wait_for(published(), LONGEST_S))
 
-    def told(self, path: Path) -> int:
+    def reported(self, path: Path) -> int:
         """How often diagnostics of a file came."""
         return len(self._published.get(path.as_uri(), []))
 

@@ -43,13 +43,13 @@ def test_what_may_be_trusted_has_no_diagnostics(editor, cell):
 def test_they_are_those_of_a_check(editor, cell, example_in, old, new, kinds):
     text = cell.read_text().replace(old, new)
     editor.open(cell, text)
-    told = shown(editor, cell)
+    reported = shown(editor, cell)
     assert {each.code for each in editor.diagnostics(cell)} == kinds
     # The same by the command, once it is saved.
     cell.write_text(text)
-    assert told == findings(example_in, cell)
+    assert reported == findings(example_in, cell)
     editor.save(cell)
-    assert shown(editor, cell) == told
+    assert shown(editor, cell) == reported
 
 
 def test_a_limit_that_is_passed_is_an_error(editor, cell, example_in):
@@ -86,14 +86,14 @@ def test_an_unsaved_change_of_a_module_makes_its_controller_stale(
     )
     assert example.run("run", "main.py").code == 0
     main = tmp_path / "main.py"
-    seen = editor.told(main)
+    seen = editor.reported(main)
     editor.open(moves)
     assert editor.diagnostics(moves) == []
     assert "act" not in (editor.hover(moves, 0, 5) or "")
     assert editor.hover(moves, 0, 5).startswith("**home**")
     editor.change(moves, moves.read_text().replace('"ready"', '"extended"'))
     assert [each.code for each in editor.diagnostics(main, seen=seen)] == ["stale"]
-    seen = editor.told(main)
+    seen = editor.reported(main)
     editor.close(moves)
     assert editor.diagnostics(main, seen=seen) == []
 
@@ -113,12 +113,12 @@ def test_a_change_on_disk_that_the_editor_reports_is_looked_at(editor, cell):
     lock = cell.parent / "tracerisk.lock"
     kept = lock.read_bytes()
     lock.unlink()
-    seen = editor.told(cell)
+    seen = editor.reported(cell)
     event = lsp.FileEvent(lock.as_uri(), lsp.FileChangeType.Deleted)
     editor.client.workspace_did_change_watched_files(lsp.DidChangeWatchedFilesParams([event]))
     assert [each.code for each in editor.diagnostics(cell, seen=seen)] == ["unknown"]
     lock.write_bytes(kept)
-    seen = editor.told(cell)
+    seen = editor.reported(cell)
     editor.client.workspace_did_change_watched_files(lsp.DidChangeWatchedFilesParams([event]))
     assert editor.diagnostics(cell, seen=seen) == []
 
@@ -126,17 +126,17 @@ def test_a_change_on_disk_that_the_editor_reports_is_looked_at(editor, cell):
 def test_an_unreadable_lock_is_reported_at_the_lock(editor, cell):
     lock = cell.parent / "tracerisk.lock"
     lock.write_text("{")
-    seen = editor.told(lock)
+    seen = editor.reported(lock)
     editor.open(cell)
     found = editor.diagnostics(lock, seen=seen)
     assert [each.code for each in found] == ["lock"]
 
 
-def test_a_deleted_controller_is_told_of(editor, cell):
+def test_a_deleted_controller_is_reported_of(editor, cell):
     editor.open(cell)
     assert editor.diagnostics(cell) == []
     cell.unlink()
-    seen = editor.told(cell)
+    seen = editor.reported(cell)
     editor.save(cell)
     assert [each.code for each in editor.diagnostics(cell, seen=seen)] == ["gone"]
 
@@ -231,7 +231,7 @@ def test_the_folder_that_goes_takes_the_server_with_nothing(editor, cell):
     editor.open(cell)
     assert editor.diagnostics(cell) == []
     shutil.rmtree(cell.parent)
-    seen = editor.told(cell)
+    seen = editor.reported(cell)
     editor.save(cell)
     assert editor.diagnostics(cell, seen=seen) is not None
     assert editor.hover(cell, 0, 0) is None

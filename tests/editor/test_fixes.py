@@ -167,7 +167,7 @@ def test_a_reason_of_the_verdict_is_accepted_in_the_settings(editor, faulted, ex
     done = example.run("refresh", "bad.py")
     assert done.code == 0, done.err
     editor.save(faulted)
-    assert editor.diagnostics(faulted, seen=editor.told(faulted)) == []
+    assert editor.diagnostics(faulted, seen=editor.reported(faulted)) == []
 
 
 def test_settings_that_nothing_can_be_put_behind_are_left_alone(editor, faulted):

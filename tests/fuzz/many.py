@@ -137,10 +137,12 @@ def fuzzed(names: Sequence[str], inputs: int, *, seed: int, jobs: int) -> list[F
     ]
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_limit) as pool:
-        return [finding for batch in _told(pool.map(_batch, tasks), tasks) for finding in batch]
+        return [
+            finding for batch in _with_progress(pool.map(_batch, tasks), tasks) for finding in batch
+        ]
 
 
-def _told(
+def _with_progress(
     batches: Iterable[list[Finding]], tasks: Sequence[tuple[str, int, range]]
 ) -> Iterable[list[Finding]]:
     done, began = 0, time.monotonic()

@@ -165,7 +165,7 @@ def test_two_actuators_of_one_joint_are_two_units_that_share_its_use(quantity):
         (("m1", "m2a", "m2b"), "sees 'elbow' in several actuators: m2a, m2b; part it in two"),
     ],
 )
-def test_an_actuator_that_is_not_there_is_told_with_those_that_are(actuators, message):
+def test_an_actuator_that_is_not_there_is_reported_with_those_that_are(actuators, message):
     with pytest.raises(HardwareError, match=message) as caught:
         bind(one(quantity=None, twin=TwinBinding(actuators=actuators)), DRIVEN)
     assert str(caught.value).startswith("h.yaml:3: ")
@@ -216,7 +216,7 @@ def test_several_units_share_a_place_that_is_named():
         ),
     ],
 )
-def test_a_place_that_is_not_there_is_told_with_those_that_are(fields, message):
+def test_a_place_that_is_not_there_is_reported_with_those_that_are(fields, message):
     with pytest.raises(HardwareError) as caught:
         bind(one(**fields), SEEN)
     assert str(caught.value).startswith(f"h.yaml:3: component 'part' {message}")
@@ -226,7 +226,7 @@ def test_a_place_that_is_not_there_is_told_with_those_that_are(fields, message):
     ("required", "message"),
     [(4, "4 must work, but the quantity is 3"), (3, "3 of 3 must work: all are needed")],
 )
-def test_a_group_that_must_all_work_is_told_once_the_robot_says_how_many(required, message):
+def test_a_group_that_must_all_work_is_reported_once_the_robot_says_how_many(required, message):
     hardware = one(
         quantity=None,
         twin=TwinBinding(joints="*"),

@@ -58,13 +58,13 @@ def test_what_never_moves_has_no_mean_speed_and_does_not_wear():
     assert unit.wearing_s(steady(1.0, 0.5, 0.5)) == 0.0
 
 
-def test_a_trace_that_tells_no_wear_of_what_moved_is_not_taken_for_no_wear():
+def test_a_trace_that_says_no_wear_of_what_moved_is_not_taken_for_no_wear():
     with pytest.raises(UnknownUseError, match="the wear of what moves is not known") as caught:
         wear_s(LoadLaw(0.5, 1.0), Exposure(moving_s=1.0, active_s=1.0))
     assert caught.value.advice == "run the controller again"
 
 
-def test_an_exponent_for_which_no_wear_is_measured_is_told_with_those_that_are():
+def test_an_exponent_for_which_no_wear_is_measured_is_reported_with_those_that_are():
     with pytest.raises(UnknownUseError, match=r"the wear at exponent 3\.5 is not known") as caught:
         wear_s(LoadLaw(0.5, 1.0, 3.5), steady(1.0, 0.5, 0.5))
     assert caught.value.advice == "allowed: 1, 2, 3, 3.333, 4, 6, 9"

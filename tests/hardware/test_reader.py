@@ -155,7 +155,7 @@ def test_when_a_hidden_failure_is_detected_is_read_or_follows_from_the_figures(
 
 
 @pytest.mark.parametrize("broken", BROKEN_BLOCKS, ids=lambda broken: broken.message.split(":")[3])
-def test_each_fault_is_told_at_its_line_and_column(tmp_path, broken):
+def test_each_fault_is_reported_at_its_line_and_column(tmp_path, broken):
     path = tmp_path / "h.yaml"
     path.write_text(broken.text, encoding="utf-8")
     with pytest.raises(HardwareError) as caught:

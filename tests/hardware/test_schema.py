@@ -53,9 +53,9 @@ def test_every_key_says_what_it_is():
     def walk(node, path):
         if isinstance(node, dict):
             for name, each in node.get("properties", {}).items():
-                told = "description" in each or "$ref" in each if isinstance(each, dict) else True
+                text = "description" in each or "$ref" in each if isinstance(each, dict) else True
                 is_condition = any(part in ("if", "then", "anyOf", "allOf") for part in path)
-                assert told or is_condition, f"{'.'.join(path)}.{name} says nothing"
+                assert text or is_condition, f"{'.'.join(path)}.{name} says nothing"
             for key, each in node.items():
                 walk(each, [*path, key])
         elif isinstance(node, list):

@@ -230,7 +230,7 @@ def test_what_a_package_hands_on_is_followed() -> None:
     assert [str(s.ref.name) for s in motion_reaching(graph, MOTION)] == ["lift", "cycle"]
 
 
-def test_a_motion_may_be_told_as_it_is_written() -> None:
+def test_a_motion_may_be_reported_as_it_is_written() -> None:
     graph = graph_of(
         """
         class Node:

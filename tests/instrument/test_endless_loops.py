@@ -67,14 +67,14 @@ def test_what_only_a_shutdown_reaches_is_no_end(source):
     assert lines(source) == [1]
 
 
-def test_each_iteration_is_told_with_file_and_line(tmp_path: Path):
+def test_each_iteration_is_reported_with_file_and_line(tmp_path: Path):
     (tmp_path / "c.py").write_text(
         '"""A docstring."""\nfrom __future__ import annotations\n\n'
         "def f(n=[]):\n    while True:\n        n.append(1)\n        1 / (3 - len(n))\n\n"
         "try:\n    f()\nexcept ZeroDivisionError:\n    pass\n"
     )
-    told: list[tuple[str, int]] = []
+    reported: list[tuple[str, int]] = []
     tracer = Tracer()
-    tracer.on_iteration = lambda file, line: told.append((file, line))
+    tracer.on_iteration = lambda file, line: reported.append((file, line))
     run_controller(tmp_path / "c.py", tracer, root=tmp_path)
-    assert told == [("c.py", 5)] * 3
+    assert reported == [("c.py", 5)] * 3

@@ -154,7 +154,7 @@ def test_flat_script_belongs_to_the_module(run: Run) -> None:
     assert owners(run("import robot\nrobot.command(1)\nrobot.command(2)\n")) == ["<module>"]
 
 
-def test_flat_script_that_calls_a_helper_from_many_places_is_told_by_the_function(
+def test_flat_script_that_calls_a_helper_from_many_places_is_reported_by_the_function(
     run: Run,
 ) -> None:
     # One caller, no commands of its own: the function's name says more than `<module>`.

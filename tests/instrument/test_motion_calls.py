@@ -15,13 +15,13 @@ class Node:
 """
 
 
-def test_calls_are_told_as_they_are_written_and_by_their_last_name_where_that_is_rare():
+def test_calls_are_reported_as_they_are_written_and_by_their_last_name_where_that_is_rare():
     assert calls_at(SOURCE.encode(), {(3, 9)}) == {"self.joints.publish"}
     assert calls_at(SOURCE.encode(), {(4, 9)}) == {"self.client.send", "send"}
     assert calls_at(SOURCE.encode(), {(5, 9), (6, 9)}) == {"self.close", "close", "reach"}
 
 
-def test_what_is_no_plain_name_or_no_call_tells_nothing():
+def test_what_is_no_plain_name_or_no_call_says_nothing():
     assert calls_at(SOURCE.encode(), {(7, 9), (1, 1)}) == frozenset()
     assert calls_at(b"def (", {(1, 1)}) == frozenset()
 
@@ -60,12 +60,12 @@ def test_a_call_that_led_to_a_command_at_each_of_its_places_is_not_missed():
     assert missed_calls(CELL.encode(), made, {"grip"}) == ()
 
 
-def test_where_no_column_is_known_the_line_tells():
+def test_where_no_column_is_known_the_line_says():
     made = {(line, 0) for line in (3, 5, 6, 7, 10)}
     assert missed_calls(CELL.encode(), made, {"grip"}) == ()
 
 
-def test_a_function_of_which_there_are_several_is_not_told_by_its_name():
+def test_a_function_of_which_there_are_several_is_not_reported_by_its_name():
     twice = CELL + "\n\ndef grip(width):\n    pass\n"
     made = MADE - {(7, 16)}
     assert MissedCall(6, "self.grip") not in missed_calls(twice.encode(), made, {"grip"})

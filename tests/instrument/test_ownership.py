@@ -192,7 +192,7 @@ def test_a_command_that_never_ended_lives_until_the_run_does() -> None:
     assert found.visits[0].outcome == "unfinished"
 
 
-def test_two_owners_with_live_commands_are_told_once() -> None:
+def test_two_owners_with_live_commands_are_reported_once() -> None:
     found = attribute(
         recording(
             (stack(("left", 1)), ("l1",), 0, 20, "succeeded"),

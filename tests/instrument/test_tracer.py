@@ -219,9 +219,9 @@ def test_callback_that_is_no_controller_code_stands_for_the_module() -> None:
         assert tracer.stack()[0].activation != first[0].activation
 
 
-def test_first_runs_are_told_once_and_in_order() -> None:
-    told: list[tuple[str, int]] = []
-    tracer = Tracer(lambda ref, line: told.append((ref.name, line)))
+def test_first_runs_are_reported_once_and_in_order() -> None:
+    reported: list[tuple[str, int]] = []
+    tracer = Tracer(lambda ref, line: reported.append((ref.name, line)))
 
     @tracer.traced("c.py", "b", 7)
     def b() -> None: ...
@@ -232,8 +232,8 @@ def test_first_runs_are_told_once_and_in_order() -> None:
 
     for _ in range(3):
         a()
-    assert told == [("a", 3), ("b", 7)]
-    assert [(site.ref.name, site.line) for site in tracer.functions_ran] == told
+    assert reported == [("a", 3), ("b", 7)]
+    assert [(site.ref.name, site.line) for site in tracer.functions_ran] == reported
 
 
 def test_where_is_the_innermost_controller_line(run: Run) -> None:

@@ -264,7 +264,7 @@ def test_stack_is_restored_after_an_exception(run: Run) -> None:
     assert [each.names for each in ran.commands] == [["<module>", "step"], ["<module>"]]
 
 
-def test_wrong_arguments_are_told_as_python_tells_them(run: Run) -> None:
+def test_wrong_arguments_are_reported_as_python_says_them(run: Run) -> None:
     ran = run(
         """
         from robot import show

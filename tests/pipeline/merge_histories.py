@@ -77,7 +77,7 @@ class History:
         self.folder = folder
         self.chance = random.Random(seed)
         self.typed = Typed()
-        self.told: list[str] = []
+        self.notes: list[str] = []
         self.stops = 0
         folder.mkdir(exist_ok=True)
         self.git("init", "--quiet", "--initial-branch=b0")
@@ -279,7 +279,7 @@ class History:
         )
         if kind == "figures":
             other = self._figures_and_calls(one)
-        self.told.append(f"{kind} {other} into {one}")
+        self.notes.append(f"{kind} {other} into {one}")
         style = ("-c", f"merge.conflictStyle={self.chance.choice(('merge', 'diff3'))}")
         if kind in ("merge", "figures"):
             self.git(*style, "merge", "--no-edit", other, fails=True)
@@ -481,7 +481,7 @@ class History:
                 continue
             except LockError as error:
                 # Sides that are no JSON: the message says to take one of them.
-                self.told.append(str(error))
+                self.notes.append(str(error))
                 (self.folder / "tracerisk.lock").unlink()
                 self._refresh()
                 return
@@ -489,7 +489,7 @@ class History:
                 if edits == "accept" and self._leads_to_what_was_renamed(str(error)):
                     continue
                 # A rank or a target of two branches; none is typed here.
-                raise AssertionError(f"{self.told}: {error}") from error
+                raise AssertionError(f"{self.notes}: {error}") from error
             done.write()
             break
         after = self.read()
@@ -499,13 +499,13 @@ class History:
                 each for each in self.typed.edits if each in after
             }
             gone = {each for each in lost if not is_in_live_block(before, each)}
-            assert lost == gone, f"{self.told}: typed and lost: {lost}"
+            assert lost == gone, f"{self.notes}: typed and lost: {lost}"
         assert not self.annotated(MergePolicy()).is_changed
         assert not self.findings(), self.findings()
 
-    def _leads_to_what_was_renamed(self, told: str) -> bool:
+    def _leads_to_what_was_renamed(self, expected: str) -> bool:
         """Return whether a `next` leads to a name that was typed for a function since deleted."""
-        found = re.search(r"leads to '(\w+)', not a function", told)
+        found = re.search(r"leads to '(\w+)', not a function", expected)
         return found is not None and found[1] in self.typed.targets - set(functions(self.read()))
 
     def findings(self) -> list[str]:
@@ -517,11 +517,11 @@ class History:
         def held(text: str) -> set[str]:
             return {each for each in self.typed.pins if each in text}
 
-        assert held(before) <= held(after), f"{self.told}: {held(before) - held(after)} lost"
+        assert held(before) <= held(after), f"{self.notes}: {held(before) - held(after)} lost"
 
-    def judge(self, told: str) -> None:
+    def judge(self, expected: str) -> None:
         """Compare what is called a person's with what was typed, and that alone with advice."""
-        certain, _, doubtful = told.partition("it is unknown who wrote these values")
+        certain, _, doubtful = expected.partition("it is unknown who wrote these values")
         assert ":=" not in doubtful
         assert "--accept-edits" not in doubtful
         for line in certain.splitlines():
@@ -533,13 +533,13 @@ class History:
             # Where a renamed function is there, the tool knows the name in a `next` by it.
             targets = {each.split(" ")[0] for each in changed[2].split(", ")}
             is_left = targets & self.typed.targets - set(functions(self.read()))
-            assert is_left or changed[2] in self.typed.edits, f"{self.told}: {line}"
+            assert is_left or changed[2] in self.typed.edits, f"{self.notes}: {line}"
         if re.search(r" was removed", line):
             path = line.split(" was removed")[0].split()[-1]
             function, _, name = path.rpartition(".")
             pair = self.typed.first_name(function), name
-            assert pair in self.typed.removed, f"{self.told}: {line}"
-        assert " was added" not in line, f"{self.told}: {line}"
+            assert pair in self.typed.removed, f"{self.notes}: {line}"
+        assert " was added" not in line, f"{self.notes}: {line}"
 
     def check(self) -> None:
         """Judge what `check` says; where it finds nothing, nothing is stale."""
@@ -554,7 +554,7 @@ class History:
                 self.judge_line(each.message)
         if not found:
             done = self.annotated(MergePolicy("discard"))
-            assert values(done.source) == values(self.read().encode()), self.told
+            assert values(done.source) == values(self.read().encode()), self.notes
 
 
 def functions(source: str) -> list[str]:

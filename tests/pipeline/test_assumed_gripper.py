@@ -62,7 +62,7 @@ def trace(tmp_path_factory, example_in) -> Trace:
     return trace_json.loads(example.read("trace.json").decode(), "trace.json")
 
 
-def test_the_gripper_moves_and_is_told_to_be_assumed(trace):
+def test_the_gripper_moves_and_is_reported_to_be_assumed(trace):
     moved = {
         visit.function.name: {
             name for name, each in visit.exposures.items() if each and each.moving_s > 0.0
@@ -73,9 +73,9 @@ def test_the_gripper_moves_and_is_told_to_be_assumed(trace):
     (turn,) = [visit for visit in trace.visits if visit.function.name == "turn"]
     idle = turn.exposures.get("gripper")
     assert idle is None or idle.active_s == 0.0
-    told = " ".join(trace.assumptions)
-    assert "the gripper that the controller speaks of is assumed, on 'tool0'" in told
-    assert "ur5e are approximate" in told
+    text = " ".join(trace.assumptions)
+    assert "the gripper that the controller speaks of is assumed, on 'tool0'" in text
+    assert "ur5e are approximate" in text
 
 
 @pytest.mark.parametrize(

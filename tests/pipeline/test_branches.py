@@ -196,9 +196,9 @@ def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
     before = 'global log; log = open("log.txt", "a+"); log.write("begun\\n"); log.flush()'
     controller, settings, nominal = odd(tmp_path, before)
     source = (tmp_path / "odd.py").read_text()
-    told = 'log.write("held\\n"); log.flush(); log.seek(0); rospy.logerr(repr(log.read()))'
+    text = 'log.write("held\\n"); log.flush(); log.seek(0); rospy.logerr(repr(log.read()))'
     (tmp_path / "odd.py").write_text(
-        source.replace("def hang():", f"def hang():\n    {told}\n    return")
+        source.replace("def hang():", f"def hang():\n    {text}\n    return")
     )
     controller, settings, nominal = prepared(tmp_path / "odd.py")
     wanted = [jam(1, 1), jam(1, 2, 0.3), jam(1, 3, 0.3)]
@@ -249,12 +249,12 @@ def test_a_run_that_is_another_on_greenlets_is_not_used(tmp_path):
 
 def test_what_is_asked_amiss_is_refused(tmp_path):
     controller, settings, nominal = odd(tmp_path)
-    for wanted, told in (
+    for wanted, reported in (
         ([jam(6), jam(6)], "same index"),
         ([jam(6, time_s=1000.0)], "1000"),
         ([Branch(0, (Fault("elbow", "jam", 0.1),))], "elbow"),
     ):
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=reported):
             run_branches(controller, settings, nominal, wanted)
     with pytest.raises(InputError, match="at once"):
         run_branches(controller, settings, nominal, [jam(6)], at_once=0)

@@ -61,7 +61,7 @@ def test_what_a_loop_sends_again_once_it_was_carried_out_is_no_fault(trace):
     assert not [each for each in data["findings"] if each["kind"] == "command_ignored"]
 
 
-def test_what_was_late_from_the_start_is_told_once(trace):
+def test_what_was_late_from_the_start_is_reported_once(trace):
     data, _ = trace(
         "late = message(0.5, 1.0)\nlate.header.stamp = rospy.Time.now()\nrospy.sleep(3)\n"
         "topic.publish(message(0.1, 1.0))\nrospy.sleep(3)\n"

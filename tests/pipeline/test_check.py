@@ -90,7 +90,7 @@ def test_comments_and_blank_lines_make_nothing_stale(project):
 
 
 @pytest.mark.parametrize(
-    ("file", "before", "after", "told"),
+    ("file", "before", "after", "expected"),
     [
         ("c.py", "factor(1.0)", "factor(0.5)", "c.py has changed since the last run"),
         ("helper.py", "0.2", "0.3", "helper.py has changed since the last run"),
@@ -98,11 +98,11 @@ def test_comments_and_blank_lines_make_nothing_stale(project):
         ("tracerisk.lock", '"tracerisk": "', '"tracerisk": "0.', "version of tracerisk was 0."),
     ],
 )
-def test_what_a_run_depends_on_makes_it_stale(project, file, before, after, told):
+def test_what_a_run_depends_on_makes_it_stale(project, file, before, after, expected):
     change(project, file, before, after)
     code, kinds, message = check(project)
     assert (code, kinds) == (1, [("stale", "c.py", 1)])
-    assert told in message
+    assert expected in message
 
 
 def test_a_file_that_a_controller_imports_leads_to_the_controller(project):
@@ -114,7 +114,7 @@ def test_a_file_that_a_controller_imports_leads_to_the_controller(project):
     assert "helper.py is gone" in check(project)[2]
 
 
-def test_an_edit_without_a_pin_is_told_with_its_field_and_a_pinned_one_passes(project):
+def test_an_edit_without_a_pin_is_reported_with_its_field_and_a_pinned_one_passes(project):
     text = project.read("c.py").decode()
     value = re.search(r"probability = (\S+)", text)[1]
     change(project, "c.py", f"probability = {value}", "probability = 2e-07")
@@ -277,7 +277,7 @@ def test_a_hand_edit_stops_a_refresh_until_it_is_accepted(project):
     assert f"probability := 2e-07  ! computed {value}".encode() in project.read("c.py")
 
 
-def test_check_tells_what_would_be_refreshed_and_writes_nothing(project):
+def test_check_says_what_would_be_refreshed_and_writes_nothing(project):
     change(project, "c.py", "factor(1.0)", "factor(0.5)")
     before = project.read("c.py"), project.read("tracerisk.lock")
     assert project.run("refresh", "--check", "-q").code == 1

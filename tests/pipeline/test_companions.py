@@ -175,13 +175,13 @@ def test_without_companions_it_stops_with_the_lines_that_would_give_it(cell):
     assert not [line for line in found.assumptions if line.startswith("started beside")]
 
 
-def test_a_companion_that_fails_is_told_and_does_not_end_the_run(example):
+def test_a_companion_that_fails_is_reported_and_does_not_end_the_run(example):
     example.write("pick.py", PICK.replace("turn()\n", "", 2))
     example.write("finder.py", FINDER.replace("rospy.spin()", "rospy.sleep(0.1)\n    1 / 0"))
     outcome, found = trace(example, "pick.py")
     assert outcome.code == 0, outcome.err
-    told = [each.message for each in found.findings if each.kind == "companion_failed"]
-    assert told == [
+    reported = [each.message for each in found.findings if each.kind == "companion_failed"]
+    assert reported == [
         "finder.py, started beside the controller, died of ZeroDivisionError: division by zero"
     ]
 

@@ -43,16 +43,16 @@ def trace(raised) -> Trace:
     return trace_json.loads(example.read("trace.json").decode(), "trace.json")
 
 
-def test_a_raised_table_is_hit_and_the_run_tells_function_bodies_force_and_time(raised):
+def test_a_raised_table_is_hit_and_the_run_says_function_bodies_force_and_time(raised):
     _, outcome = raised
     lines = " ".join(outcome.out.split())
-    told = re.search(
+    reported = re.search(
         r"pick\.py:\d+: unexpected contact: panda_rightfinger touches table in pick: "
         r"up to (\d+) N, ([\d.]+) s \(at ([\d.]+) s\)",
         lines,
     )
-    assert told is not None, lines
-    force, seconds, start = map(float, told.groups())
+    assert reported is not None, lines
+    force, seconds, start = map(float, reported.groups())
     assert 50.0 < force < 5000.0
     assert 1.0 < seconds < 10.0
     assert 3.0 < start < 6.0
@@ -83,11 +83,11 @@ def test_a_project_can_settle_what_a_run_fails_on(raised, example):
     assert checked.code == 1
     kinds = {each["kind"] for each in checked.json["findings"]}
     assert kinds == {"contact", "faulted"}
-    told = [each["message"] for each in checked.json["findings"]]
+    reported = [each["message"] for each in checked.json["findings"]]
     assert (
         "panda_rightfinger and table touched in pick, which was not to be expected; `tracerisk "
         "run` reports when and how hard"
-    ) in told
+    ) in reported
 
 
 def test_a_check_alerts_of_the_contacts_of_the_last_run_as_the_run_does(raised):

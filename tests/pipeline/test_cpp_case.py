@@ -112,7 +112,7 @@ def test_a_check_is_fine_until_the_code_says_something_else(case):
     assert "stale: cell.cpp has changed" in stale.out
 
 
-def test_blocks_that_no_lock_knows_are_told(case):
+def test_blocks_that_no_lock_knows_are_reported(case):
     case.write("copy.cpp", case.read("cell.cpp").decode())
     outcome = case.run("check", "copy.cpp")
     assert outcome.code == 1
@@ -120,7 +120,7 @@ def test_blocks_that_no_lock_knows_are_told(case):
     assert "`tracerisk annotate copy.cpp --log LOG`" in outcome.out
 
 
-def test_an_edited_value_is_told(case):
+def test_an_edited_value_is_reported(case):
     text = case.read("cell.cpp").decode()
     case.write("cell.cpp", text.replace("quantity = 7", "quantity = 6", 1))
     edited = case.run("check", "cell.cpp")
@@ -144,8 +144,8 @@ def test_a_block_follows_its_function_to_a_new_name(case):
     renamed = text.replace("void pick()\n", "void grab()\n").replace("cell.pick()", "cell.grab()")
     case.write("cell.cpp", renamed)
     case.write("run.log", LOG.replace("pick()", "grab()"))
-    told = case.run("check", "cell.cpp")
-    assert "the function of the block `Cell::pick` is called `Cell::grab` now" in told.out
+    reported = case.run("check", "cell.cpp")
+    assert "the function of the block `Cell::pick` is called `Cell::grab` now" in reported.out
     assert case.run(*ANNOTATE).code == 0
     after = case.read("cell.cpp").decode()
     assert "name = Cell::grab" in after
@@ -158,10 +158,10 @@ def test_a_diff_says_what_a_change_does_to_the_risk(case):
     text = case.read("hardware.yaml").decode()
     case.write("hardware.yaml", text.replace("7.344e-08", "7.344e-07"))
     assert case.run(*ANNOTATE).code == 0
-    told = case.run("diff", "HEAD")
-    assert "no verdict: C and C++ are not run" in told.out
-    assert "cell.cpp: mission failure rises" in told.out
-    assert "through gripper" in " ".join(told.out.split())
+    reported = case.run("diff", "HEAD")
+    assert "no verdict: C and C++ are not run" in reported.out
+    assert "cell.cpp: mission failure rises" in reported.out
+    assert "through gripper" in " ".join(reported.out.split())
 
 
 def test_a_log_whose_short_name_fits_several_functions_is_refused(case):

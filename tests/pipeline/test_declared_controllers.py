@@ -71,5 +71,5 @@ def test_commands_move_the_joints_that_the_workspaces_controller_has(ran):
 
 
 def test_it_is_listed_with_its_type_and_runs(ran):
-    told = "controller outer forward_command_controller/ForwardCommandController active"
-    assert f"{told} hinge_3/position hinge_1/position" in ran.err + ran.out
+    text = "controller outer forward_command_controller/ForwardCommandController active"
+    assert f"{text} hinge_3/position hinge_1/position" in ran.err + ran.out

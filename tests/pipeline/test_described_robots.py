@@ -294,7 +294,7 @@ WITHOUT_NAMES = {
 
 
 @pytest.mark.parametrize("file", XACRO_LAUNCHES)
-def test_the_launch_file_that_starts_it_tells_the_robot_and_its_arguments(tmp_path, file):
+def test_the_launch_file_that_starts_it_says_the_robot_and_its_arguments(tmp_path, file):
     described(tmp_path)
     described(tmp_path, "another_description", "other_")
     script = cell(tmp_path, WITHOUT_NAMES[file == "robot.launch"])
@@ -304,7 +304,7 @@ def test_the_launch_file_that_starts_it_tells_the_robot_and_its_arguments(tmp_pa
     assert f"by launch/{file}" in robot.chosen_by
 
 
-def test_a_package_that_its_launch_file_names_and_is_not_there_is_told(tmp_path):
+def test_a_package_that_its_launch_file_names_and_is_not_there_is_reported(tmp_path):
     script = cell(tmp_path, WITHOUT_NAMES[True])
     (script.parent / "launch" / "robot.launch").write_text(XACRO_LAUNCHES["robot.launch"])
     with pytest.raises(RobotError) as caught:
@@ -313,7 +313,7 @@ def test_a_package_that_its_launch_file_names_and_is_not_there_is_told(tmp_path)
     assert "put what is missing into the workspace" in str(caught.value)
 
 
-def test_a_package_that_a_xacro_file_needs_and_is_not_there_is_told(tmp_path):
+def test_a_package_that_a_xacro_file_needs_and_is_not_there_is_reported(tmp_path):
     folder = described(tmp_path)
     (folder / "urdf" / "feeder.urdf.xacro").write_text(arm("common_parts"))
     script = cell(tmp_path, f"joints = {joints()}\n", "feeder_description")
@@ -395,7 +395,7 @@ def test_programs_of_one_folder_drive_one_robot(tmp_path):
     assert chosen(script).robot.name == "generic"
 
 
-def test_of_robots_with_the_same_groups_the_files_name_tells_one(tmp_path):
+def test_of_robots_with_the_same_groups_the_files_name_says_one(tmp_path):
     for name in ("another", "feeder"):
         described(tmp_path, f"{name}_description", f"{name}_")
         moveit(tmp_path, joints(f"{name}_"), name)
@@ -427,7 +427,7 @@ def test_a_thing_that_its_launch_file_loads_is_no_robot_that_cannot_be_read(tmp_
 
 
 @pytest.mark.parametrize("is_known", [True, False])
-def test_a_program_beside_it_tells_the_shipped_robot(tmp_path, is_known):
+def test_a_program_beside_it_says_the_shipped_robot(tmp_path, is_known):
     script = cell(tmp_path, 'group = "nothing"\n')
     (script.parent / "other.py").write_text(
         'names = ["panda_joint1", "panda_joint2"]\n' if is_known else "def broken(:\n"
@@ -591,7 +591,7 @@ def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
 
 
 @pytest.mark.parametrize("others", [("long",), ("copy",), ("long", "copy")])
-def test_of_several_arms_that_fit_as_well_the_choice_is_told(tmp_path, others):
+def test_of_several_arms_that_fit_as_well_the_choice_is_reported(tmp_path, others):
     urdf = described(tmp_path, default="") / "urdf"
     for name in others:
         text = arm(default="")

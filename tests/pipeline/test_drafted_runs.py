@@ -146,7 +146,7 @@ def test_a_failure_that_no_draft_mends_stands(example):
     assert "drafted" not in ran.err
 
 
-def test_what_a_scenario_gives_stays_and_is_told_at_its_own_line(example):
+def test_what_a_scenario_gives_stays_and_is_reported_at_its_own_line(example):
     example.write(
         "c.py", HEAD + "rospy.wait_for_message('/a', String)\n" + MESSAGE.removeprefix(HEAD)
     )
@@ -178,7 +178,7 @@ def test_a_file_in_which_a_value_is_written_is_an_input(example):
     assert "README.md has changed" in example.run("check", "c.py").out
 
 
-def test_a_fault_that_comes_after_drafted_values_is_not_told_in_place_of_the_first(example):
+def test_a_fault_that_comes_after_drafted_values_is_not_reported_in_place_of_the_first(example):
     waits = "rospy.wait_for_message('/object', PoseStamped)\n"
     source = (
         "import moveit_commander, rospy\nfrom geometry_msgs.msg import PoseStamped\n"

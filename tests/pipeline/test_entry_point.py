@@ -105,11 +105,11 @@ def test_a_node_without_a_guard_runs_as_its_command_would(example):
     outcome = example.run("run", "src/arm_task/arm_task/mover.py", "--json", "--robot", "panda")
     assert outcome.code == 0, outcome.err
     assert [each["ref"]["name"] for each in outcome.json["trace"]["functions"]] == ["Mover.tick"]
-    told = "start: main() of the script, named in setup.py, was called"
-    assert told in outcome.json["assumptions"]
+    text = "start: main() of the script, named in setup.py, was called"
+    assert text in outcome.json["assumptions"]
 
 
-def test_a_module_off_the_import_path_is_found_in_the_workspace_and_told(example):
+def test_a_module_off_the_import_path_is_found_in_the_workspace_and_reported(example):
     example.write("src/arm_task/package.xml", "<package><name>arm_task</name></package>\n")
     example.write("src/vendor/package.xml", "<package><name>vendor</name></package>\n")
     example.write("src/vendor/imp/VENDOR_init.py", "AMOUNT = 0.2\n")
@@ -118,5 +118,5 @@ def test_a_module_off_the_import_path_is_found_in_the_workspace_and_told(example
     example.write("src/arm_task/arm_task/mover.py", script)
     outcome = example.run("run", "src/arm_task/arm_task/mover.py", "--json", "--robot", "panda")
     assert outcome.code == 0, outcome.err
-    told = "import: VENDOR_init was taken from ../vendor/imp, which is not on the import path"
-    assert told in outcome.json["assumptions"]
+    text = "import: VENDOR_init was taken from ../vendor/imp, which is not on the import path"
+    assert text in outcome.json["assumptions"]

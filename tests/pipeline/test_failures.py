@@ -59,9 +59,9 @@ def test_a_failure_of_the_controller_makes_its_run_faulted_with_place_and_blocks
     outcome = example.run("run", path.name)
     assert outcome.code == 1
     assert outcome.out.startswith("faulted: ")
-    told = next(line for line in outcome.out.splitlines() if message in line)
+    text = next(line for line in outcome.out.splitlines() if message in line)
     annotated = example.read("controller.py").decode()
-    assert f"controller.py:{line_of(annotated, statements[-1])}, in act" in told
+    assert f"controller.py:{line_of(annotated, statements[-1])}, in act" in text
     assert "RiskAnnotation" in annotated
     assert b'"kind": "faulted"' in example.read("tracerisk.lock")
     assert "/tracerisk/" not in outcome.err, "a traceback shows the controller's frames alone"
@@ -73,16 +73,18 @@ def test_a_wait_that_nothing_can_end_is_stuck_and_writes_nothing(example, quick)
     before = example.files()
     outcome = example.run("run", path.name, "--no-draft")
     assert outcome.code == 4
-    (told,) = (line for line in outcome.err.splitlines() if line.startswith("tracerisk: "))
-    assert told.startswith(f"tracerisk: controller.py:{line_of(source, 'wait_for_service')}: ")
-    assert "waits for service /nobody, which nothing provides" in told
+    (reported,) = (line for line in outcome.err.splitlines() if line.startswith("tracerisk: "))
+    assert reported.startswith(f"tracerisk: controller.py:{line_of(source, 'wait_for_service')}: ")
+    assert "waits for service /nobody, which nothing provides" in reported
     assert "verdict: stuck" in outcome.err
     assert HELD in outcome.err
     assert "No source was changed." in outcome.err
     assert_untouched(example, before)
 
 
-def test_of_a_run_that_ended_badly_no_report_is_written_and_an_earlier_one_is_told(example, quick):
+def test_of_a_run_that_ended_badly_no_report_is_written_and_an_earlier_one_is_reported(
+    example, quick
+):
     example.write("controller.py", quick("os.kill(os.getpid(), 9)"))
     outcome = example.run("run", "controller.py", "--report", "run.html")
     assert outcome.code == 4
@@ -116,7 +118,7 @@ def test_a_sudden_death_leaves_the_trace_and_the_place_of_the_last_command(name,
     assert_untouched(example, before)
 
 
-def test_an_endless_loop_is_stopped_and_its_line_is_told(example, quick):
+def test_an_endless_loop_is_stopped_and_its_line_is_reported(example, quick):
     source = quick("while True: pass")
     example.write("controller.py", source)
     before = example.files()
@@ -163,13 +165,13 @@ def test_commands_that_nobody_receives_are_named(example):
         "rospy.sleep(1.0)\n",
     )
     outcome = example.run("run", "controller.py", "--robot", "panda")
-    told = (
+    text = (
         "the controller ended; nobody receives what it publishes on /servo/orders (std_msgs/String)"
     )
-    assert f"{told}, and it commanded no hardware" in outcome.err
+    assert f"{text}, and it commanded no hardware" in outcome.err
 
 
-def test_what_went_wrong_is_told_before_what_was_assumed(example):
+def test_what_went_wrong_is_reported_before_what_was_assumed(example):
     example.write(
         "controller.py",
         "import moveit_commander\n"
@@ -193,7 +195,7 @@ def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     assert f"{place}: the answer to a read of the standard input was asked for 200" in outcome.err
 
 
-def test_a_controller_that_takes_too_much_memory_is_told_the_limit(example, quick):
+def test_a_controller_that_takes_too_much_memory_is_reported_the_limit(example, quick):
     source = quick("hoard = bytearray(4_000_000_000)")
     example.write("controller.py", source)
     before = example.files()
@@ -252,7 +254,7 @@ def test_what_a_controller_prints_stays_out_of_the_json(example, quick):
     assert all(word in outcome.err for word in ("one", "two", "three"))
 
 
-def test_a_failed_run_is_told_as_json_too(example, quick):
+def test_a_failed_run_is_reported_as_json_too(example, quick):
     source = quick('raise RuntimeError("tube lost")')
     example.write("controller.py", source)
     outcome = example.run("run", "controller.py", "--json")
@@ -361,7 +363,7 @@ def test_a_module_beside_the_controller_is_imported(example, quick):
     assert not (example.folder / "__pycache__").exists()
 
 
-def test_a_broken_module_beside_the_controller_is_told_by_its_own_line(example, quick):
+def test_a_broken_module_beside_the_controller_is_reported_by_its_own_line(example, quick):
     example.write("cell.py", "STEP = 0.05\ndef f(:\n")
     example.write("controller.py", quick("import cell"))
     outcome = example.run("run", "controller.py")
@@ -369,7 +371,7 @@ def test_a_broken_module_beside_the_controller_is_told_by_its_own_line(example, 
     assert "tracerisk: cell.py:2:7: not valid Python: invalid syntax" in outcome.err
 
 
-def test_an_unknown_group_is_told_with_those_that_are_there(example, quick):
+def test_an_unknown_group_is_reported_with_those_that_are_there(example, quick):
     source = quick().replace('"panda_arm"', '"panda_leg"')
     example.write("controller.py", source)
     outcome = example.run("run", "controller.py", "--robot", "panda", "--no-draft")

@@ -75,7 +75,7 @@ def test_one_figure_is_the_component_and_spreads_the_mission_as_its_lognormal(mo
     assert [each.name for each in found.inputs] == ["motor"]
 
 
-def test_several_figures_are_drawn_each_by_itself_with_the_part_that_the_run_tells(modelled):
+def test_several_figures_are_drawn_each_by_itself_with_the_part_that_the_run_says(modelled):
     model, hardware, instances = modelled(motor(f"[{PER_MINUTE}, {PER_DEMAND}]"))
     # One minute against three demands.
     assert instances[0].figure_shares == pytest.approx((0.25, 0.75), rel=1e-5)
@@ -129,7 +129,7 @@ def test_units_of_a_group_with_spares_have_their_factor(modelled):
     )
 
 
-def test_groups_with_spares_that_are_renewed_are_left_out_and_told(modelled):
+def test_groups_with_spares_that_are_renewed_are_left_out_and_reported(modelled):
     text = motor(PER_MINUTE, ", spare: cold, detected: each_visit") + (
         f"  power: {{probability: {PER_MINUTE}, active: always}}\n"
     )
@@ -288,7 +288,7 @@ def shown(failed):
 
 
 @pytest.mark.parametrize("figures", ["{value: 1e-6, per: minute}", PER_MINUTE])
-def test_what_few_failures_tell_of_the_share_that_ends_the_mission_is_uncertain(modelled, figures):
+def test_what_few_failures_say_of_the_share_that_ends_the_mission_is_uncertain(modelled, figures):
     model, hardware, instances = modelled(motor(figures), shown({"one": 9, "two": 3}))
     assert instances[0].ending.share == pytest.approx(0.3)
     assert instances[0].ending.cells == pytest.approx(40.0)

@@ -29,7 +29,7 @@ def annotated(sample_run, example):
     return example, options
 
 
-def test_the_run_tells_of_every_instance(sample_run):
+def test_the_run_reports_every_instance(sample_run):
     _, outcome = sample_run
     instances = outcome.json["instances"]
     motors = [each for each in instances if each["component"] == "electric_motor"]
@@ -51,13 +51,13 @@ def test_the_lock_holds_the_instances_of_each_function(sample_run):
     lock = json.loads(run.read("tracerisk.lock"))
     functions = lock["controllers"]["pick_and_place.py"]["trace"]["functions"]
     held = functions["place_position"]["instances"]["electric_motor"]
-    told = {
+    reported = {
         each["instance"]: each["per_visit"]["place_position"]
         for each in outcome.json["instances"]
         if each["component"] == "electric_motor"
     }
-    assert held == pytest.approx(told, rel=1e-3)
-    assert held == {name: float(f"{value:.4g}") for name, value in told.items()}
+    assert held == pytest.approx(reported, rel=1e-3)
+    assert held == {name: float(f"{value:.4g}") for name, value in reported.items()}
 
 
 def test_a_redundancy_by_hand_over_motors_that_differ_stops_annotate_and_check(annotated):

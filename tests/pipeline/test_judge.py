@@ -121,10 +121,10 @@ def test_an_error_logged_between_a_failure_and_its_retry_is_settled_with_it():
 
 def test_an_aborted_command_is_a_reason_in_the_words_of_its_finding():
     aborted = move(1.0, outcome="aborted")
-    told = finding(
+    text = finding(
         "execution_failure", function="move", message="a goal was aborted", target=(0.5,)
     )
-    verdict = judge(recorded(commands=(aborted,), findings=(told,)))
+    verdict = judge(recorded(commands=(aborted,), findings=(text,)))
     (reason,) = verdict.reasons
     assert (reason.code, reason.words, reason.object) == (
         "command-aborted",
@@ -205,7 +205,7 @@ def test_an_unmet_need_makes_the_run_partial_and_names_it():
     assert "nothing provides service /gripper/on" in verdict_line(verdict)
 
 
-def test_a_frame_that_was_looked_up_in_vain_is_told_once():
+def test_a_frame_that_was_looked_up_in_vain_is_reported_once():
     need = UnmetNeed("part", "frame part", HERE, "pick", is_frame=True)
     found = finding("lookup_failure", object="part")
     assert codes(recorded(unmet=(need,), findings=(found,))) == ["lookup-failed"]
@@ -397,7 +397,7 @@ def test_a_run_without_a_command_is_partial():
     assert [each.code for each in verdict.reasons] == ["no-command"]
 
 
-def test_a_call_that_led_to_no_command_is_told_first_and_may_be_accepted():
+def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
     missed = MissedCommand("pick", "self.arm.go", HERE)
     verdict = judge(recorded(missed=(missed,)))
     assert verdict_line(verdict) == (

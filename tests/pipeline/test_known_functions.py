@@ -85,7 +85,7 @@ def test_what_all_controllers_share_may_name_a_function_of_another(cell):
     assert "no function 'elsewhere'" in cell.run(*ANNOTATE).err
 
 
-def test_the_name_is_told_before_a_run(cell):
+def test_the_name_is_reported_before_a_run(cell):
     cell.write("pyproject.toml", SHARED.format("states", "hoem"))
     outcome = cell.run("run", "cell.py")
     assert (outcome.code, "pyproject.toml:2: states:" in outcome.err) == (2, True)
@@ -99,7 +99,7 @@ def test_of_many_functions_the_message_lists_some(cell):
     assert outcome.err.rstrip().endswith("f015 and 285 more [settings]")
 
 
-def test_a_function_called_done_is_told_from_the_end_of_the_mission(cell):
+def test_a_function_called_done_is_reported_from_the_end_of_the_mission(cell):
     assert cell.run(*ANNOTATE).code == 0
     text = cell.read("cell.py").decode()
     assert "name = done\n" in text

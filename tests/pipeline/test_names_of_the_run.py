@@ -43,7 +43,7 @@ def test_a_stand_in_arm_gets_the_joints_that_the_run_moves(example):
     assert moved & joints == {f"axis_{i}" for i in range(1, 8)}
 
 
-def test_a_shipped_arm_is_told_by_them(example):
+def test_a_shipped_arm_is_reported_by_them(example):
     example.write("c.py", SOURCE.replace("PREFIX", "panda_joint"))
     outcome = example.run("run", "c.py", "--json")
     # Its fourth joint cannot reach 0.3 rad, so the goal is aborted and the run is faulted.

@@ -117,7 +117,7 @@ def test_command_lines(tmp_path, source, words):
 def test_command_lines_that_the_repository_writes_come_first(tmp_path):
     (tmp_path / "c.py").write_text("import rospy\np.add_argument('side')\n")
     found = command_lines(load_controller(tmp_path / "c.py"), [(("left",), "README.md:3")])
-    assert [(each.words, each.told) for each in found] == [
+    assert [(each.words, each.remark) for each in found] == [
         (("left",), "as in README.md:3"),
         (("side",), "what argparse demands"),
     ]
@@ -141,8 +141,8 @@ def test_a_file_to_read_is_one_of_the_repository(tmp_path, monkeypatch):
     assert found.words == ("--file", "data/moves.csv", "--output-file", "output-file")
 
 
-def test_a_file_that_nobody_has_is_told(tmp_path):
+def test_a_file_that_nobody_has_is_reported(tmp_path):
     (tmp_path / "c.py").write_text(READS_FILE)
     (found,) = command_lines(load_controller(tmp_path / "c.py"))
     assert found.words == ("--file", "file", "--output-file", "output-file")
-    assert "a file of yours has to stand for file" in found.told
+    assert "a file of yours has to stand for file" in found.remark

@@ -55,7 +55,7 @@ def test_a_module_that_imports_its_importer_and_one_that_is_no_python_end_the_se
     assert b"print 'old'" not in with_own_modules(pipeline.load_controller(script)).source
 
 
-def test_the_names_in_its_modules_tell_the_robot(tmp_path):
+def test_the_names_in_its_modules_say_the_robot(tmp_path):
     script = written(tmp_path, FILES)
     robot = choose_robot(pipeline.load_controller(script), Settings()).robot
     assert robot.name == "panda"

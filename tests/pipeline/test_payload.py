@@ -82,7 +82,9 @@ def test_the_grip_holds_what_is_heavy_and_every_tube_arrives(runs):
 
 
 @pytest.mark.parametrize(("weight", "mass"), [("light", 0.025), ("heavy", HEAVY_KG)])
-def test_what_is_held_is_told_of_those_who_carry_and_of_no_other(runs, weight: str, mass: float):
+def test_what_is_held_is_reported_of_those_who_carry_and_of_no_other(
+    runs, weight: str, mass: float
+):
     trace, _ = runs[weight]
     for visit in trace.visits:
         name, payloads = visit.function.name, visit.payloads

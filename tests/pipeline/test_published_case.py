@@ -107,7 +107,7 @@ def test_a_profile_may_stand_beside_the_blocks(case):
     assert case.read("controller.py") == before, "a profile is never written back"
 
 
-def test_figures_per_visit_are_told_as_an_assumption(case):
+def test_figures_per_visit_are_reported_as_an_assumption(case):
     outcome = annotate(case, "--profile", PROFILE)
     assert "figures are per visit" in outcome.err
 
@@ -118,7 +118,7 @@ def test_a_log_without_a_hardware_description_is_an_error(case):
     assert "--hardware FILE" in outcome.err
 
 
-def test_figures_per_minute_need_an_exposure_that_a_log_does_not_tell(case):
+def test_figures_per_minute_need_an_exposure_that_a_log_does_not_say(case):
     case.write("hardware.yaml", HARDWARE.replace("per: visit", "per: minute"))
     before = case.read("controller.py")
     outcome = annotate(case)

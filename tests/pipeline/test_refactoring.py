@@ -180,7 +180,7 @@ def test_steps_shorter_than_any_activity_lose_no_hardware(example, by_every_law)
     assert by_use[1] == pytest.approx(by_use[0], rel=0.01)
 
 
-def test_a_function_that_never_ran_is_told_as_no_risk_data(example, pick_and_place):
+def test_a_function_that_never_ran_is_reported_as_no_risk_data(example, pick_and_place):
     example.write("pick_and_place.py", dead_function_added(pick_and_place.decode()))
     outcome = example.run("trace", "pick_and_place.py", "--json")
     (uncovered,) = outcome.json["trace"]["uncovered"]

@@ -35,7 +35,7 @@ def chosen_by(script: Path) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("script", "files", "robot", "told"),
+    ("script", "files", "robot", "expected"),
     [
         (ARM + "ur3e_home = 0\n", {}, "ur3e", "its source (pick.py)"),
         (ARM + "# of the UR10\n", {}, "ur10", "its comments (pick.py)"),
@@ -50,8 +50,11 @@ def chosen_by(script: Path) -> tuple[str, str]:
         (ARM + "# not the UR3\n", {"cell__ur5_DOT_yaml": "ur5"}, "ur3", "its comments (pick.py)"),
     ],
 )  # fmt: skip
-def test_the_heaviest_evidence_decides_and_is_told(tmp_path, script, files, robot, told):
-    assert chosen_by(project(tmp_path, script, **files)) == (robot, f"{robot} is named in {told}")
+def test_the_heaviest_evidence_decides_and_is_reported(tmp_path, script, files, robot, expected):
+    assert chosen_by(project(tmp_path, script, **files)) == (
+        robot,
+        f"{robot} is named in {expected}",
+    )
 
 
 def test_folders_of_the_project_count_and_those_around_it_do_not(tmp_path):
@@ -74,13 +77,13 @@ def test_files_of_another_checkout_beside_it_are_no_evidence(tmp_path):
         chosen_by(own / "pick.py")
 
 
-def test_a_script_that_lies_about_is_not_told_by_the_folder_it_lies_in(tmp_path):
+def test_a_script_that_lies_about_is_not_reported_by_the_folder_it_lies_in(tmp_path):
     (tmp_path / "ur5e").mkdir()
     (tmp_path / "ur5e" / "pick.py").write_text('GROUP = "manipulator"\n')
     assert chosen_by(tmp_path / "ur5e" / "pick.py")[0] == "generic"
 
 
 def test_a_controller_of_a_gripper_alone_gets_the_generic_arm(tmp_path):
-    name, told = chosen_by(project(tmp_path, 'NAMES = ["gripper", "gripper_controller"]\n'))
+    name, reported = chosen_by(project(tmp_path, 'NAMES = ["gripper", "gripper_controller"]\n'))
     assert name == "generic"
-    assert "--robot" in told
+    assert "--robot" in reported

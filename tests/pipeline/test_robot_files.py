@@ -138,7 +138,7 @@ def test_a_model_of_the_settings_stands_at_the_root_and_its_bytes_are_in_the_loc
     ]
 
 
-def test_doctor_tells_what_was_read(example):
+def test_doctor_says_what_was_read(example):
     example.write("pyproject.toml", "")
     example.write("controller.py", CONTROLLER)
     example.write("reacher.xml", mjcf())
@@ -212,7 +212,9 @@ def test_a_xacro_finds_its_packages_and_an_srdf_beside_names_its_groups(example)
         ("arm.xml", mjcf(actuators='<position joint="wrist"/>'), "arm.xml:10: MuJoCo refuses the model"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_read_is_told_in_one_line(example, monkeypatch, capsys, name, text, message):
+def test_what_cannot_be_read_is_reported_in_one_line(
+    example, monkeypatch, capsys, name, text, message
+):
     if text is not None:
         example.write(name, text)
     assert message in refused(example, monkeypatch, capsys, name)

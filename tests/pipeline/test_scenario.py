@@ -139,7 +139,7 @@ def lines_of(source: str, *parts: str) -> list[int]:
 
 
 @pytest.mark.slow
-def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(example):
+def test_pasting_what_is_reported_gives_a_controller_of_ros_1_all_it_waits_for(example):
     """Slow: five runs, though it asks for six things one after another."""
     example.write("c.py", ROS1)
     lacked, errors, outcome = pasted_until_it_runs(example)
@@ -156,7 +156,7 @@ def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(examp
 
 
 @pytest.mark.slow
-def test_pasting_what_is_told_gives_a_controller_of_ros_2_all_it_waits_for(example):
+def test_pasting_what_is_reported_gives_a_controller_of_ros_2_all_it_waits_for(example):
     """Slow: four runs."""
     example.write("c.py", ROS2)
     lacked, errors, outcome = pasted_until_it_runs(example)
@@ -229,7 +229,7 @@ listener = Listener()
 POLL = "while listener.angle is None:\n    rospy.sleep(0.1)\nlistener.turn()\n"
 
 
-def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(example):
+def test_a_topic_on_which_nobody_publishes_is_reported_when_a_node_only_spins(example):
     example.write("c.py", LISTENER + "rospy.spin()\n")
     outcome = example.run("run", "c.py", "--json", "--no-draft")
     assert outcome.code == 4
@@ -246,7 +246,7 @@ def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(exampl
     assert outcome.json["trace"]["end"]["cause"] == "no_motion"
 
 
-def test_what_is_lacking_is_told_when_the_controller_takes_down_its_node_at_its_end(example):
+def test_what_is_lacking_is_reported_when_the_controller_takes_down_its_node_at_its_end(example):
     example.write(
         "listen.py",
         "import rclpy\nfrom std_msgs.msg import String\n\nrclpy.init()\n"
@@ -303,8 +303,8 @@ def test_a_mistake_in_a_scenario_is_bad_input(example, quick):
     example.write("s.yaml", "servces: []\n")
     outcome = example.run("run", "c.py", "--scenario", "s.yaml")
     assert outcome.code == 2
-    told = "tracerisk: s.yaml:1:1: unknown key 'servces'; did you mean 'services'?"
-    assert outcome.err.startswith(told)
+    text = "tracerisk: s.yaml:1:1: unknown key 'servces'; did you mean 'services'?"
+    assert outcome.err.startswith(text)
 
 
 def test_what_the_scenario_holds_is_part_of_what_the_lock_keeps_of_a_run(example, quick):
@@ -415,7 +415,7 @@ def test_a_question_whose_enter_moves_the_arm_gets_no_other_answer(example):
     assert not [each for each in trace["findings"] if each["kind"] == "answer_assumed"]
 
 
-def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
+def test_a_loop_that_waits_for_a_parameter_is_reported_of_it(example):
     example.write(
         "c.py",
         "import rospy\nrospy.init_node('n')\n"
@@ -456,12 +456,12 @@ def test_what_nobody_made_use_of_is_a_finding(example):
         "parameters:\n  /cell/speed: 0.5\n  ~depth: 0.1\n  gains: {p: 1.0}\n",
     )
     trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
-    told = {
+    reported = {
         (each["message"], each["location"]["line"])
         for each in trace["findings"]
         if each["kind"] == "unused"
     }
-    assert told == {
+    assert reported == {
         ("in the scenario, but nobody subscribed to topic /angel", 3),
         ("in the scenario, but nobody called service /detect", 5),
         ("in the scenario, but nobody sent a goal to action server /drive", 7),
@@ -473,7 +473,7 @@ def test_what_nobody_made_use_of_is_a_finding(example):
     assert {each["code"] for each in trace["verdict"]["reasons"]} == {"unused-input"}
 
 
-def test_a_controller_that_waits_to_be_called_is_told_how(example):
+def test_a_controller_that_waits_to_be_called_is_reported_how(example):
     body = "rospy.Service('/turn', Trigger, listener.on_call)\nrospy.spin()\n"
     source = LISTENER.replace(
         'rospy.Subscriber("angle", Float64, self.on_angle)', "self.angle = 0.1"

@@ -72,7 +72,7 @@ def test_a_workspace_is_importable_as_if_built_and_every_own_module_is_traced(wo
     assert [u["ref"]["name"] for u in outcome.json["trace"]["uncovered"]] == ["never"]
 
 
-def test_blocks_stand_in_each_source_and_the_model_tells_equal_names_apart(workspace):
+def test_blocks_stand_in_each_source_and_the_model_says_equal_names_apart(workspace):
     example, outcome = workspace
     states = [state["name"] for state in outcome.json["model"]["states"]]
     assert states == ["moves.turn", "task.turn"]

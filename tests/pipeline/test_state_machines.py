@@ -309,7 +309,7 @@ main()
 """
 
 
-def test_states_that_are_goals_are_told_apart_in_the_function_that_starts_the_machine(example):
+def test_states_that_are_goals_are_reported_apart_in_the_function_that_starts_the_machine(example):
     example.write("goals.py", GOALS)
     outcome = example.run("run", "goals.py", "--json")
     assert outcome.code == 0, outcome.err
@@ -417,7 +417,7 @@ main()
     ]
 
 
-def test_states_of_a_library_of_two_programs_are_told_apart_in_the_program(example):
+def test_states_of_a_library_of_two_programs_are_reported_apart_in_the_program(example):
     head, _, rest = SMACH.partition("class MoveTo")
     classes, _, program = rest.partition("def main():")
     example.write("states.py", f"import smach\n\n\nclass MoveTo{classes}")

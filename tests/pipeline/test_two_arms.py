@@ -106,7 +106,7 @@ def test_each_function_moves_its_own_arm_alone(trace):
     assert lifted["right_e1"] == pytest.approx(2.0, abs=0.3)
 
 
-def test_they_ran_at_once_and_it_is_told(trace):
+def test_they_ran_at_once_and_it_is_reported(trace):
     spans = {
         visit.function.name: (visit.start_s, visit.start_s + (visit.duration_s or 0.0))
         for visit in trace.visits
@@ -124,8 +124,8 @@ def test_every_active_second_belongs_to_one_visit(trace):
     for name, whole in trace.active.items():
         parts = [visit.exposures.get(name) for visit in trace.visits]
         for what in ("moving_s", "holding_s", "active_s"):
-            told = sum(getattr(part, what) for part in parts if part is not None)
-            assert told == pytest.approx(getattr(whole, what), abs=1e-6), (name, what)
+            reported = sum(getattr(part, what) for part in parts if part is not None)
+            assert reported == pytest.approx(getattr(whole, what), abs=1e-6), (name, what)
 
 
 def test_each_function_gets_one_block(outcome):

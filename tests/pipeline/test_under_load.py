@@ -272,7 +272,7 @@ HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=st
 def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     module, which, example, tmp_path_factory
 ):
-    files, entry, options, told = STOPPED[module]
+    files, entry, options, reported = STOPPED[module]
     for file, content in files.items():
         example.write(file, content)
     before = example.files()
@@ -282,7 +282,7 @@ def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     python = python_with(tmp_path_factory.mktemp("python"), stop, at_start="stops_at_start")
     outcome = example.run("run", entry, "--wall-limit", "10", *options, python=python)
     assert outcome.code == 4, outcome.err
-    assert told in outcome.err
+    assert reported in outcome.err
     assert "10 s of wall time" in outcome.err
     assert "--wall-limit or the setting wall_limit_s (now 10)" in outcome.err
     assert example.files() == before

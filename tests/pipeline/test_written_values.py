@@ -110,8 +110,8 @@ def test_command_lines_of_the_controller_without_placeholders(written):
 
 def test_the_launch_file_that_starts_a_publisher(written):
     names = ("joint_state_publisher_gui",)
-    told = written.started_with("/sliders", names)
-    assert told == "joint_state_publisher_gui in launch/cell.launch:8"
+    reported = written.started_with("/sliders", names)
+    assert reported == "joint_state_publisher_gui in launch/cell.launch:8"
     assert written.started_with("/nothing", names) is None
 
 

@@ -261,7 +261,7 @@ def test_an_event_tree_is_weighed_by_the_cases_of_a_network():
     assert bad == pytest.approx(network.solve(PAIR).top.p, rel=1e-15)
 
 
-def test_a_top_that_never_happens_tells_nothing():
+def test_a_top_that_never_happens_says_nothing():
     network = inference_of(
         BayesianNetwork({"c": {"x": 0.5, "y": 0.5}}, {"a": Given("c", {"x": 0.0, "y": 0.0})})
     )
@@ -370,7 +370,7 @@ def test_a_value_that_would_count_for_nothing_is_refused(values, message):
         HEAT.solve(PAIR, values)
 
 
-def test_evidence_too_unlikely_for_a_number_is_told():
+def test_evidence_too_unlikely_for_a_number_is_reported():
     network = BayesianNetwork(
         {
             "heat": {"hot": 1e-200, "cool": 1.0},

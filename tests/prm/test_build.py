@@ -132,7 +132,7 @@ def test_a_function_that_bears_the_name_of_a_failure_state_keeps_it(block, compo
     assert solve(model).states[0].absorption_probability == 0.5
 
 
-def test_a_block_that_nothing_leads_to_adds_nothing_and_is_told(block, component):
+def test_a_block_that_nothing_leads_to_adds_nothing_and_is_reported(block, component):
     motor = component("motor", 0.5)
     blocks = [
         block("move", 1, (component("cable", 0.25),), after={"done": 1}),

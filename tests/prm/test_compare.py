@@ -202,7 +202,7 @@ def test_a_renamed_function_is_no_change_of_risk(version):
     assert {each.status for each in apart.functions} == {"added", "removed", "unchanged"}
 
 
-def test_a_component_left_out_by_hand_is_told_as_that(block, component):
+def test_a_component_left_out_by_hand_is_reported_as_that(block, component):
     def of(**marks):
         entries = [component("motor", 1e-7), component("gripper", 2e-7, **marks)]
         return RiskVersion.of_blocks([block("pick", 1, entries, {"done": 1})], "c.py")

@@ -217,16 +217,16 @@ def test_a_hidden_failure_far_below_the_rest_keeps_its_digits(exact, block, comp
 
 
 def test_assumptions_say_what_became_of_hidden_failures(straight):
-    def told(*kinds):
+    def reported(*kinds):
         parts = [(f"p{i}", 1e-6, 2, kind) for i, kind in enumerate(kinds)]
         return [line.split(" ")[0] for line in solve(straight(2, *parts)).assumptions]
 
-    assert told("false") == []
-    assert told("true") == ["failed"]
-    assert told(RENEWED) == ["redundant"]
-    assert told("true", RENEWED) == ["redundant", "failed"]
-    assert told("true, spare cold") == ["failed"]
-    assert told("true, spare cold, detected each_visit") == ["groups"]
+    assert reported("false") == []
+    assert reported("true") == ["failed"]
+    assert reported(RENEWED) == ["redundant"]
+    assert reported("true", RENEWED) == ["redundant", "failed"]
+    assert reported("true, spare cold") == ["failed"]
+    assert reported("true, spare cold, detected each_visit") == ["groups"]
 
 
 def test_a_group_that_one_function_renews_and_another_does_not_stays_failed(block, component):
@@ -340,7 +340,7 @@ def test_a_hidden_pair_stands_beside_events_that_gates_share(exact):
         assert found.fussell_vesely == close((total - without) / total)
 
 
-def test_beyond_the_limit_the_figure_is_bounded_and_the_bound_is_told(straight):
+def test_beyond_the_limit_the_figure_is_bounded_and_the_bound_is_reported(straight):
     model = straight(4, ("cell", 1e-3, 6, "required 2"), ("motor", 1e-7))
     whole = failure(model)
     assert hidden_states(model).most is None

@@ -213,6 +213,6 @@ def test_scram_agrees_on_joined_tests_links_in_rules_and_borrowed_sequences(tmp_
         ({"weight": f"<if><xor>{YES}</xor>{HALF}</if>"}, "<xor> does not belong here"),
     ],
 )
-def test_what_is_wrong_with_rules_and_tests_is_told(parts, message, tmp_path):
+def test_what_is_wrong_with_rules_and_tests_is_reported(parts, message, tmp_path):
     with pytest.raises(ModelError, match=message):
         sequences_of(tmp_path, **parts)

@@ -110,7 +110,7 @@ def test_factors_of_a_group_may_depend_on_the_mission_time():
     assert tree.probability(tree.values_at(100.0)).p == pytest.approx(expected, rel=1e-14)
 
 
-def test_a_missing_level_is_told():
+def test_a_missing_level_is_reported():
     factors = ((1, Number(0.9)), (3, Number(0.1)))
     members = tuple(EventDefinition(name) for name in "abc")
     group = GroupDefinition("g", CommonCauseLaw.PHI, ("a", "b", "c"), Number(0.1), factors)
@@ -131,7 +131,7 @@ def test_what_a_substitution_rules_out_is_left_out():
     assert solved_tops(model, 1.0) == {"top": 0.5}
 
 
-def test_phases_that_are_not_there_are_told():
+def test_phases_that_are_not_there_are_reported():
     house = HouseDefinition(HouseEvent("h", False))
     alignment = Alignment("year", (Phase("outage", 0.1, (("h", True),)),))
     model = LogicModel(houses=(house,), alignments=(alignment,))
@@ -199,13 +199,13 @@ def test_phases_that_are_not_there_are_told():
     ],
     ids=lambda part: part[:40] if isinstance(part, str) else "",
 )
-def test_what_does_not_fit_together_is_told(parts, message):
+def test_what_does_not_fit_together_is_reported(parts, message):
     with pytest.raises(ModelError) as caught:
         LogicModel(**parts)
     assert message in str(caught.value)
 
 
-def test_a_bad_figure_is_told_where_its_event_stands():
+def test_a_bad_figure_is_reported_where_its_event_stands():
     model = LogicModel(
         gates=(TOP,),
         events=(EventDefinition("a", Reference("p")), B),

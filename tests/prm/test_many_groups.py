@@ -155,8 +155,8 @@ def test_the_bounds_hold_every_distribution_of_few_paths():
 def test_two_hundred_pairs_are_bounded_closely_and_have_importances(block, component):
     model = loop(block, component, 50, 200, 1e-5)
     found = solve(model)
-    (told,) = [each for each in found.assumptions if "200 redundant groups" in each]
-    low, high = (float(each) for each in told.split("between ")[1].split(",")[0].split(" and "))
+    (reported,) = [each for each in found.assumptions if "200 redundant groups" in each]
+    low, high = (float(each) for each in reported.split("between ")[1].split(",")[0].split(" and "))
     assert high == pytest.approx(found.mission.failure_probability, rel=1e-6)
     assert (high - low) / low < 1e-3
     assert math.fsum(each.absorption_probability for each in found.states) == pytest.approx(

@@ -89,7 +89,7 @@ def test_figures_are_those_of_the_whole_solution(version):
     assert version.figures.expected_visits == visits
 
 
-def test_how_many_units_may_fail_is_told_through_nested_gates():
+def test_how_many_units_may_fail_is_reported_through_nested_gates():
     gates = (
         Gate("top", GateKind.OR, ("pair", "a", "voted")),
         Gate("pair", GateKind.AND, ("b1", "b2")),

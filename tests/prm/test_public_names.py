@@ -13,7 +13,7 @@ def test_every_public_name_is_there(name):
     assert getattr(tracerisk.prm, name) is not None
 
 
-def test_a_name_that_is_not_there_is_told():
+def test_a_name_that_is_not_there_is_reported():
     with pytest.raises(AttributeError, match=r"module 'tracerisk\.prm' has no attribute 'Trees'"):
         getattr(tracerisk.prm, "Tree" + "s")
 

@@ -89,7 +89,7 @@ def test_the_sensitivities_of_an_aralia_model_are_its_slopes(name):
 
 
 @needs_aralia
-def test_the_benchmark_tells_seconds_memory_and_errors():
+def test_the_benchmark_says_seconds_memory_and_errors():
     run = [sys.executable, "benchmarks/fault_trees.py", "--models", str(ARALIA)]
     if shutil.which("scram"):
         run += ["--peer", "scram"]

@@ -142,7 +142,7 @@ def test_splitting_a_pair_that_is_renewed_at_each_visit_moves_the_figure_and_is_
     assert line.endswith("depend on how the code is cut into functions")
 
 
-def test_assumptions_are_told_only_where_they_are_made(block, component):
+def test_assumptions_are_reported_only_where_they_are_made(block, component):
     straight = solve(build_model([block("a", 1, (component("motor", 1e-6, 3),))], name="m"))
     assert straight.assumptions == ()
     looped = build_model([block("a", 1, after={"a": "1/2", "done": "1/2"})], name="m")
@@ -248,7 +248,7 @@ def test_components_are_ordered_by_what_is_lost_without_them(branching):
     assert names == ["gripper", "motor", "power"]
 
 
-def test_contributions_tell_what_each_component_adds_to_a_function(block, component):
+def test_contributions_say_what_each_component_adds_to_a_function(block, component):
     parts = (component("motor", 0.1, 2), component("power", 0.1, 3, True))
     (state,) = solve(build_model([block("a", 1, parts)], name="m")).states
     motor, power = state.components
@@ -258,7 +258,7 @@ def test_contributions_tell_what_each_component_adds_to_a_function(block, compon
     assert power.contribution == close(0.81 * 0.001)
 
 
-def test_a_k_of_n_gate_tells_how_many_units_it_needs():
+def test_a_k_of_n_gate_says_how_many_units_it_needs():
     events = tuple(BasicEvent(f"cell{i}", "cell") for i in range(5))
     gate = Gate("cells", GateKind.ATLEAST, tuple(event.name for event in events), k=3)
     step = (NextStep("done", Fraction(1)),)

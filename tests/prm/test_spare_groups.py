@@ -97,8 +97,10 @@ def test_a_chain_too_large_is_bounded_and_holds_the_figure(cell):
     exact = failure(model)
     for limit in (4, 8, 16):
         found = solve(model, limit=limit)
-        (told,) = [each for each in found.assumptions if "bounded" in each]
-        low, high = (float(each) for each in told.split("between ")[1].split(",")[0].split(" and "))
+        (reported,) = [each for each in found.assumptions if "bounded" in each]
+        low, high = (
+            float(each) for each in reported.split("between ")[1].split(",")[0].split(" and ")
+        )
         assert low <= exact * (1 + 1e-6)
         assert exact <= high * (1 + 1e-6)
         for each in found.components:

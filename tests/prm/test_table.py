@@ -55,7 +55,7 @@ def test_unknown_rows_and_columns_are_refused_with_those_there_are():
         TABLE.column("share")
 
 
-def test_of_a_long_table_the_first_rows_are_shown_and_the_rest_told():
+def test_of_a_long_table_the_first_rows_are_shown_and_the_rest_reported():
     table = Table(tuple(Row(f"r{index}", 0.5) for index in range(100)))
     assert str(table).splitlines()[-1] == "and 40 more"
     assert "r59" in str(table)

@@ -356,7 +356,7 @@ def test_more_hidden_failures_than_are_held_count_as_failures(block, component, 
     assert (bound < 0.5).all()
 
 
-def test_a_mean_above_the_point_is_told_with_its_ratio(case_study):
+def test_a_mean_above_the_point_is_reported_with_its_ratio(case_study):
     model = build_model(case_study, name="case")
     shown = [
         render_uncertainty(propagate(model, samples=2000, distributions={"gripper": law}))
@@ -366,7 +366,7 @@ def test_a_mean_above_the_point_is_told_with_its_ratio(case_study):
     assert "times the point" not in shown[1]
 
 
-def test_the_standard_error_of_the_mean_is_told(one_part):
+def test_the_standard_error_of_the_mean_is_reported(one_part):
     found = propagate(one_part, samples=10_000, distributions={"motor": Lognormal(3.0)})
     assert found.standard_error == pytest.approx(found.deviation / 100.0, rel=1e-12)
     exact = 1e-6 * math.exp((math.log(3.0) / 1.6448536269514722) ** 2 / 2.0)
@@ -418,10 +418,10 @@ def test_intervals_hold_percentiles_as_often_as_they_say(one_part):
     # Of 400 with 95 % fewer than 367 are rarer than one in a thousand.
     assert (held >= 367).all()
     assert (held < 398).all()
-    told = propagate(one_part, samples=1_000, distributions=laws)
-    for (low, high), middle in zip(told.intervals, told.percentiles, strict=True):
+    reported = propagate(one_part, samples=1_000, distributions=laws)
+    for (low, high), middle in zip(reported.intervals, reported.percentiles, strict=True):
         assert low < middle < high
-    assert "95 % from" in render_uncertainty(told)
+    assert "95 % from" in render_uncertainty(reported)
 
 
 def test_few_draws_leave_ends_of_intervals_open():

@@ -66,13 +66,13 @@ def test_a_component_with_a_common_cause_is_set_as_a_whole(block, component):
     assert solve(changed).mission.failure_probability == close(
         solve(model(1e-4)).mission.failure_probability
     )
-    (told,) = set_values(model(1e-6), {"power": 1e-4})
-    assert (told.name, told.before, told.now) == ("power", close(1e-6), 1e-4)
+    (reported,) = set_values(model(1e-6), {"power": 1e-4})
+    assert (reported.name, reported.before, reported.now) == ("power", close(1e-6), 1e-4)
     with pytest.raises(ModelError, match=r"'power \{own\}' is set twice"):
         with_values(model(1e-6), {"power": 1e-4, "power {own}": 1e-4})
 
 
-def test_an_unknown_parameter_is_told_with_those_there_are(case):
+def test_an_unknown_parameter_is_reported_with_those_there_are(case):
     with pytest.raises(
         ModelError,
         match=r"no parameter 'griper' in 'case'; did you mean 'gripper'\? "

@@ -308,7 +308,7 @@ def test_groups_of_moveit_command_by_their_methods(probed):
     assert ends == [(1, "succeeded"), (2, "aborted"), (4, "aborted"), (5, "succeeded")]
 
 
-def test_a_library_of_another_make_is_told_and_runs_on(probed):
+def test_a_library_of_another_make_is_reported_and_runs_on(probed):
     probed.write("libraries/moveit_commander/__init__.py", "from .move_group import *\n")
     probed.write("libraries/moveit_commander/move_group.py", "Other = 1\n")
     probed.write("pick.py", "import moveit_commander\nprint(moveit_commander.Other)\n")

@@ -179,9 +179,9 @@ def test_nothing_is_lost_however_it_ends(probed, end):
         f"import os, signal\nfrom act import act\nfor _ in range(2000):\n    act()\n{end}\n",
     )
     done = probed.run("pick.py")
-    code, told = ENDS[end]
+    code, reported = ENDS[end]
     assert done.returncode == code
-    assert told in done.stderr
+    assert reported in done.stderr
     assert len(probed.commands) == 2000
 
 
@@ -229,21 +229,21 @@ def pids(probed: Probed) -> set[int]:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ((), "FILE is missing: name the controller's Python file"),
         (("none.py",), "none.py: there is no such file"),
         (("--out", "no/out.jsonl", "pick.py"), "no/out.jsonl: cannot be written: No such file"),
     ],
 )
-def test_what_cannot_be_run_is_told(probed, words, told):
+def test_what_cannot_be_run_is_reported(probed, words, expected):
     probed.write("pick.py", "")
     done = probed.python(sys.executable, "-m", "tracerisk_probe", *words)
     assert done.returncode == 2
-    assert told in done.stderr
+    assert expected in done.stderr
 
 
-def test_commands_that_go_nowhere_are_told(probed):
+def test_commands_that_go_nowhere_are_reported(probed):
     probed.write("pick.py", "")
     done = probed.python(sys.executable, "-m", "tracerisk_probe", "pick.py")
     assert done.returncode == 0

@@ -126,7 +126,7 @@ def forget() -> None:
             del sys.modules[name]
 
 
-def told(frames: Any) -> list[tuple[Any, ...]]:
+def reported(frames: Any) -> list[tuple[Any, ...]]:
     return [
         (file, name, line, at if HAS_COLUMNS else at[0], root)
         for file, name, line, at, root in frames
@@ -143,13 +143,13 @@ def both(path: Path, root: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[list[
         found = tracer.stack()
         numbers.append([each.activation for each in found])
         expected.append(
-            told((f.function.file, f.function.name, f.line, f.site, f.root) for f in found)
+            reported((f.function.file, f.function.name, f.line, f.site, f.root) for f in found)
         )
 
     def ask_probe() -> None:
         found = stacks.stack()
         numbers.append([each.activation for each in found])
-        actual.append(told((f.file, f.name, f.line, f.at, f.root) for f in found))
+        actual.append(reported((f.file, f.name, f.line, f.at, f.root) for f in found))
 
     monkeypatch.setattr(Thing, "ask", staticmethod(ask_tracer))
     with controller_imports(ControllerFinder(tracer, root, reserved=LIBRARIES)):

@@ -42,7 +42,7 @@ def test_damaged_bytes_never_end_in_another_error(recorder, panda, kind):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "expected"),
     [
         (b"", "is empty; was the recording ended?"),
         (b"time,joint\n1,2\n", "is not a recording; give an MCAP file, a bag"),
@@ -51,13 +51,13 @@ def test_damaged_bytes_never_end_in_another_error(recorder, panda, kind):
         (None, "cannot be read: No such file"),
     ],
 )
-def test_what_is_no_recording_is_refused(tmp_path, panda, content, told):
+def test_what_is_no_recording_is_refused(tmp_path, panda, content, expected):
     path = tmp_path / "it.bag"
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(LogError) as error:
         measured_trace(path, panda, Declared())
-    assert told in str(error.value)
+    assert expected in str(error.value)
 
 
 def test_a_folder_is_a_recording_only_with_its_metadata(recorder, panda):
@@ -76,7 +76,7 @@ def test_a_clock_that_jumps_back_is_refused(recorder, panda, kind):
         measured_trace(path, panda, Declared())
 
 
-def test_missing_topics_are_told_with_those_there_are(recorder, panda):
+def test_missing_topics_are_reported_with_those_there_are(recorder, panda):
     path = recorder.write(Mission(seconds=0.0), "mcap", commanded())
     with pytest.raises(LogError, match=r"no topic of joint states .*/tracerisk/commands"):
         measured_trace(path, panda, Declared())
@@ -137,7 +137,7 @@ def test_trace_and_field_read_recordings(example, recorder):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ((), "mission.mcap: the robot is not known; name it with --robot"),
         (("--robot", "pandas"), "unknown robot 'pandas'"),
@@ -148,11 +148,11 @@ def test_trace_and_field_read_recordings(example, recorder):
         (("--robot", "panda", "--record", "x.mcap"), "--record does not go with --from"),
     ],
 )
-def test_what_is_missing_beside_a_recording_is_told(example, recorder, words, told):
+def test_what_is_missing_beside_a_recording_is_reported(example, recorder, words, expected):
     recorder.write(SHORT, "mcap", commanded())
     done = example.run("trace", "--from", "mission.mcap", *words)
     assert done.code == 2
-    assert told in done.err
+    assert expected in done.err
 
 
 def test_a_measured_trace_writes_no_block_of_python(example, recorder):

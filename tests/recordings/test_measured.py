@@ -38,7 +38,7 @@ def function_of(visit) -> str:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_of_recording_tells_the_same(recorder, panda, kind):
+def test_every_kind_of_recording_says_the_same(recorder, panda, kind):
     trace = measured_trace(recorder.write(Mission(), kind, commanded()), panda, NM)
     assert (trace.controller, trace.robot, trace.verdict) == ("pick.py", "panda", None)
     assert (trace.is_measured, trace.is_usable) == (True, True)
@@ -75,7 +75,7 @@ def test_the_clock_begins_with_the_first_command_and_ends_with_the_last_motion(r
 
 def test_what_is_lost_is_said(recorder, panda):
     trace = measured_trace(recorder.write(Mission(), more=commanded()), panda, Declared())
-    told = "\n".join(trace.lost)
+    printed = "\n".join(trace.lost)
     for each in (
         "contacts",
         "sensors the controller reads",
@@ -83,7 +83,7 @@ def test_what_is_lost_is_said(recorder, panda):
         "panda_finger_joint1",
         "the unit of effort is not declared (--effort-unit)",
     ):
-        assert each in told
+        assert each in printed
     # No holding without a unit, and no wear: that of no load would be a figure.
     assert all(each.holding_s == 0.0 and each.wear == () for each in trace.active.values())
     assert "the probe's topic /tracerisk/commands" in trace.assumptions[0]
@@ -112,7 +112,7 @@ def test_an_effort_that_cannot_have_the_unit_is_refused(recorder, panda):
 
 
 @pytest.mark.parametrize(
-    ("text_", "told"),
+    ("text_", "expected"),
     [
         ("Nmm", "'Nmm' is not a unit; "),
         ("mA", "lacks the torque constant; write mA:K"),
@@ -121,10 +121,10 @@ def test_an_effort_that_cannot_have_the_unit_is_refused(recorder, panda):
         ("Nm,%", "has two units for all joints"),
     ],
 )
-def test_units_that_are_none_are_refused(text_, told):
+def test_units_that_are_none_are_refused(text_, expected):
     with pytest.raises(SettingsError) as error:
         parse_effort_unit(text_)
-    assert told in str(error.value)
+    assert expected in str(error.value)
 
 
 @pytest.mark.parametrize("velocity", ["none", "zeros"])
@@ -205,9 +205,9 @@ def test_another_robot_is_refused_with_the_joints_of_both(recorder, panda):
     path = recorder.write(Mission(joints=("lwr_0", "lwr_1")), more=commanded())
     with pytest.raises(LogError) as error:
         measured_trace(path, panda, NM)
-    told = str(error.value)
-    assert "of another robot than panda, whose joints are panda_joint1, panda_joint2" in told
-    assert "/joint_states: lwr_0, lwr_1. Name the robot with --robot" in told
+    printed = str(error.value)
+    assert "of another robot than panda, whose joints are panda_joint1, panda_joint2" in printed
+    assert "/joint_states: lwr_0, lwr_1. Name the robot with --robot" in printed
 
 
 def test_a_topic_of_joint_states_can_be_named(recorder, panda):
@@ -241,7 +241,7 @@ def test_joint_states_without_names_are_refused(recorder, panda):
 # --- what tells the functions
 
 
-def test_the_probes_file_tells_the_functions(recorder, panda, tmp_path):
+def test_the_probes_file_says_the_functions(recorder, panda, tmp_path):
     commands = tmp_path / "commands.jsonl"
     commands.write_text("\n".join(map(json.dumps, COMMANDS)), encoding="utf-8")
     path = recorder.write(Mission())
@@ -251,7 +251,7 @@ def test_the_probes_file_tells_the_functions(recorder, panda, tmp_path):
     assert "the probe's file commands.jsonl" in trace.assumptions[0]
 
 
-def test_helpers_are_told_from_steps_as_in_a_run(recorder, panda):
+def test_helpers_are_reported_from_steps_as_in_a_run(recorder, panda):
     def called(function: str, time_s: float, number: int, line: int):
         found = probe(function, time_s, number)
         found["stack"].append("pick.py:go")
@@ -270,7 +270,7 @@ def test_helpers_are_told_from_steps_as_in_a_run(recorder, panda):
     assert list(map(function_of, trace.visits)) == ["go", "go"]
 
 
-def test_a_topic_of_names_tells_the_functions(recorder, panda):
+def test_a_topic_of_names_says_the_functions(recorder, panda):
     more = [
         text(1.9, "/log", "pick()"),
         text(2.5, "/log", "pick()"),
@@ -289,7 +289,7 @@ def test_a_topic_of_names_tells_the_functions(recorder, panda):
 
 
 @pytest.mark.parametrize("offset", [0.0, START_NS / 1e9])
-def test_a_file_of_times_tells_the_functions(recorder, panda, tmp_path, offset):
+def test_a_file_of_times_says_the_functions(recorder, panda, tmp_path, offset):
     times = tmp_path / "times.csv"
     rows = [(1.9, "pick", "begin"), (4.5, "pick", "end"), (5.9, "place", "")]
     lines = [f"{offset + t!r},{name},{event}" for t, name, event in rows]
@@ -301,7 +301,7 @@ def test_a_file_of_times_tells_the_functions(recorder, panda, tmp_path, offset):
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "expected"),
     [
         ("one,pick", ":1: 'one,pick' is not time_s,function"),
         ("1.0,pick it", "is not time_s,function"),
@@ -313,12 +313,12 @@ def test_a_file_of_times_tells_the_functions(recorder, panda, tmp_path, offset):
         ("100,pick", "other times than the commands"),
     ],
 )
-def test_a_malformed_file_of_times_is_refused(recorder, panda, tmp_path, line, told):
+def test_a_malformed_file_of_times_is_refused(recorder, panda, tmp_path, line, expected):
     times = tmp_path / "times.csv"
     times.write_text(line, encoding="utf-8")
     with pytest.raises(LogError) as error:
         measured_trace(recorder.write(Mission()), panda, Declared(functions=times))
-    assert told in str(error.value)
+    assert expected in str(error.value)
 
 
 def goals(types):
@@ -335,7 +335,7 @@ def goals(types):
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_set_points_tell_when_but_no_function(recorder, panda, kind):
+def test_set_points_say_when_but_no_function(recorder, panda, kind):
     types = get_typestore(Stores.ROS1_NOETIC if kind == "bag" else Stores.ROS2_HUMBLE).types
     more = []
     for at, value in goals(types):
@@ -349,7 +349,7 @@ def test_set_points_tell_when_but_no_function(recorder, panda, kind):
     assert "the goals on /arm_controller/command" in trace.assumptions[0]
 
 
-def test_the_states_of_goals_of_ros_2_tell_when(recorder, panda):
+def test_the_states_of_goals_of_ros_2_say_when(recorder, panda):
     types = get_typestore(Stores.ROS2_HUMBLE).types
     topic = "/arm_controller/follow_joint_trajectory/_action/status"
     more = []
@@ -368,7 +368,7 @@ def test_the_states_of_goals_of_ros_2_tell_when(recorder, panda):
     ]
 
 
-def test_without_any_boundary_the_ways_to_give_one_are_told(recorder, panda):
+def test_without_any_boundary_the_ways_to_give_one_are_reported(recorder, panda):
     path = recorder.write(Mission(), more=[text(1.0, "/chatter", "hi")])
     with pytest.raises(LogError) as error:
         measured_trace(path, panda, NM)
@@ -392,7 +392,7 @@ def test_without_any_boundary_the_ways_to_give_one_are_told(recorder, panda):
         ("service", "rcl_interfaces/srv/SetParameters", False),
     ],
 )
-def test_what_moves_a_robot_is_told_by_its_type(kind, type_, expected):
+def test_what_moves_a_robot_is_reported_by_its_type(kind, type_, expected):
     assert is_motion(kind, type_) is expected
 
 

@@ -87,19 +87,19 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(recorded):
 
 
 @pytest.mark.parametrize(
-    ("kept", "told"),
+    ("kept", "expected"),
     [
         (b"", "is empty"),
         (b"#ROSBAG V2.0\n", "is damaged or was cut short"),
         (None, "is damaged or was cut short"),
     ],
 )
-def test_a_broken_recording_is_refused(recorded, kept, told):
+def test_a_broken_recording_is_refused(recorded, kept, expected):
     whole = recorded.read("quick.mcap")
     recorded.write("broken.mcap", whole[: len(whole) // 2] if kept is None else kept)
     done = recorded.run("trace", "--from", "broken.mcap")
     assert done.code == 2
-    assert f"broken.mcap: {told}" in done.err
+    assert f"broken.mcap: {expected}" in done.err
 
 
 def test_every_cut_of_a_recording_is_refused(recorded):
@@ -128,7 +128,7 @@ def test_a_recording_without_joint_states_is_refused_with_its_topics(recorded):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         (("trace", "--from", "none.mcap"), "none.mcap: cannot be read: No such file"),
         (
@@ -141,10 +141,10 @@ def test_a_recording_without_joint_states_is_refused_with_its_topics(recorded):
         (("run", "quick.py", "--record", "no/x.mcap"), "no/x.mcap: its folder does not exist"),
     ],
 )
-def test_what_does_not_go_is_told_before_the_run(recorded, words, told):
+def test_what_does_not_go_is_reported_before_the_run(recorded, words, expected):
     done = recorded.run(*words)
     assert done.code == 2
-    assert told in done.err
+    assert expected in done.err
     assert not (recorded.folder / "x.mcap").exists()
 
 

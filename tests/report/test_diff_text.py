@@ -63,9 +63,9 @@ def test_nothing_is_wider_than_the_terminal(eventful, review_of, width):
     assert " ".join(lines).count("FMEA|112 <b>") == 1
 
 
-def test_everything_that_changed_is_told(eventful, review_of):
+def test_everything_that_changed_is_reported(eventful, review_of):
     text = " ".join(render_diff(review_of(eventful)).split())
-    for told in (
+    for reported in (
         "new state check; grasp: next place 1 -> check 1",
         "check (added)",
         "lost redundancy, single point of failure",
@@ -74,11 +74,11 @@ def test_everything_that_changed_is_told(eventful, review_of):
         "what they do only together, and noise",
         FIGURE_STATEMENT,
     ):
-        assert told in text
+        assert reported in text
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "expected"),
     [
         ("motor = 1e-7", "motor = 1.005e-7", "unchanged at 1.005e-07."),
         ("motor = 1e-7", "motor = 5e-8", "falls from 1.000e-07 to 5.000e-08 (x0.5), mostly"),
@@ -88,15 +88,15 @@ def test_everything_that_changed_is_told(eventful, review_of):
         ("motor = 1e-7", None, "has no risk blocks any more; its mission failed with 1.000e-07."),
     ],
 )
-def test_the_first_sentence_says_what_happened(difference, review_of, before, after, told):
+def test_the_first_sentence_says_what_happened(difference, review_of, before, after, expected):
     versions = [None if each is None else one_step(each) for each in (before, after)]
     sentence = first_sentence(render_diff(review_of(difference(*versions))))
-    assert told in sentence
+    assert expected in sentence
     assert sentence.startswith("cell.py")
     assert sentence.endswith(".")
 
 
-def test_the_first_sentence_of_several_controllers_tells_of_the_greatest(difference, review_of):
+def test_the_first_sentence_of_several_controllers_reports_the_greatest(difference, review_of):
     big = difference(one_step("motor = 1e-7"), one_step("motor = 9e-7"), name="big.py")
     small = difference(one_step("motor = 1e-7"), one_step("motor = 2e-7"), name="small.py")
     same = difference(one_step("motor = 1e-7"), one_step("motor = 1e-7"), name="same.py")
@@ -172,14 +172,14 @@ def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of,
     assert "grip" in render_diff(review_of(by_hand)), "a person's edit is always told"
 
 
-def test_one_change_in_several_functions_tells_both_values(difference, review_of):
+def test_one_change_in_several_functions_says_both_values(difference, review_of):
     before = {"a": ("b 1", "power = 1e-5 of2"), "b": ("done 1", "power = 1e-5 of2")}
     after = {"a": ("b 1", "power = 1e-5 x2"), "b": ("done 1", "power = 1e-5 x2")}
     text = render_diff(review_of(difference(before, after)))
     assert "power in 2 functions: redundancy true -> false" in text
 
 
-def test_every_kind_of_redundancy_is_told(review_of, annotated_source):
+def test_every_kind_of_redundancy_is_reported(review_of, annotated_source):
     def source(redundancy):
         text = annotated_source(reach=("done 1", "power = 1e-3 of3"))
         return {"x.py": text.replace("redundancy = true", f"redundancy = {redundancy}").encode()}

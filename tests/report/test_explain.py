@@ -324,7 +324,7 @@ def test_a_renewed_group_is_recomputed_from_the_trace(text, data):
     assert alike == pytest.approx(sum(groups) / 2, rel=1e-6)
 
 
-def test_units_that_share_an_element_are_told_once(text):
+def test_units_that_share_an_element_are_reported_once(text):
     shown = part(text, "supply")
     (table, _) = tables(shown)
     each = 2e-3 / 3600 * 15.5
@@ -386,19 +386,19 @@ def with_entry(hardware, **changes):
         ({}, "block: probability = 1e-06"),
     ],
 )
-def test_what_stands_in_the_block_is_told_with_what_is_computed(changes, line, hardware):
+def test_what_stands_in_the_block_is_reported_with_what_is_computed(changes, line, hardware):
     block = with_entry(hardware, **changes)
     derived = derive_function(TRACE, hardware, CARRY, active="moving+holding", block=block)
     assert part(render_derivation(derived), "fan").rstrip("\n").endswith(f"\n  {line}")
 
 
-def test_what_a_person_added_is_told(hardware):
+def test_what_a_person_added_is_reported(hardware):
     block = with_entry(hardware, name="fuse", added=True)
     derived = derive_function(TRACE, hardware, CARRY, active="moving+holding", block=block)
     assert render_derivation(derived).endswith("\n\nfuse: by hand, nothing is computed\n")
 
 
-def test_the_setting_is_told_where_only_moving_counts(hardware):
+def test_the_setting_is_reported_where_only_moving_counts(hardware):
     text = render_derivation(derive_function(TRACE, hardware, CARRY, active="moving"))
     assert "active = moving: only moving counts where no failure mode says otherwise\n" in text
     _, brake = part(text, "motor"), part(text, "brake")
@@ -421,7 +421,7 @@ def test_visits_that_a_mission_has_more_often_weigh_more(hardware):
     assert printed(shown, r"1 - exp\(-\S+ / 6\) = (\S+)") == close(p)
 
 
-def test_long_names_are_told_beside_the_table(hardware):
+def test_long_names_are_reported_beside_the_table(hardware):
     names = {f"j{n}": f"left_arm_of_the_cell_joint_{n}" for n in (1, 2, 3)}
     trace = replace(
         TRACE,
@@ -472,8 +472,10 @@ def test_a_run_and_its_trace_explain_alike(example, quick):
     assert "tracerisk: no function 'acct' in the trace; did you mean 'act'?" in wrong.err
     assert example.read("controller.py") == before, "the shipped figures are not written"
     (block,) = re.findall(rb"probability = (\S+)", example.read("controller.py"))
-    told = example.run("annotate", "controller.py", "--trace", "trace.json", "--json", *asked).json
-    assert told["derivation"]["function"] == "act"
+    reported = example.run(
+        "annotate", "controller.py", "--trace", "trace.json", "--json", *asked
+    ).json
+    assert reported["derivation"]["function"] == "act"
     again = example.run("annotate", "controller.py", "--trace", "trace.json", "--json").json
     assert "derivation" not in again
     # By hand from the trace: rate x (0.4 T + 0.6 W), W = wear / (v0 0.3^3), the mean over joints.

@@ -66,11 +66,11 @@ def test_the_missions_figure_follows(shown):
     assert float(visits) * float(mean) == pytest.approx(
         assessment.mission.geometric_cycles, rel=1e-7
     )
-    (told,) = figure(text, "as `next` counts them: ")
-    assert told == pytest.approx(assessment.mission.failure_probability, rel=1e-7)
+    (reported,) = figure(text, "as `next` counts them: ")
+    assert reported == pytest.approx(assessment.mission.failure_probability, rel=1e-7)
 
 
-def test_a_function_that_is_not_in_the_model_has_nothing_to_tell():
+def test_a_function_that_is_not_in_the_model_has_nothing_to_say():
     model = tracerisk.build({"cell.py": SOURCE.encode()}, name="cell.py")
     assert render_mission(model, solve(model), "place") == ""
 

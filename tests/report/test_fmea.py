@@ -26,15 +26,15 @@ def test_an_effect_may_be_worse_where_a_run_was_not_followed_to_its_end(cells, w
     assert end_effect(cells) == words
 
 
-def test_who_was_not_told_within_a_run_that_ended_early_may_be_told_later():
+def test_who_was_not_reported_within_a_run_that_ended_early_may_be_reported_later():
     cells = (LOST, replace(LOST, time_s=2.0, followed_s=23.5))
     found = replace(EVIDENCE, cells=cells)
     (row,) = fmea_rows(found)
-    assert (row.told, row.detection) == ("> 23", "nothing within 23 s")
+    assert (row.notified, row.detection) == ("> 23", "nothing within 23 s")
     (written,) = csv.DictReader(csv_text(found).splitlines())
     assert (written["end effect"], written["ended early"]) == ("wrong position or worse", "1")
     (row,) = fmea_rows(replace(found, cells=cells[:1]))
-    assert (row.told, row.detection) == ("never", "nothing")
+    assert (row.notified, row.detection) == ("never", "nothing")
 
 
 @pytest.mark.parametrize("width", [80, 120])

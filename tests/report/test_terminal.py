@@ -79,7 +79,7 @@ def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment)
     assert lines.index("Functions") < lines.index("Findings") < lines.index("Assumptions")
 
 
-def test_a_mission_that_no_failure_can_end_is_told_so():
+def test_a_mission_that_no_failure_can_end_is_reported_so():
     state = series_state("rest", 1, {}, {"done": 1})
     lines = render_assessment(solve(HybridModel("m", "rest", (state,), ()))).splitlines()
     assert lines[0] == "No hardware failure that is modelled can end a mission of m."

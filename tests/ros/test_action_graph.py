@@ -27,16 +27,16 @@ def serve(actions, taken, *, by_controller=True, type_name=TYPE):
     )
 
 
-def test_a_goal_goes_through_its_states_and_its_client_is_told_of_each(actions, run):
-    taken, told = [], []
+def test_a_goal_goes_through_its_states_and_its_client_is_reported_of_each(actions, run):
+    taken, reported = [], []
     serve(actions, taken)
     client = actions.client("/arm", TYPE, node="/client")
 
     def main():
         goal = client.send(
             "there",
-            on_change=lambda goal: told.append(goal.state.name),
-            on_feedback=lambda goal, feedback: told.append(feedback),
+            on_change=lambda goal: reported.append(goal.state.name),
+            on_feedback=lambda goal, feedback: reported.append(feedback),
         )
         assert taken == [goal]
         goal.accept()
@@ -45,7 +45,7 @@ def test_a_goal_goes_through_its_states_and_its_client_is_told_of_each(actions, 
         return goal
 
     goal = run(main)
-    assert told == ["ACTIVE", "halfway", "SUCCEEDED"]
+    assert reported == ["ACTIVE", "halfway", "SUCCEEDED"]
     assert (goal.result, goal.text, goal.id) == ("done", "all well", "/client-1")
     assert goal.server.goals == []
 
@@ -143,13 +143,13 @@ def test_a_server_of_another_type_is_none(actions):
 
 
 def test_a_watcher_learns_of_what_comes_goes_and_was_there(actions):
-    told = []
+    reported = []
     client = actions.client("/arm", TYPE, node="/client")
-    actions.watch(lambda change, name, type_name: told.append((change, name, type_name)))
+    actions.watch(lambda change, name, type_name: reported.append((change, name, type_name)))
     server = serve(actions, [])
     server.close()
     client.close()
-    assert told == [
+    assert reported == [
         (change, "/arm", TYPE) for change in ("client", "served", "unserved", "client_gone")
     ]
 

@@ -45,8 +45,8 @@ def test_a_goal_is_served_and_its_result_comes_back(run_node):
         client = make_client()
         assert client.wait_for_server()
         state = client.send_goal_and_wait(TestGoal(41))
-        told = GoalStatus.to_string(state), client.get_goal_status_text()
-        return told, client.get_result().result
+        reported = GoalStatus.to_string(state), client.get_goal_status_text()
+        return reported, client.get_result().result
 
     assert run_node(main) == (("SUCCEEDED", "counted"), 42)
 
@@ -232,11 +232,11 @@ def test_an_execute_callback_without_an_end_or_with_an_error_aborts(run_node, ca
 
         serve(execute)
         client = make_client()
-        told = []
+        reported = []
         for number in (1, 2):
-            told.append(client.send_goal_and_wait(TestGoal(number)))
-            told.append(client.get_goal_status_text())
-        return told
+            reported.append(client.send_goal_and_wait(TestGoal(number)))
+            reported.append(client.get_goal_status_text())
+        return reported
 
     assert run_node(main) == [
         4,

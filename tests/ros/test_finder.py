@@ -70,7 +70,7 @@ def test_genpy_is_served_with_the_classes_that_messages_use(finder):
         ("from genpy.rostime import Tine", ImportError),
     ],
 )
-def test_a_name_that_a_library_lacks_is_told_with_the_nearest(finder, statement, kind):
+def test_a_name_that_a_library_lacks_is_reported_with_the_nearest(finder, statement, kind):
     with pytest.raises(
         kind, match=r"genpy(\.rostime)? has no 'Tine' in tracerisk's stand-in for it; nearest: Time"
     ):
@@ -84,7 +84,7 @@ def test_a_name_that_a_library_lacks_is_told_with_the_nearest(finder, statement,
         ("from geometry_msgs.msg import Posee", ImportError),
     ],
 )
-def test_a_message_that_a_package_lacks_is_told_with_the_nearest(finder, statement, kind):
+def test_a_message_that_a_package_lacks_is_reported_with_the_nearest(finder, statement, kind):
     with pytest.raises(kind, match=r"geometry_msgs\.msg has no 'Posee'.*nearest: Pose"):
         exec(statement, {})
 
@@ -101,7 +101,7 @@ def test_a_submodule_that_a_library_lacks_is_not_found(finder):
         importlib.import_module("genpy.nope")
 
 
-def test_an_unknown_ros_package_is_told_with_what_to_do(finder):
+def test_an_unknown_ros_package_is_reported_with_what_to_do(finder):
     with pytest.raises(ModuleNotFoundError) as raised:
         importlib.import_module("geometri_msgs")
     assert raised.value.name == "geometri_msgs"
@@ -111,7 +111,7 @@ def test_an_unknown_ros_package_is_told_with_what_to_do(finder):
     assert len(str(raised.value)) < 250
 
 
-def test_a_missing_library_that_needs_hardware_is_told_so(finder):
+def test_a_missing_library_that_needs_hardware_is_reported_so(finder):
     with pytest.raises(ModuleNotFoundError) as raised:
         importlib.import_module("pymycobot")
     assert str(raised.value) == (
@@ -174,7 +174,7 @@ def test_two_finders_in_turn_serve_the_same_names():
             assert importlib.import_module("std_msgs.msg").Int32(3).data == 3
 
 
-def test_the_table_tells_libraries_from_interfaces():
+def test_the_table_says_libraries_from_interfaces():
     table = StandInFinder().provides
     assert table["genpy"] == "library"
     assert table["moveit_commander"] == "library"

@@ -79,8 +79,8 @@ def test_without_latch_those_who_come_later_get_nothing(scheduler, graph):
 
 
 def test_ends_of_different_types_are_not_connected_and_it_is_said_once(scheduler):
-    told = []
-    graph = Graph(scheduler, warn=told.append)
+    reported = []
+    graph = Graph(scheduler, warn=reported.append)
 
     def main():
         received, subscription = collect(graph, "/t", "std_msgs/Bool")
@@ -89,13 +89,13 @@ def test_ends_of_different_types_are_not_connected_and_it_is_said_once(scheduler
         return received, subscription.publications, publication.subscriptions
 
     assert scheduler.run_main(main) == ([], (), ())
-    assert told == [
+    assert reported == [
         "topic /t is published as std_msgs/String and subscribed to as std_msgs/Bool: "
         "no message passes between the two"
     ]
 
 
-def test_two_types_on_a_topic_are_told_on_the_terminal_by_default(scheduler, graph, capsys):
+def test_two_types_on_a_topic_are_reported_on_the_terminal_by_default(scheduler, graph, capsys):
     def main():
         collect(graph, "/t", "std_msgs/Bool")
         graph.advertise("/t", TEXT, node="/p")
@@ -113,7 +113,7 @@ def test_a_subscription_to_any_type_receives_all(scheduler, graph):
     assert scheduler.run_main(main) == ["x"]
 
 
-def test_who_left_receives_nothing_and_is_told_to_the_other_end(scheduler, graph):
+def test_who_left_receives_nothing_and_is_reported_to_the_other_end(scheduler, graph):
     log = []
 
     def main():
@@ -138,7 +138,7 @@ def test_who_left_receives_nothing_and_is_told_to_the_other_end(scheduler, graph
     assert log == ["connected", "disconnected", "connected", "publisher left"]
 
 
-def test_a_watcher_is_told_of_what_is_there_and_of_what_comes(scheduler, graph):
+def test_a_watcher_is_reported_of_what_is_there_and_of_what_comes(scheduler, graph):
     log = []
 
     def main():

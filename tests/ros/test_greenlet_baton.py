@@ -46,8 +46,8 @@ def test_all_of_them_are_one_real_thread(run):
     real = _thread.get_ident
 
     def main():
-        told = in_turns(real, real, threading.get_ident, threading.get_ident)
-        return real(), threading.get_ident(), told
+        reported = in_turns(real, real, threading.get_ident, threading.get_ident)
+        return real(), threading.get_ident(), reported
 
     main_real, main_ident, (one, other, first, second) = run(main)
     assert one == other == main_real == main_ident
@@ -77,8 +77,8 @@ def test_a_local_is_a_threads_own_whether_made_before_or_during_the_run(run, bef
             time.sleep(1.0)
             return had, local.value
 
-        told = in_turns(lambda: work("a"), lambda: work("b"))
-        return told, local.value
+        reported = in_turns(lambda: work("a"), lambda: work("b"))
+        return reported, local.value
 
     assert run(main) == ([(False, "a"), (False, "b")], "main")
 
@@ -202,9 +202,9 @@ def test_a_trace_function_is_a_threads_own(run):
 def test_signals_are_set_in_the_main_thread_alone(run):
     def main():
         def work() -> str:
-            with pytest.raises(ValueError, match="main thread") as told:
+            with pytest.raises(ValueError, match="main thread") as reported:
                 signal.signal(signal.SIGUSR2, signal.SIG_DFL)
-            return str(told.value)
+            return str(reported.value)
 
         before = signal.signal(signal.SIGUSR2, signal.SIG_IGN)
         signal.signal(signal.SIGUSR2, before)
@@ -244,16 +244,16 @@ def test_a_thread_of_others_goes_its_own_way(run):
     from _thread import allocate_lock, get_ident, start_new_thread
 
     def main():
-        done, told = allocate_lock_real(), []
+        done, reported = allocate_lock_real(), []
         done.acquire()
 
         def others() -> None:
-            told.append((threading.get_ident() == get_ident(), threading.get_ident()))
+            reported.append((threading.get_ident() == get_ident(), threading.get_ident()))
             done.release()
 
         start_new_thread(others, ())
         with done:
-            return told[0][0], told[0][1] != threading.get_ident()
+            return reported[0][0], reported[0][1] != threading.get_ident()
 
     allocate_lock_real = allocate_lock
     assert run(main) == (True, True)

@@ -215,7 +215,7 @@ def test_an_arm_is_where_its_twin_is_and_moves_alike(kdl, name, base, tip):
 
 
 @pytest.mark.parametrize(("name", "base", "tip"), ARMS)
-def test_positions_are_found_within_limits_or_a_code_tells_of_it(kdl, name, base, tip):
+def test_positions_are_found_within_limits_or_a_code_reports_it(kdl, name, base, tip):
     _, chain, joints = arm_of(name, base, tip)
     lower, upper = ([getattr(joint, end) for joint in joints] for end in ("lower", "upper"))
     forward = kdl.ChainFkSolverPos_recursive(chain)
@@ -247,7 +247,7 @@ def test_positions_are_found_within_limits_or_a_code_tells_of_it(kdl, name, base
     assert limited.CartToJnt(kdl.JntArray(2), goal, found) == -4
 
 
-def test_velocities_where_an_arm_is_singular_are_told(kdl):
+def test_velocities_where_an_arm_is_singular_are_reported(kdl):
     _, chain, joints = arm_of(*ARMS[0])
     solver, found = kdl.ChainIkSolverVel_pinv(chain), kdl.JntArray(len(joints))
     twist = kdl.Twist(kdl.Vector(0.1, 0, 0), kdl.Vector())
@@ -291,7 +291,7 @@ def test_trac_ik_finds_positions_within_limits_or_none(kdl, name, base, tip):
         IK(base, "hand", urdf_string=urdf_text(robot))
 
 
-def test_a_urdf_that_is_none_is_told_with_its_line():
+def test_a_urdf_that_is_none_is_reported_with_its_line():
     from kdl_parser_py.urdf import treeFromString
 
     with pytest.raises(ValueError, match=r"robot_description:1.*<links>"):

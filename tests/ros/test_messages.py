@@ -333,17 +333,17 @@ def test_importing_the_messages_module_parses_nothing():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("Loop inner\n", "contains itself"),
         ("float/etc/passwd x\n", "message"),
         ("uint8 X=1\nuint8 X\n", "two of the name X"),
     ],
 )
-def test_a_text_that_makes_no_class_is_an_input_error(tmp_path, text, told):
+def test_a_text_that_makes_no_class_is_an_input_error(tmp_path, text, expected):
     (tmp_path / "msg").mkdir()
     (tmp_path / "msg" / "Loop.msg").write_text(text)
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=expected):
         Interfaces({"odd": tmp_path}).message("odd/Loop")
 
 

@@ -114,8 +114,8 @@ def test_sequences_of_numbers_are_arrays_of_python(point):
     assert point.positions == array.array("d", [1.0, 2.0])
     point.positions.append(3)
     assert list(point.positions) == [1.0, 2.0, 3.0]
-    told = refused(lambda: setattr(point, "positions", ["1"]))
-    assert told.startswith(
+    reported = refused(lambda: setattr(point, "positions", ["1"]))
+    assert reported.startswith(
         "The 'positions' field must be a set or sequence and each value of type 'float' and each "
         "double in [-1797693134862315"
     )
@@ -177,7 +177,7 @@ def test_a_name_that_is_no_field_cannot_be_set(point):
         point.position = [1.0]
 
 
-def test_types_of_the_fields_are_told_as_idl_has_them(interfaces):
+def test_types_of_the_fields_are_reported_as_idl_has_them(interfaces):
     kind = interfaces.message("sensor_msgs/JointState")
     assert kind.get_fields_and_field_types() == {
         "header": "std_msgs/Header",

@@ -38,13 +38,13 @@ def test_what_is_given_is_lacked_no_more(ledger):
     assert ledger.missed == ()
 
 
-def test_a_type_that_is_told_before_or_after_is_that_of_the_need(ledger):
+def test_a_type_that_is_reported_before_or_after_is_that_of_the_need(ledger):
     ledger.miss(DETECT, 5, PLACE)
-    ledger.tell_type("service", "/detect", "std_srvs/Trigger")
-    ledger.tell_type("service", "/reset", "std_srvs/Empty")
+    ledger.note_type("service", "/detect", "std_srvs/Trigger")
+    ledger.note_type("service", "/reset", "std_srvs/Empty")
     ledger.miss(Need("service", "/reset"), 6, PLACE)
-    told = [each.need.told for each in ledger.missed]
-    assert told == ["service /detect (std_srvs/Trigger)", "service /reset (std_srvs/Empty)"]
+    reported = [each.need.words for each in ledger.missed]
+    assert reported == ["service /detect (std_srvs/Trigger)", "service /reset (std_srvs/Empty)"]
 
 
 def test_who_asks_now_and_then_does_not_wait(ledger):

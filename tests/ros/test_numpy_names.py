@@ -25,8 +25,8 @@ def test_a_controller_for_an_older_numpy_runs_with_a_note(example):
     ran = example.run("run", "c.py", "--json", "--fail-on", "finding")
     assert ran.code == 0, ran.err
     assert ran.json["verdict"]["kind"] == "complete", ran.err
-    told = {each["message"].partition(" ")[0] for each in ran.json["trace"]["findings"]}
-    assert {"numpy.float", "numpy.int"} <= told
+    reported = {each["message"].partition(" ")[0] for each in ran.json["trace"]["findings"]}
+    assert {"numpy.float", "numpy.int"} <= reported
 
 
 def test_what_numpy_never_had_is_not_there(example):

@@ -408,7 +408,7 @@ def test_an_endless_get_names_the_queue_and_the_line(run):
     assert over.value.location.line == main.__code__.co_firstlineno + 1
 
 
-def test_a_thread_that_dies_is_told_and_the_others_go_on(run, scheduler, capsys, monkeypatch):
+def test_a_thread_that_dies_is_reported_and_the_others_go_on(run, scheduler, capsys, monkeypatch):
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)
 
     def main():
@@ -539,24 +539,24 @@ def test_threads_of_others_keep_the_real_clock_and_real_locks(run):
     release = _thread.allocate_lock()
     release.acquire()
     seen = []
-    told, tell = os.pipe()
+    reader, writer = os.pipe()
 
     def foreign():
         with release:
             seen.append((time.time(), type(threading.Lock()) is type(release)))
-        os.write(tell, b".")
+        os.write(writer, b".")
 
     def main():
         time.sleep(100)
         release.release()
         # Waits for as long as the machine needs, in no time of the simulation.
-        os.read(told, 1)
+        os.read(reader, 1)
 
     thread = threading.Thread(target=foreign)
     thread.start()
     run(main)
     thread.join()
-    os.close(told)
-    os.close(tell)
+    os.close(reader)
+    os.close(writer)
     assert abs(seen[0][0] - real) < 60
     assert seen[0][1]

@@ -350,8 +350,8 @@ def test_a_loop_that_polls_a_future_which_nothing_completes_is_a_deadlock(run_ro
         while not future.done():
             time.sleep(0.1)
 
-    told = r"MainThread has asked for 60 s whether the response of service /go .* is there: "
-    with pytest.raises(RunOver, match=told + "nothing spins node /other" + why) as over:
+    text = r"MainThread has asked for 60 s whether the response of service /go .* is there: "
+    with pytest.raises(RunOver, match=text + "nothing spins node /other" + why) as over:
         run_ros2(main)
     assert over.value.cause == "deadlock"
 

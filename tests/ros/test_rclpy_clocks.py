@@ -31,23 +31,23 @@ def test_a_time_source_sets_its_clocks_to_what_the_topic_says(run_ros2):
         message.clock.sec = 7
         node.create_publisher(ClockMessage, "/clock", 1).publish(message)
         rclpy.spin_once(node, timeout_sec=0.1)
-        told = clock.now().seconds_nanoseconds()
+        reported = clock.now().seconds_nanoseconds()
         node.set_parameters([Parameter("use_sim_time", value=False)])
         after = clock.now().nanoseconds
         refused = node.set_parameters([Parameter("use_sim_time", value=True)])[0].successful
         source.detach_node()
-        return before > 10**18, at_first, told, after > before, refused
+        return before > 10**18, at_first, reported, after > before, refused
 
     assert run_ros2(main) == (True, 0, (7, 0), True, True)
 
 
-def test_jumps_are_told_to_who_asked_for_them_before_and_after(run_ros2):
+def test_jumps_are_reported_to_who_asked_for_them_before_and_after(run_ros2):
     def main():
         from rclpy.clock import ClockChange, JumpThreshold, ROSClock
         from rclpy.duration import Duration
         from rclpy.time import Time
 
-        clock, told = ROSClock(), []
+        clock, reported = ROSClock(), []
         far = JumpThreshold(
             min_forward=Duration(seconds=2),
             min_backward=Duration(seconds=-1),
@@ -56,19 +56,19 @@ def test_jumps_are_told_to_who_asked_for_them_before_and_after(run_ros2):
         change = JumpThreshold(min_forward=None, min_backward=None)
         clock.create_jump_callback(
             far,
-            pre_callback=lambda: told.append("before"),
-            post_callback=lambda jump: told.append(jump.delta.nanoseconds / 1e9),
+            pre_callback=lambda: reported.append("before"),
+            post_callback=lambda jump: reported.append(jump.delta.nanoseconds / 1e9),
         )
         with clock.create_jump_callback(
-            change, post_callback=lambda jump: told.append(jump.clock_change)
+            change, post_callback=lambda jump: reported.append(jump.clock_change)
         ):
             clock._set_ros_time_is_active(True)
         clock._set_ros_time_is_active(False)
         clock._set_ros_time_is_active(True)
         for seconds in (5, 6, 4.5):
             clock.set_ros_time_override(Time(seconds=seconds))
-        assert ClockChange.ROS_TIME_ACTIVATED in told
-        return told[1:]
+        assert ClockChange.ROS_TIME_ACTIVATED in reported
+        return reported[1:]
 
     assert run_ros2(main) == ["before", 5.0, "before", -1.5]
 
@@ -112,25 +112,25 @@ def test_a_sleep_of_a_clock_that_is_set_ends_when_it_is_set_further_or_left_alon
     assert run_ros2(main) == ([True, False, False], True)
 
 
-def test_a_timer_tells_when_it_was_due_to_who_asks_for_it(run_ros2):
+def test_a_timer_says_when_it_was_due_to_who_asks_for_it(run_ros2):
     def main():
         import rclpy
         from rclpy.timer import TimerInfo
 
         rclpy.init()
         node = rclpy.create_node("arm")
-        told = []
+        reported = []
 
         def beat(info: TimerInfo):
-            told.append(info)
+            reported.append(info)
 
         with node.create_timer(0.5, beat) as timer:
             rclpy.spin_once(node, timeout_sec=1.0)
         assert timer.handle is not None
         with pytest.raises(ValueError, match="negative"):
             TimerInfo(expected_call_time=-1)
-        late = told[0].actual_call_time - told[0].expected_call_time
-        return len(told), late.nanoseconds
+        late = reported[0].actual_call_time - reported[0].expected_call_time
+        return len(reported), late.nanoseconds
 
     assert run_ros2(main) == (1, 0)
 

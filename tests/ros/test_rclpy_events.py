@@ -46,7 +46,7 @@ def test_both_sides_hear_who_comes_and_goes(run_ros2):
     )
 
 
-def test_profiles_that_do_not_fit_are_told_to_both_sides(run_ros2, capfd):
+def test_profiles_that_do_not_fit_are_reported_to_both_sides(run_ros2, capfd):
     def main():
         import rclpy
         from rclpy.event_handler import SubscriptionEventCallbacks
@@ -55,19 +55,19 @@ def test_profiles_that_do_not_fit_are_told_to_both_sides(run_ros2, capfd):
 
         rclpy.init()
         node = rclpy.create_node("arm")
-        told = []
+        reported = []
         node.create_subscription(
             Empty,
             "t",
             lambda _: None,
             1,
-            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=told.append),
+            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=reported.append),
         )
         node.create_publisher(Empty, "t", qos_profile_sensor_data)
         for _ in range(2):
             rclpy.spin_once(node, timeout_sec=0.1)
-        assert told[0].last_policy_kind is QoSPolicyKind.RELIABILITY
-        return len(told), told[0].total_count
+        assert reported[0].last_policy_kind is QoSPolicyKind.RELIABILITY
+        return len(reported), reported[0].total_count
 
     assert run_ros2(main) == (1, 1)
     assert "requesting incompatible QoS" in capfd.readouterr().err
@@ -131,10 +131,10 @@ def test_a_profile_is_judged_warned_of_and_printed(run_ros2):
         judged, why = qos_check_compatible(qos_profile_system_default, wanted)
         assert judged is QoSCompatibility.WARNING
         assert "reliability" in why
-        told = str(TopicEndpointInfo("arm", qos_profile=QoSProfile(depth=4)))
-        assert "Node name: arm" in told
-        assert "History (Depth): KEEP_LAST (4)" in told
-        assert "Topic type hash: INVALID" in told
+        text = str(TopicEndpointInfo("arm", qos_profile=QoSProfile(depth=4)))
+        assert "Node name: arm" in text
+        assert "History (Depth): KEEP_LAST (4)" in text
+        assert "Topic type hash: INVALID" in text
         return str(TypeHash(1, bytes(31) + b"\x10"))
 
     assert run_ros2(main) == "RIHS01_" + "00" * 31 + "10"
@@ -168,12 +168,12 @@ def test_the_calls_of_a_service_are_published_as_far_as_each_end_says(run_ros2):
             rclpy.spin_until_future_complete(node, future)
             for _ in range(4):
                 rclpy.spin_once(node, timeout_sec=0.01)
-            told = [
+            reported = [
                 (e.info.event_type, e.info.sequence_number, len(e.request), len(e.response))
                 for e in events
             ]
             events.clear()
-            return sorted(told)
+            return sorted(reported)
 
         configure(client, ServiceIntrospectionState.METADATA)
         configure(service, ServiceIntrospectionState.CONTENTS)

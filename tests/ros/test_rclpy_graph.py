@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 
-def test_a_node_tells_who_is_at_a_topic_and_how(run_ros2):
+def test_a_node_says_who_is_at_a_topic_and_how(run_ros2):
     def main():
         import rclpy
         from rclpy.topic_endpoint_info import TopicEndpointTypeEnum
@@ -55,7 +55,7 @@ def test_a_node_tells_who_is_at_a_topic_and_how(run_ros2):
     assert found == (True, False)
 
 
-def test_what_a_node_that_is_none_does_cannot_be_told(run_ros2):
+def test_what_a_node_that_is_none_does_cannot_be_reported(run_ros2):
     def main():
         import rclpy
         from rclpy.node import NodeNameNonExistentError

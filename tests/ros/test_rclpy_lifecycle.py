@@ -59,8 +59,8 @@ def test_a_transition_that_the_state_does_not_have_is_an_error_and_changes_nothi
         return answer is lifecycle.TransitionCallbackReturn.ERROR, states(node)
 
     assert run(use) == (True, "unconfigured")
-    told = capfd.readouterr().err
-    assert "Unable to start transition 3 from current state (1, 'unconfigured')" in told
+    text = capfd.readouterr().err
+    assert "Unable to start transition 3 from current state (1, 'unconfigured')" in text
 
 
 @pytest.mark.parametrize(
@@ -115,14 +115,14 @@ def test_a_lifecycle_publisher_sends_only_while_the_node_is_active(run):
 
 def test_managed_entities_follow_until_one_does_not_agree(run):
     def use(rclpy, lifecycle, node):
-        told = []
+        reported = []
 
         class Entity(lifecycle.ManagedEntity):
             def __init__(self, name, answer):
                 self.name, self.answer = name, answer
 
             def on_configure(self, state):
-                told.append(self.name)
+                reported.append(self.name)
                 return lifecycle.TransitionCallbackReturn[self.answer]
 
         for name, answer in (("first", "SUCCESS"), ("second", "FAILURE"), ("third", "SUCCESS")):
@@ -130,7 +130,7 @@ def test_managed_entities_follow_until_one_does_not_agree(run):
         with pytest.raises(TypeError, match="ManagedEntity"):
             node.add_managed_entity("gripper")
         node.trigger_configure()
-        return told, states(node)
+        return reported, states(node)
 
     assert run(use) == (["first", "second"], "unconfigured")
 

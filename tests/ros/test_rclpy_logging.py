@@ -53,12 +53,12 @@ def test_a_place_in_the_source_logs_with_one_severity_name_and_filter(run_ros2):
             log.info("line", throttle_duration_sec=period)
 
         say(LoggingSeverity.INFO)
-        for given, told in (
+        for given, reported in (
             ({"severity": LoggingSeverity.WARN}, "severity cannot be changed"),
             ({"severity": LoggingSeverity.INFO, "name": "leg"}, "name cannot be changed"),
             ({"severity": LoggingSeverity.INFO, "once": True}, "filters cannot be changed"),
         ):
-            with pytest.raises(ValueError, match=told):
+            with pytest.raises(ValueError, match=reported):
                 say(**given)
         say_for(1.0)
         with pytest.raises(ValueError, match="parameters cannot be changed"):

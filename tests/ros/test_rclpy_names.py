@@ -10,7 +10,7 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    ("function", "name", "told"),
+    ("function", "name", "expected"),
     [
         ("node_name", "arm_2", None),
         ("node_name", "", "must not be empty"),
@@ -36,7 +36,7 @@ import pytest
         ("topic_name", "arm/2nd", "token must not start with a number"),
     ],
 )
-def test_a_name_is_taken_or_refused_with_its_fault(run_ros2, function, name, told):
+def test_a_name_is_taken_or_refused_with_its_fault(run_ros2, function, name, expected):
     def main():
         from importlib import import_module
 
@@ -49,7 +49,7 @@ def test_a_name_is_taken_or_refused_with_its_fault(run_ros2, function, name, tol
             return str(error)
 
     answer = run_ros2(main)
-    assert answer is True if told is None else told in answer
+    assert answer is True if expected is None else expected in answer
 
 
 def test_the_fault_of_a_name_is_marked_in_it(run_ros2):
@@ -70,13 +70,13 @@ def test_names_expand_and_hidden_ones_are_known(run_ros2):
         from rclpy.expand_topic_name import expand_topic_name
         from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
-        for given, told in (
+        for given, reported in (
             (("goal?", "arm", "/ns"), "topic name is invalid"),
             (("goal", "arm?", "/ns"), "node name is invalid"),
             (("goal", "arm", "ns"), "node namespace is invalid"),
             (("{speed}/goal", "arm", "/ns"), "unknown substitution"),
         ):
-            with pytest.raises(ValueError, match=told):
+            with pytest.raises(ValueError, match=reported):
                 expand_topic_name(*given)
         with pytest.raises(TypeError):
             expand_topic_name(1, "arm", "/ns")

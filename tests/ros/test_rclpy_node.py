@@ -121,15 +121,15 @@ def test_callbacks_agree_to_parameters_and_hear_of_them(run_ros2):
         rclpy.init()
         node = rclpy.create_node("arm")
         node.declare_parameter("speed", 1)
-        told = []
+        reported = []
 
         def agree(parameters):
             return SetParametersResult(successful=parameters[0].value < 5, reason="too fast")
 
         node.add_on_set_parameters_callback(agree)
-        node.add_post_set_parameters_callback(lambda ps: told.extend(p.value for p in ps))
+        node.add_post_set_parameters_callback(lambda ps: reported.extend(p.value for p in ps))
         results = node.set_parameters([Parameter("speed", value=v) for v in (2, 7)])
-        return [r.successful for r in results], told, node.get_parameter("speed").value
+        return [r.successful for r in results], reported, node.get_parameter("speed").value
 
     assert run_ros2(main) == ([True, False], [2], 2)
 

@@ -66,7 +66,7 @@ def test_parameters_of_a_file_are_those_of_the_nodes_that_their_section_means(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "kind", "told"),
+    ("arguments", "kind", "expected"),
     [
         (["--speed", "3"], "UnknownROSArgsError", r"\['--speed', '3'\]"),
         (["-r", "here"], "RCLInvalidROSArgsError", "not of the form name:=value"),
@@ -74,12 +74,12 @@ def test_parameters_of_a_file_are_those_of_the_nodes_that_their_section_means(
         (["--params-file", "nowhere.yaml"], "RCLInvalidROSArgsError", "Couldn't open"),
     ],
 )
-def test_arguments_that_ros_does_not_take_are_refused(run_ros2, arguments, kind, told):
+def test_arguments_that_ros_does_not_take_are_refused(run_ros2, arguments, kind, expected):
     def main():
         import rclpy
         from rclpy.impl.implementation_singleton import rclpy_implementation
 
-        with pytest.raises(getattr(rclpy_implementation, kind), match=told):
+        with pytest.raises(getattr(rclpy_implementation, kind), match=expected):
             rclpy.init(args=["--ros-args", *arguments])
         with pytest.raises(UnicodeEncodeError):
             rclpy.init(args=["pick.py", "R\udcc3"])

@@ -92,7 +92,7 @@ def test_a_message_without_a_time_is_of_now(run_node, path):
     assert run_node(main) == pytest.approx(0.0, abs=0.01)
 
 
-def test_what_cannot_be_read_or_written_is_told(run_node, path, tmp_path):
+def test_what_cannot_be_read_or_written_is_reported(run_node, path, tmp_path):
     foreign = tmp_path / "foreign.bag"
     with Writer(foreign) as writer:
         text = writer.add_connection(
@@ -104,7 +104,7 @@ def test_what_cannot_be_read_or_written_is_told(run_node, path, tmp_path):
         import rosbag
         from std_msgs.msg import String
 
-        told = []
+        reported = []
         (tmp_path / "text.bag").write_text("no bag\n")
         written(path)
         for wrong in (
@@ -118,16 +118,18 @@ def test_what_cannot_be_read_or_written_is_told(run_node, path, tmp_path):
             try:
                 wrong()
             except (rosbag.ROSBagException, OSError, ValueError) as error:
-                told.append(f"{type(error).__name__}: {error}")
+                reported.append(f"{type(error).__name__}: {error}")
         raw = next(rosbag.Bag(str(foreign)).read_messages(raw=True)).message
-        return told, raw[:3]
+        return reported, raw[:3]
 
-    told, raw = run_node(main)
-    assert [each.partition(":")[0] for each in told] == [
+    reported, raw = run_node(main)
+    assert [each.partition(":")[0] for each in reported] == [
         *("ROSBagFormatException", "ROSBagException", "ROSBagException", "ROSBagException"),
         *("FileNotFoundError", "ValueError"),
     ]
-    assert "not open for writing" in told[1]
-    assert "not open for reading" in told[2]
-    assert "messages of lab_msgs/Secret, which is neither in the workspace nor served" in told[3]
+    assert "not open for writing" in reported[1]
+    assert "not open for reading" in reported[2]
+    assert (
+        "messages of lab_msgs/Secret, which is neither in the workspace nor served" in reported[3]
+    )
     assert raw == ("lab_msgs/Secret", b"\0\0\0\0", "0" * 32)

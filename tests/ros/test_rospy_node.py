@@ -196,7 +196,7 @@ def test_a_rate_that_is_late_catches_up_until_it_is_late_by_more_than_two_period
     assert late_by_more == pytest.approx([0.35, 0.45, 0.55], abs=0.011)
 
 
-def test_remaining_tells_what_the_next_sleep_would_take(run_node):
+def test_remaining_says_what_the_next_sleep_would_take(run_node):
     def main():
         import rospy
 
@@ -322,7 +322,7 @@ def test_a_hook_that_raises_does_not_stop_the_others(run_node, capsys):
     assert "KeyError: 'missing'" in capsys.readouterr().err
 
 
-def test_a_timer_tells_when_it_should_have_fired_and_when_it_did(run_node):
+def test_a_timer_says_when_it_should_have_fired_and_when_it_did(run_node):
     events = []
 
     def main():

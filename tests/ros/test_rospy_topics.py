@@ -256,11 +256,11 @@ def test_a_callback_that_raises_is_logged_and_the_next_message_comes(run_node, c
         return seen
 
     assert run_node(main) == [1, 2]
-    told = capsys.readouterr().err
-    assert told.count("[ERROR] bad callback: ") == 2
-    assert "ValueError: broken callback" in told
-    assert "stand_ins" not in told
-    assert "0x" not in told
+    text = capsys.readouterr().err
+    assert text.count("[ERROR] bad callback: ") == 2
+    assert "ValueError: broken callback" in text
+    assert "stand_ins" not in text
+    assert "0x" not in text
 
 
 def test_unregister_ends_delivery_and_connections_are_counted(run_node):
@@ -302,7 +302,7 @@ def test_waiting_for_a_subscriber_by_its_count_ends(run_node):
     run_node(main)
 
 
-def test_a_listener_is_told_of_subscribers_and_may_answer_one(run_node):
+def test_a_listener_is_reported_of_subscribers_and_may_answer_one(run_node):
     def main():
         import rospy
         from std_msgs.msg import String
@@ -618,7 +618,7 @@ def test_a_line_on_rosout_says_where_it_comes_from_and_which_topics_its_node_has
     assert line.topics == ["/rosout", "/speed"]
 
 
-def test_the_master_tells_the_state_of_the_graph(run_node):
+def test_the_master_says_the_state_of_the_graph(run_node):
     def main():
         import rospy
         from std_msgs.msg import Int32

@@ -49,7 +49,7 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         (
             "service:\n  - {name: /a}\n",
@@ -198,23 +198,23 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
         ),
     ],
 )
-def test_a_mistake_is_told_with_its_place(error_of, text, told):
-    assert told in error_of(text)
+def test_a_mistake_is_reported_with_its_place(error_of, text, expected):
+    assert expected in error_of(text)
 
 
-def test_wrong_fields_of_ros_2_are_told_alike(error_of):
+def test_wrong_fields_of_ros_2_are_reported_alike(error_of):
     text = "publish:\n  - topic: /j\n    type: sensor_msgs/CameraInfo\n    message: {k: [1, 2]}\n"
     assert "s.yaml:4:15: publish[0].message.k: expected 9 values for float64[9], found 2" in (
         error_of(text, Interfaces2())
     )
 
 
-def test_a_scenario_that_is_not_there_is_told(tmp_path):
+def test_a_scenario_that_is_not_there_is_reported(tmp_path):
     with pytest.raises(ScenarioError, match="cannot be read: No such file"):
         read_scenario(tmp_path / "missing.yaml")
 
 
-def test_a_parameter_file_is_told_of_with_its_line(tmp_path):
+def test_a_parameter_file_is_reported_of_with_its_line(tmp_path):
     path = tmp_path / "p.yaml"
     path.write_text("/**:\n  ros__parameters:\n    speed:\n")
     with pytest.raises(ScenarioError, match=r"p.yaml:3:5: .*speed: has no value"):
@@ -222,7 +222,7 @@ def test_a_parameter_file_is_told_of_with_its_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("a: 1\nb: !!set {x, z}\n", "p.yaml:2:1: b: cannot hold a set (!!set); allowed: true or"),
         ("a: {b: [1, !!set {x}]}\n", "p.yaml:1:5: a.b: cannot hold a set (!!set); allowed: "),
@@ -232,9 +232,9 @@ def test_a_parameter_file_is_told_of_with_its_line(tmp_path):
         ("a: [1, null]\n", "p.yaml:1:1: a: cannot hold an entry without a value; allowed: "),
     ],
 )
-def test_what_no_parameter_of_a_file_can_be_is_told_with_what_can(tmp_path, text, told):
+def test_what_no_parameter_of_a_file_can_be_is_reported_with_what_can(tmp_path, text, expected):
     path = tmp_path / "p.yaml"
     path.write_text(text)
     with pytest.raises(ScenarioError) as error:
         read_parameters(path)
-    assert str(error.value).removeprefix(f"{tmp_path}/").startswith(told)
+    assert str(error.value).removeprefix(f"{tmp_path}/").startswith(expected)

@@ -32,10 +32,10 @@ publish:
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
-def test_each_entry_with_a_mark_is_told_once_with_its_line(tmp_path, newline):
+def test_each_entry_with_a_mark_is_reported_once_with_its_line(tmp_path, newline):
     scenario = read(tmp_path, MARKED.replace("\n", newline))
-    told = [(each.section, each.name, each.words) for each in scenario.unconfirmed]
-    assert told == [
+    reported = [(each.section, each.name, each.words) for each in scenario.unconfirmed]
+    assert reported == [
         ("robot", "robot", "one of several"),
         ("parameters", "/a", "from a.yaml:3"),
         ("publish", "/one", ""),
@@ -72,7 +72,7 @@ def test_a_robot_that_is_a_file_is_named_from_the_scenarios_folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("robot: [a]\n", "s.yaml:1:1: robot: expected a string, found a list"),
         ("arguments: --left\n", "s.yaml:1:1: arguments: expected a list"),
@@ -80,7 +80,7 @@ def test_a_robot_that_is_a_file_is_named_from_the_scenarios_folder(tmp_path):
         ("", "expected a mapping at the top, found nothing"),
     ],
 )
-def test_what_is_not_allowed_is_told_with_its_place(tmp_path, text, told):
+def test_what_is_not_allowed_is_reported_with_its_place(tmp_path, text, expected):
     with pytest.raises(ScenarioError) as caught:
         read(tmp_path, text)
-    assert told in str(caught.value).replace(str(tmp_path) + "/", "")
+    assert expected in str(caught.value).replace(str(tmp_path) + "/", "")

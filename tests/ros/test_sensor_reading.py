@@ -39,9 +39,9 @@ class Bench:
             topic, TYPE, lambda message, sender: None, node="/n", by_controller=by_controller
         )
 
-    def told(self, hz: float | None, topic: str = "/joint_states"):
+    def published(self, hz: float | None, topic: str = "/joint_states"):
         publication = self.graph.advertise(topic, TYPE, node="/driver")
-        self.reading.tells(publication, ("a", "b"), hz)
+        self.reading.reports(publication, ("a", "b"), hz)
         return publication
 
     @property
@@ -76,7 +76,7 @@ def publish(bench, publication, first_ns, last_ns, period_ns):
 
 
 def test_a_stream_is_read_from_its_first_message_to_a_period_after_its_last(bench):
-    publication = bench.told(50.0)
+    publication = bench.published(50.0)
     bench.listen()
     publish(bench, publication, SECOND, 5 * SECOND, SECOND // 50)
     bench.reading.finish()
@@ -84,7 +84,7 @@ def test_a_stream_is_read_from_its_first_message_to_a_period_after_its_last(benc
 
 
 def test_two_subscriptions_of_a_stream_are_one_reading(bench):
-    publication = bench.told(50.0)
+    publication = bench.published(50.0)
     bench.listen()
     publish(bench, publication, 0, SECOND, SECOND // 50)
     bench.listen()
@@ -94,7 +94,7 @@ def test_two_subscriptions_of_a_stream_are_one_reading(bench):
 
 
 def test_nobody_reads_between_two_subscriptions(bench):
-    publication = bench.told(50.0)
+    publication = bench.published(50.0)
     subscription = bench.listen()
     publish(bench, publication, 0, SECOND, SECOND // 50)
     subscription.close()
@@ -106,7 +106,7 @@ def test_nobody_reads_between_two_subscriptions(bench):
 
 
 def test_one_message_holds_for_a_period(bench):
-    publication = bench.told(10.0)
+    publication = bench.published(10.0)
     subscription = bench.listen()
     publish(bench, publication, SECOND, SECOND, 1)
     subscription.close()
@@ -119,7 +119,7 @@ def test_one_message_holds_for_a_period(bench):
     ("late_ns", "spans"), [(200_000_000, [(0.0, 0.3)]), (200_000_001, [(0.0, 0.1), (0.2, 0.3)])]
 )
 def test_a_message_that_is_late_by_a_period_goes_on_with_the_one_before(bench, late_ns, spans):
-    publication = bench.told(10.0)
+    publication = bench.published(10.0)
     bench.listen()
     publish(bench, publication, 0, 0, 1)
     publish(bench, publication, late_ns, late_ns, 1)
@@ -130,7 +130,7 @@ def test_a_message_that_is_late_by_a_period_goes_on_with_the_one_before(bench, l
 
 
 def test_without_a_period_a_topic_is_read_until_the_last_subscription_ends(bench):
-    publication = bench.told(None)
+    publication = bench.published(None)
     first, second = bench.listen(), bench.listen()
     publish(bench, publication, SECOND, SECOND, 1)
     bench.now_ns = 3 * SECOND
@@ -148,7 +148,7 @@ def test_without_a_period_a_topic_is_read_until_the_last_subscription_ends(bench
 
 
 def test_what_nobody_of_the_controller_hears_is_not_read(bench):
-    publication = bench.told(50.0)
+    publication = bench.published(50.0)
     bench.listen(by_controller=False)
     bench.listen("/other")
     publish(bench, publication, 0, SECOND, SECOND // 50)
@@ -160,7 +160,7 @@ def test_what_nobody_of_the_controller_hears_is_not_read(bench):
 
 def test_a_latched_message_is_read_when_it_arrives(bench):
     publication = bench.graph.advertise("/camera", TYPE, node="/driver", latch=True)
-    bench.reading.tells(publication, ("camera",), 10.0)
+    bench.reading.reports(publication, ("camera",), 10.0)
     publication.publish(object())
     bench.now_ns = 2 * SECOND
     bench.listen("/camera")
@@ -200,7 +200,7 @@ def test_of_frames_only_the_joints_between_them_are_read(bench):
 
 
 def test_a_stream_writes_a_line_a_second_and_a_dead_process_loses_no_more(bench):
-    publication = bench.told(100.0)
+    publication = bench.published(100.0)
     bench.listen()
     publish(bench, publication, 0, 100 * SECOND, SECOND // 100)
     assert 99 <= bench.notes <= 102
@@ -233,8 +233,8 @@ current().client(SensorReading).finish()
         n.data["channel"]: n.data["sensors"] for n in ran.recording.notes if n.kind == CHANNEL
     }
     assert ran["wrench"].header.frame_id == "panda_hand_tcp"
-    told = {(channels[each["channel"]][0], round(each["from_ns"] / SECOND)) for each in spans}
-    assert told == {
+    reported = {(channels[each["channel"]][0], round(each["from_ns"] / SECOND)) for each in spans}
+    assert reported == {
         ("panda_joint1/encoder", 1),
         ("panda_joint1/encoder", 2),
         ("panda_joint1/torque", 3),

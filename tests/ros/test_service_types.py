@@ -48,6 +48,6 @@ def test_a_name_that_is_an_expression_is_compared_as_it_is_written(tmp_path):
     assert service_type("/detect", Location(str(path), 2)) == "std_srvs/Trigger"
 
 
-def test_a_source_that_cannot_be_read_tells_nothing(tmp_path):
+def test_a_source_that_cannot_be_read_says_nothing(tmp_path):
     assert service_type("/detect", None) == ""
     assert service_type("/detect", Location(str(tmp_path / "gone.py"), 1)) == ""

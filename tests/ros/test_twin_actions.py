@@ -63,7 +63,7 @@ here = measured()
 
 
 @pytest.mark.parametrize(
-    ("goal", "code", "told"),
+    ("goal", "code", "expected"),
     [
         ("goal_to(READY, joints=['elbow'] + JOINTS[1:])", -2, "has no joint 'elbow'"),
         ("goal_to(READY[:6])", -1, "6 positions for 7 joints"),
@@ -72,7 +72,7 @@ here = measured()
         ("falling()", -1, "do not rise"),
     ],
 )
-def test_a_goal_that_no_controller_follows_is_rejected_with_its_code(ran, goal, code, told):
+def test_a_goal_that_no_controller_follows_is_rejected_with_its_code(ran, goal, code, expected):
     result = ran(f"""
 def late():
     goal = goal_to(READY)
@@ -89,7 +89,7 @@ state = arm.send_goal_and_wait({goal})
 code = arm.get_result().error_code
 """)
     assert (result["state"], result["code"]) == (5, code)
-    assert any(told in message for message in result.findings)
+    assert any(expected in message for message in result.findings)
     assert result.recording.commands == ()
 
 
@@ -185,17 +185,17 @@ widest = hand.get_result()
     assert [each.elements for each in result.recording.commands] == [("panda_hand",)] * 2
 
 
-@pytest.mark.parametrize(("position", "is_told"), [(-0.01, False), (0.08, False), (0.8, True)])
-def test_a_position_of_another_gripper_is_told(ran, position, is_told):
+@pytest.mark.parametrize(("position", "is_reported"), [(-0.01, False), (0.08, False), (0.8, True)])
+def test_a_position_of_another_gripper_is_reported(ran, position, is_reported):
     result = ran(f"""
 hand.wait_for_server()
 goal = GripperCommandGoal()
 goal.command.position = {position}
 hand.send_goal_and_wait(goal)
 """)
-    told = [each for each in result.recording.findings if each.kind == "foreign_gripper"]
-    assert len(told) == is_told
-    for each in told:
+    reported = [each for each in result.recording.findings if each.kind == "foreign_gripper"]
+    assert len(reported) == is_reported
+    for each in reported:
         assert "asked for 0.8, far past its range [0, 0.04], and went to 0.04" in each.message
 
 

@@ -95,7 +95,7 @@ for factor in (0.0, 1.0, 0.1):
     assert unset == rated < tenth
 
 
-def test_a_pose_goal_is_reached_and_a_group_that_is_none_is_told(ran):
+def test_a_pose_goal_is_reached_and_a_group_that_is_none_is_reported(ran):
     result = ran("""
 move.send_goal_and_wait(ready())
 target = where()

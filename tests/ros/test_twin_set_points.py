@@ -201,18 +201,18 @@ here = measured()["panda_joint4"]
 
 
 @pytest.mark.parametrize(
-    ("topic", "message", "told"),
+    ("topic", "message", "expected"),
     [
         ("/effort_controller/command", "Float64MultiArray(data=READY)", "commands of effort"),
         ("/group/command", "Float64MultiArray(data=[1.0] * 5)", "5 values fit no controller"),
         ("/wheel/command", "Float64(1.0)", "no joint of the robot is meant"),
     ],
 )
-def test_a_message_that_moves_nothing_is_a_finding(ran, topic, message, told):
+def test_a_message_that_moves_nothing_is_a_finding(ran, topic, message, expected):
     result = ran(f"""
 rospy.Publisher("{topic}", type({message}), queue_size=1).publish({message})
 """)
-    assert any(told in each for each in result.findings)
+    assert any(expected in each for each in result.findings)
     assert result.recording.commands == ()
 
 

@@ -23,18 +23,18 @@ def test_a_watchdog_that_is_cancelled_in_time_is_read_in_virtual_time(run, sched
 
 
 @pytest.mark.parametrize(
-    ("set_timer", "told"),
+    ("set_timer", "expected"),
     [
         (lambda: signal.alarm(2), "the 2 s of signal.alarm are over"),
         (lambda: signal.setitimer(signal.ITIMER_PROF, 1.5), "the 1.5 s of signal.setitimer"),
     ],
 )
-def test_a_timer_that_is_due_ends_the_run_with_its_place(run, set_timer, told):
+def test_a_timer_that_is_due_ends_the_run_with_its_place(run, set_timer, expected):
     def main():
         set_timer()
         time.sleep(5)
 
-    with pytest.raises(RunOver, match=told) as over:
+    with pytest.raises(RunOver, match=expected) as over:
         run(main)
     assert over.value.cause == "raised"
     assert over.value.location.file == __file__

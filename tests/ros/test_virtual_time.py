@@ -158,7 +158,7 @@ def test_threads_that_hand_each_other_work_for_ever_let_time_pass(world):
     assert over.value.cause == "duration"
 
 
-def test_the_run_ends_at_its_duration_and_tells_where_the_controller_stood(world):
+def test_the_run_ends_at_its_duration_and_says_where_the_controller_stood(world):
     scheduler = Scheduler(world, duration_ns=5 * SECOND)
     lines = []
 

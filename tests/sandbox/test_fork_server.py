@@ -128,17 +128,17 @@ def all_gone(numbers, within_s: float = 20.0) -> bool:
 def test_a_forked_process_sees_what_a_fresh_one_sees(begin, mode):
     reading, writing = os.pipe()
     code = f"os.write(int(os.environ['FD']), json.dumps(seen({mode != 'off'})).encode())"
-    told = []
+    reported = []
     for afresh in (True, False, False):
         child = begin(code, afresh=afresh, mode=mode, pass_fds=(writing,), FD=str(writing))
         assert said(child) == ""
-        told.append(json.loads(os.read(reading, 1_000_000)))
+        reported.append(json.loads(os.read(reading, 1_000_000)))
     os.close(reading)
     os.close(writing)
-    for name, value in told[0].items():
-        assert told[1][name] == told[2][name] == value, name
-    assert told[0]["is_leader"]
-    assert mode != "off" or str(writing) in told[0]["files"]
+    for name, value in reported[0].items():
+        assert reported[1][name] == reported[2][name] == value, name
+    assert reported[0]["is_leader"]
+    assert mode != "off" or str(writing) in reported[0]["files"]
 
 
 ENDS = {

@@ -239,9 +239,9 @@ def test_a_kernel_without_it_is_warned_of_once_and_refused_where_it_is_required(
 
     monkeypatch.setattr(process, "support", lambda: Support(0, seccomp=True))
     process._warn_once.cache_clear()
-    with pytest.warns(SandboxWarning, match="Landlock .* is missing") as told:
+    with pytest.warns(SandboxWarning, match="Landlock .* is missing") as reported:
         assert [is_contained(Sandbox()) for _ in range(2)] == [False, False]
-    assert len(told) == 1
+    assert len(reported) == 1
     assert not is_contained(Sandbox("off"))
     with pytest.raises(SandboxError, match="required and does not work here"):
         is_contained(Sandbox("require"))

@@ -67,17 +67,17 @@ def test_a_fifo_in_place_of_a_file_holds_nobody_up(attacked):
         attacked("os.remove(events); os.mkfifo(events)")
 
 
-def test_a_recording_that_is_removed_is_told(attacked):
+def test_a_recording_that_is_removed_is_reported(attacked):
     with pytest.raises(LogError, match="has removed it"):
         attacked("os.remove(events)")
 
 
-def test_a_recording_folder_that_is_removed_is_told(attacked):
+def test_a_recording_folder_that_is_removed_is_reported(attacked):
     with pytest.raises(LogError, match="has removed it"):
         attacked("import shutil; shutil.rmtree(FOLDER); arm.go([0.0] * 7, wait=True)")
 
 
-def test_a_process_that_dies_before_it_begins_is_told_with_its_last_line(attacked, monkeypatch):
+def test_a_process_that_dies_before_it_begins_is_reported_with_its_last_line(attacked, monkeypatch):
     start = controller_run.start_process
     monkeypatch.setattr(
         controller_run,

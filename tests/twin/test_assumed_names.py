@@ -7,16 +7,16 @@ from tracerisk.twin.robots.robot import load_robot
 
 
 def test_an_arm_that_is_not_known_is_the_one_without_its_hand():
-    told: list[str] = []
-    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), told.append)
+    reported: list[str] = []
+    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), reported.append)
     assert panda.groups["arm"] == panda.groups["panda_arm"]
     assert panda.groups["gripper"] == panda.groups["hand"]
-    assert len(told) == 2
+    assert len(reported) == 2
 
 
 def test_a_misspelt_group_is_not_assumed():
-    told: list[str] = []
-    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), told.append)
+    reported: list[str] = []
+    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), reported.append)
     assert "panda_arn" not in panda.groups
     assert "manipulator" in panda.groups
     assert "panda_arm_group" in panda.groups  # longer than a known one is another one

@@ -93,7 +93,7 @@ def test_a_row_and_a_line_that_were_cut_short_are_left_out(tmp_path: Path):
     assert read_contacts(tmp_path, 10).rows["step"].tolist() == [1]
 
 
-def test_contacts_of_unknown_bodies_are_told(tmp_path: Path):
+def test_contacts_of_unknown_bodies_are_reported(tmp_path: Path):
     writer = ContactLogWriter(tmp_path)
     writer.model(0, (ARM, TABLE), {})
     writer.append(rows((1, 0, 5, 2.0)))
@@ -102,7 +102,7 @@ def test_contacts_of_unknown_bodies_are_told(tmp_path: Path):
         read_contacts(tmp_path, 10)
 
 
-def test_a_list_of_bodies_that_is_no_json_is_told(tmp_path: Path):
+def test_a_list_of_bodies_that_is_no_json_is_reported(tmp_path: Path):
     (tmp_path / "contact_bodies.jsonl").write_bytes(b"what\n")
     with pytest.raises(LogError, match=r"contact_bodies.jsonl.*is not a list of bodies"):
         read_contacts(tmp_path, 10)

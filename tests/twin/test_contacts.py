@@ -187,7 +187,7 @@ def test_steps_between_two_looks_touch_as_at_the_look_before(panda: Robot):
     assert found.force.tolist() == [100.0, *[101.0] * LOOK_EVERY, 101.0 + LOOK_EVERY, 200.0]
 
 
-def test_links_that_overlap_are_told_without_a_force(panda: Robot):
+def test_links_that_overlap_are_reported_without_a_force(panda: Robot):
     pair, second = ("panda_link5", "panda_hand"), 80 + POSTURE_EVERY
     run = contacts(
         panda, log((pair, 80, 81, OVERLAP), (pair, second, second + 1, OVERLAP)), grasps=()

@@ -72,12 +72,12 @@ def test_the_way_around_is_free_and_the_same_each_time(robot: Robot, twin: Twin)
 @pytest.mark.parametrize(
     ("begin", "end", "failure"), [(-1.0, 0.0, "collision"), (0.0, 1.0, "start_in_collision")]
 )
-def test_an_end_in_collision_is_told(robot: Robot, twin: Twin, begin, end, failure):
+def test_an_end_in_collision_is_reported(robot: Robot, twin: Twin, begin, end, failure):
     twin.declare([POST])
     start = {**robot.initial_state, "panda_joint1": begin}
-    with pytest.raises(PlanningError, match=r"touches 'post'|'post' touches") as told:
+    with pytest.raises(PlanningError, match=r"touches 'post'|'post' touches") as reported:
         twin.plan_joints("panda_arm", {"panda_joint1": end}, start=start)
-    assert told.value.failure == failure
+    assert reported.value.failure == failure
 
 
 def test_a_held_cube_goes_with_the_hand_and_stays_where_it_is_left(twin: Twin):

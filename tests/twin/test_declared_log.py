@@ -97,7 +97,7 @@ def test_a_log_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path: Path):
     assert change.pose_steps.tolist() == [0]
 
 
-def test_a_damaged_log_is_told(tmp_path: Path):
+def test_a_damaged_log_is_reported(tmp_path: Path):
     DeclaredLogWriter(tmp_path).close()
     (tmp_path / "declared.jsonl").write_text('{"step": 0}\n')
     with pytest.raises(LogError, match=r"declared\.jsonl: is no log of declared bodies"):

@@ -120,13 +120,13 @@ def test_an_encoder_with_an_offset_shifts_reading_and_joint(name: str, tmp_path:
         before = measured(twin)[joint.name]
         twin.arm(Fault(f"{joint.name}/encoder", "offset", 0.2))
         settle(twin, 3.0)
-        told = measured(twin)[joint.name]
+        reported = measured(twin)[joint.name]
         twin.close()
     samples = read_samples(tmp_path)
     true = samples.position[-1, samples.header.joints.index(joint.name)]
     # The last sample is one step older than what is measured; all stands still by now.
-    assert told - true == pytest.approx(offset, abs=1e-9)
-    assert told == pytest.approx(before, abs=1e-3), "the servo regulates what the encoder reads"
+    assert reported - true == pytest.approx(offset, abs=1e-9)
+    assert reported == pytest.approx(before, abs=1e-3), "the servo regulates what the encoder reads"
 
 
 def test_every_encoder_of_every_robot_reads_exactly_its_offset_too_much():
@@ -147,7 +147,7 @@ def test_every_encoder_of_every_robot_reads_exactly_its_offset_too_much():
 
 @pytest.mark.parametrize("mode", ["frozen", "absent"])
 @pytest.mark.parametrize("name", sorted(FALLS))
-def test_a_frozen_encoder_tells_the_same_while_its_joint_moves(
+def test_a_frozen_encoder_says_the_same_while_its_joint_moves(
     name: str, mode: FaultMode, tmp_path: Path
 ):
     joint = FALLS[name]
@@ -155,11 +155,11 @@ def test_a_frozen_encoder_tells_the_same_while_its_joint_moves(
         twin = leaning(name, writer)
         twin.arm(Fault(f"{joint}/encoder", mode, 0.2))
         twin.follow(swing(twin))
-        told = set()
+        reported = set()
         for _ in range(20):
             settle(twin, 0.1)
-            told.add(measured(twin)[joint])
-        assert len(told) == 1
+            reported.add(measured(twin)[joint])
+        assert len(reported) == 1
         assert twin.joint_state().absent == ({joint} if mode == "absent" else set())
         twin.close()
     samples = read_samples(tmp_path)
@@ -183,23 +183,23 @@ def test_a_faulty_torque_sensor_changes_the_effort_alone():
         assert twin.joint_state().position == pytest.approx(state.position, abs=1e-4)
 
 
-def test_a_faulty_wrist_sensor_changes_what_it_tells_alone():
+def test_a_faulty_wrist_sensor_changes_what_it_says_alone():
     wrist = Sensor("wrench", "wrist", "panda_hand")
     robot = dataclasses.replace(load_robot("panda"), own_sensors=(wrist,))
-    told = {}
+    reported = {}
     for mode in ("offset", "frozen", "absent"):
         twin = Twin.build(robot, NOWHERE)
         twin.arm(Fault(wrist.name, mode, 0.2))
         twin.follow(swing(twin))
         settle(twin, 1.0)
-        told[mode] = (twin.wrench(wrist), twin.load_on(wrist.part))
-    offset, true = told["offset"]
+        reported[mode] = (twin.wrench(wrist), twin.load_on(wrist.part))
+    offset, true = reported["offset"]
     assert offset is not None
     assert offset.force == (*true.force[:2], true.force[2] + FORCE_OFFSET_N)
-    frozen, true = told["frozen"]
+    frozen, true = reported["frozen"]
     assert frozen is not None
     assert frozen != true
-    assert told["absent"][0] is None
+    assert reported["absent"][0] is None
 
 
 def test_a_frozen_control_unit_keeps_to_its_last_command():
@@ -264,7 +264,7 @@ def test_a_gripper_that_is_stuck_holds_and_one_without_force_drops(name: str, in
 @pytest.mark.parametrize(
     ("name", "index"), [("panda", 0), ("gen3", 0), ("baxter", 1), ("j2n6s300", 0)]
 )
-def test_a_gripper_that_opens_drops_what_it_holds_whatever_it_is_told(name: str, index: int):
+def test_a_gripper_that_opens_drops_what_it_holds_whatever_it_is_reported(name: str, index: int):
     twin, height, (_, wide) = picked(name, index)
     gripper = twin.robot.grippers[index]
     twin.arm(Fault(gripper.name, "opens", twin.time_ns * 1e-9))
@@ -345,7 +345,7 @@ def test_every_fault_of_every_robot_can_begin(name: str):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("panda_joint1", "expected UNIT:MODE@SECONDS"),
         ("panda_joint1:dead", "expected UNIT:MODE@SECONDS"),
@@ -355,24 +355,24 @@ def test_every_fault_of_every_robot_can_begin(name: str):
         ("panda_joint1:dead@nan", "'nan' is not a time in seconds"),
     ],
 )
-def test_a_fault_that_cannot_be_read_says_what_is_expected(text: str, told: str):
+def test_a_fault_that_cannot_be_read_says_what_is_expected(text: str, expected: str):
     with pytest.raises(InputError, match="fault") as found:
         parse_fault(text)
-    assert told in str(found.value)
+    assert expected in str(found.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("panda_joint9:dead@3", "no unit 'panda_joint9' that can fail; did you mean 'panda_joint"),
         ("panda_joint1:opens@3", "has no mode 'opens'; allowed: dead, jam"),
         ("panda_joint1:dead@40", "the run without a fault ends at 12.500 s"),
     ],
 )
-def test_a_fault_that_a_robot_cannot_have_lists_those_it_can(text: str, told: str):
+def test_a_fault_that_a_robot_cannot_have_lists_those_it_can(text: str, expected: str):
     with pytest.raises(InputError) as found:
         check_faults((parse_fault(text),), load_robot("panda"), before_s=12.5)
-    assert told in str(found.value)
+    assert expected in str(found.value)
 
 
 def test_faults_come_in_the_order_of_their_instants_and_a_unit_fails_once():

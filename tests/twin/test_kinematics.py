@@ -54,7 +54,7 @@ def test_a_pose_out_of_reach_is_a_planning_failure(kinematics: Kinematics):
     assert caught.value.failure == "no_ik_solution"
 
 
-def test_a_turn_out_of_reach_is_told_beside_the_distance():
+def test_a_turn_out_of_reach_is_reported_beside_the_distance():
     robot = load_robot("px100")  # its four joints cannot turn the gripper about its own axis
     kinematics = Kinematics(robot)
     tip = robot.group("interbotix_arm").tip_link

@@ -346,7 +346,7 @@ def test_includes_are_put_in_place(tmp_path):
         ("<worldbody/>", "arm.xml: has no joint that moves an arm"),
     ],
 )  # fmt: skip
-def test_what_is_not_read_is_told_with_its_line(tmp_path, text, message):
+def test_what_is_not_read_is_reported_with_its_line(tmp_path, text, message):
     with pytest.raises(RobotError, match=message):
         read(tmp_path, f"<mujoco>\n{text}</mujoco>")
 
@@ -368,7 +368,7 @@ def test_a_link_of_the_file_system_leads_nowhere_else(tmp_path):
         (('size="0.03"', 'size="300"'), "link 'fore_arm' is 300 m large"),
     ],
 )
-def test_absurd_sizes_are_told(tmp_path, change, message):
+def test_absurd_sizes_are_reported(tmp_path, change, message):
     with pytest.raises(RobotError, match=message):
         read(tmp_path, ARM.replace(*change))
 
@@ -382,7 +382,7 @@ def test_absurd_sizes_are_told(tmp_path, change, message):
         ("loop.stl", "<mesh>: 'loop.stl' names no file: .*oop"),
     ],
 )
-def test_names_that_no_file_can_have_are_told(tmp_path, name, message):
+def test_names_that_no_file_can_have_are_reported(tmp_path, name, message):
     (tmp_path / "loop.stl").symlink_to(tmp_path / "loop.stl")
     text = f'<mujoco><asset><mesh name="m" file="{name}"/></asset></mujoco>'
     with pytest.raises(RobotError, match=message):
@@ -407,7 +407,7 @@ def test_a_macro_that_grows_without_bounds_is_refused(tmp_path):
         read(tmp_path, text, "macro.xacro")
 
 
-def test_an_encoding_that_python_lacks_is_told(tmp_path):
+def test_an_encoding_that_python_lacks_is_reported(tmp_path):
     with pytest.raises(RobotError, match=r"arm.xml:1: is not XML that can be read: .*klingon"):
         read(tmp_path, '<?xml version="1.0" encoding="klingon"?><mujoco/>')
 

@@ -331,7 +331,7 @@ def test_time_stops_at_the_time_asked_for(free: Twin):
     assert free.advance(0) == 5 * free.step_ns
 
 
-def test_a_simulation_that_blows_up_is_told(free: Twin):
+def test_a_simulation_that_blows_up_is_reported(free: Twin):
     free._simulation._data.qvel[0] = 1e12
     with pytest.raises(RobotError, match=r"became unstable at \d"):
         free.advance(SECOND)

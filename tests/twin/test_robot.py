@@ -84,7 +84,7 @@ def test_a_gripper_is_found_by_its_group(panda: Robot):
         ("type: follow_joint_trajectory", "type: follow", "unknown type 'follow'"),
     ],
 )
-def test_a_mistake_is_told_with_file_and_line(tmp_path: Path, old: str, new: str, message: str):
+def test_a_mistake_is_reported_with_file_and_line(tmp_path: Path, old: str, new: str, message: str):
     path = changed(tmp_path, old, new)
     with pytest.raises(RobotError, match=message) as caught:
         load_robot(path)

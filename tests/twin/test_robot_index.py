@@ -29,6 +29,6 @@ def test_every_shipped_robot_is_there_once_and_in_order():
 
 
 @pytest.mark.parametrize("found", shipped_names(), ids=lambda found: found.name)
-def test_scanning_a_file_tells_what_reading_it_tells(found: RobotNames):
+def test_scanning_a_file_says_what_reading_it_says(found: RobotNames):
     expected = names_in(load_robot(found.name))
     assert found == expected, "write the file as the other robots' files are written"

@@ -350,7 +350,7 @@ def ready_to_lift(
     raise AssertionError("no way up was found")
 
 
-def test_a_sign_that_is_none_is_told(tmp_path):
+def test_a_sign_that_is_none_is_reported(tmp_path):
     text = (Path(robot_module.__file__).parent / "shipped" / "wx250.yaml").read_text(
         encoding="utf-8"
     )

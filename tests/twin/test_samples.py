@@ -79,12 +79,12 @@ def test_samples_outlive_a_writer_that_is_killed(tmp_path: Path):
     assert samples.end_pose is None
 
 
-def test_a_directory_without_samples_is_told(tmp_path: Path):
+def test_a_directory_without_samples_is_reported(tmp_path: Path):
     with pytest.raises(LogError, match=r"samples.json.*is no header of samples"):
         read_samples(tmp_path)
 
 
-def test_rows_out_of_order_are_told(tmp_path: Path):
+def test_rows_out_of_order_are_reported(tmp_path: Path):
     write(tmp_path, 10)
     flat = np.fromfile(tmp_path / "samples.bin").reshape(-1, HEADER.width)
     flat[3, 0] = 9.0

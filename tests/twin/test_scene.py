@@ -69,7 +69,9 @@ def test_the_empty_scene_has_nothing_to_grasp(panda: Robot):
         ("- name: table", "- name: target_rack", "defined twice"),
     ],
 )
-def test_a_mistake_is_told_with_the_file(tmp_path: Path, old: str, new: str, message: str | None):
+def test_a_mistake_is_reported_with_the_file(
+    tmp_path: Path, old: str, new: str, message: str | None
+):
     text = (SCENES / "tube_racks.yaml").read_text(encoding="utf-8")
     assert old in text
     path = tmp_path / "bench.yaml"

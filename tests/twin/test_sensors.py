@@ -103,12 +103,12 @@ def test_a_prefix_stands_before_sensors_in_joints():
         ((), "/wrench", False),
     ],
 )
-def test_which_topics_tell_of_a_sensor(topics, topic, tells):
-    assert Sensor("wrench", "s", "tool0", topics).tells(topic) is tells
+def test_which_topics_say_of_a_sensor(topics, topic, tells):
+    assert Sensor("wrench", "s", "tool0", topics).reports(topic) is tells
 
 
 @pytest.mark.parametrize(
-    ("sensors", "told"),
+    ("sensors", "expected"),
     [
         ("  - {kind: lidar, joints: []}\n", "unknown kind .lidar.; allowed: camera, encoder"),
         ("  - {kind: torque, joints: [nose], source: own}\n", "unknown joint 'nose'"),
@@ -122,8 +122,8 @@ def test_which_topics_tell_of_a_sensor(topics, topic, tells):
         ("  - {kind: torque, source: own}\n", "joints"),
     ],
 )
-def test_a_mistake_is_told_with_its_line(tmp_path, sensors, told):
-    with pytest.raises(RobotError, match=told) as caught:
+def test_a_mistake_is_reported_with_its_line(tmp_path, sensors, expected):
+    with pytest.raises(RobotError, match=expected) as caught:
         robot_with(tmp_path, sensors)
     location = caught.value.location
     assert location is not None

@@ -79,7 +79,7 @@ def test_a_hand_out_of_reach_names_both_hands_and_poses(baxter: Robot):
         kinematics.inverse_all("both_arms", [near, far], restarts=1)
 
 
-def test_an_arm_that_would_hit_the_other_is_told(baxter: Robot):
+def test_an_arm_that_would_hit_the_other_is_reported(baxter: Robot):
     inwards = {**baxter.initial_state, "left_s0": -1.3}
     twin = Twin.build(dataclasses.replace(baxter, initial_state=inwards), NOWHERE)
     with pytest.raises(PlanningError, match=r"'left_.*'right_|'right_.*'left_") as caught:

@@ -264,6 +264,6 @@ def test_endless_joints_turn_at_will():
         ("<sdf/>", "is not the element <robot>"),
     ],
 )
-def test_what_is_no_robot_is_told_with_its_place(text, message):
+def test_what_is_no_robot_is_reported_with_its_place(text, message):
     with pytest.raises(RobotError, match=message):
         read_urdf(text, "bad.urdf")

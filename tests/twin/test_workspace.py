@@ -45,7 +45,7 @@ def chosen(script):
     return choose_robot(pipeline.load_controller(script), Settings())
 
 
-def test_the_robot_beside_the_controller_is_taken_and_told(tmp_path):
+def test_the_robot_beside_the_controller_is_taken_and_reported(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "tiny.urdf").write_text(texts.RATED)
     (folder / "tiny.srdf").write_text(texts.SRDF)
@@ -100,7 +100,7 @@ def test_plans_keep_the_limits_of_joints_that_stand_beside_the_srdf(tmp_path, fo
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         (
             "joint_limits:\n  elbow: {max_velocity: fast}\n",
@@ -117,7 +117,7 @@ def test_plans_keep_the_limits_of_joints_that_stand_beside_the_srdf(tmp_path, fo
         ("\t- :\n", r"joint_limits\.yaml:1"),
     ],
 )
-def test_limits_that_are_none_are_told_and_not_taken(tmp_path, text, told):
+def test_limits_that_are_none_are_reported_and_not_taken(tmp_path, text, expected):
     folder, script = workspace(tmp_path)
     (folder / "tiny.urdf").write_text(texts.RATED)
     srdf = folder / "tiny.srdf"
@@ -126,7 +126,7 @@ def test_limits_that_are_none_are_told_and_not_taken(tmp_path, text, told):
     srdf.with_name("joint_limits.yaml").write_text(text)
     choice = chosen(script)
     assert choice.robot == rated
-    assert any(re.search(told, each) for each in choice.skipped), choice.skipped
+    assert any(re.search(expected, each) for each in choice.skipped), choice.skipped
 
 
 @pytest.mark.parametrize("text", ["", "joint_limits:\n", "joint_limits: {}\r\n", "# nothing\n"])
@@ -155,7 +155,7 @@ def test_an_arm_is_completed_as_the_shipped_one_whose_lengths_come_nearest():
         assert turned.joints[0].acceleration_limit == known.joints[0].acceleration_limit
 
 
-def test_a_scaling_factor_that_is_none_is_told_and_not_taken(tmp_path):
+def test_a_scaling_factor_that_is_none_is_reported_and_not_taken(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "tiny.urdf").write_text(texts.RATED)
     srdf = folder / "tiny.srdf"
@@ -400,26 +400,26 @@ def test_an_unknown_robot_is_the_generic_arm_with_the_joints_named(tmp_path):
     compile_model(robot)
 
 
-def test_the_generic_arm_tells_each_name_that_it_assumes_once():
-    told = []
-    robot = with_assumed_names(generic_arm(names_asked(b"")), told.append)
+def test_the_generic_arm_says_each_name_that_it_assumes_once():
+    reported = []
+    robot = with_assumed_names(generic_arm(names_asked(b"")), reported.append)
     assert robot.group("manipulator").joints == robot.groups["arm"].joints
     assert robot.group("left_hand").joints == robot.groups["gripper"].joints
     first = dict(robot.named_states["manipulator"]["over_the_table"])
     assert first == dict(robot.named_states["manipulator"]["over_the_table"])
     assert first != dict(robot.named_states["manipulator"]["behind"])
-    assert len(told) == 4
-    assert "over_the_table" in told[2]
+    assert len(reported) == 4
+    assert "over_the_table" in reported[2]
 
 
-def test_a_robot_of_a_file_tells_that_an_srdf_would_name_its_groups():
-    told = []
+def test_a_robot_of_a_file_says_that_an_srdf_would_name_its_groups():
+    reported = []
     tiny = texts.robot()
     parts = {name: group for name, group in tiny.groups.items() if name != "all"}
     tiny = replace(tiny, assumes_names=True, groups=parts)
-    known = with_assumed_names(tiny, told.append)
+    known = with_assumed_names(tiny, reported.append)
     assert dict(known.named_states["left_arm"]["ready"]) == dict(tiny.named_states["limb"]["ready"])
-    assert told == [
+    assert reported == [
         "planning group 'left_arm' is assumed to be the limb of the tiny robot, for it is not "
         "known; an SRDF beside its file would define it"
     ]

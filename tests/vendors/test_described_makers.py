@@ -46,7 +46,7 @@ closed = ask('fingers_action/finger_positions', SetFingersPositionAction,
     assert ran.commands == ["joint_angles", "tool_pose", "finger_positions"]
 
 
-def test_a_dashboard_tells_its_modes_and_programs_of_either_ros(run_on):
+def test_a_dashboard_says_its_modes_and_programs_of_either_ros(run_on):
     ran = run_on(
         "ur5e",
         """

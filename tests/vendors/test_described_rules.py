@@ -92,7 +92,7 @@ fast = rospy.get_time() - begun
 
 
 @pytest.mark.parametrize(
-    ("given", "code", "told"),
+    ("given", "code", "expected"),
     [
         ("[0.1] * 5", 8, "5 joint values for 6 joints"),
         ("[9.0] + [0.0] * 5", 8, "9.000 for 'shoulder_pan_joint' is outside"),
@@ -102,13 +102,13 @@ fast = rospy.get_time() - begun
         ("[0.1] * 6 + [0.2]", 8, "7 joint values for 6 joints"),
     ],
 )
-def test_a_goal_that_the_arm_has_not_is_answered_and_told(run_on, given, code, told):
+def test_a_goal_that_the_arm_has_not_is_answered_and_reported(run_on, given, code, expected):
     ran = run_on("ur5e", f"{HEAD}\ndone = go({given})\n", driver=described("replace") + MESSAGES)
-    assert (ran["done"].code, told in ran["done"].message) == (code, True), ran["done"]
-    assert any(told in each for each in ran.findings) == (code != 0)
+    assert (ran["done"].code, expected in ran["done"].message) == (code, True), ran["done"]
+    assert any(expected in each for each in ran.findings) == (code != 0)
 
 
-def test_an_error_stays_until_it_is_cleared_and_states_are_told(run_on):
+def test_an_error_stays_until_it_is_cleared_and_states_are_reported(run_on):
     do = """
   do:
     type: arm_msgs/Do

@@ -93,7 +93,7 @@ pin = call(DO, index=1, status=1)
     assert (ran["taken"].res, ran["disabled"].res) == (0, -4)
     assert (ran["odd"].res, ran["frame"].res, ran["late"].res) == (-30001, -30001, -40001)
     assert (ran["speed"].res, ran["paused"].res, ran["pin"].res) == (-40001, -1, 0)
-    for told in (
+    for reported in (
         "of the line to (3.000, 0.000, 0.500) m",
         "MovJ moved nothing: it returned -2",
         "parameter 'w=3'; allowed",
@@ -101,7 +101,7 @@ pin = call(DO, index=1, status=1)
         "Pause is not simulated",
         "DO 1 was set: nothing hangs on it",
     ):
-        assert any(told in each for each in ran.findings), told
+        assert any(reported in each for each in ran.findings), reported
 
 
 def test_set_points_are_one_command_and_jogging_stops(run_on):

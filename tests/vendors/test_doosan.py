@@ -91,7 +91,7 @@ tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
     for name in ("past", "still", "far", "user", "paused", "force", "grip", "tcp"):
         assert not ran[name].success, name
     assert ran.commands == []
-    for told in (
+    for reported in (
         "is outside [-2.79",
         "velocity 0 and acceleration 60",
         "of the line to (3.000, 0.000, 0.500) m",
@@ -101,7 +101,7 @@ tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
         "has no gripper with joints",
         "no tool centre point 'none'",
     ):
-        assert any(told in each for each in ran.findings), told
+        assert any(reported in each for each in ran.findings), reported
 
 
 def test_circles_splines_spirals_and_sines_lead_where_they_should(run_on):

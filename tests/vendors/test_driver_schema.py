@@ -81,7 +81,7 @@ JUNK = st.one_of(
 
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
-def test_a_changed_description_is_read_or_told_with_its_line(tmp_path_factory, data):
+def test_a_changed_description_is_read_or_reported_with_its_line(tmp_path_factory, data):
     changed = copy.deepcopy(data.draw(st.sampled_from(BASES)))
     for _ in range(data.draw(st.integers(1, 3))):
         where = data.draw(st.sampled_from(places(changed)[1:]))
@@ -115,7 +115,7 @@ def test_a_changed_description_is_read_or_told_with_its_line(tmp_path_factory, d
 
 @settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=200))
-def test_bytes_that_are_no_description_are_told(tmp_path_factory, data):
+def test_bytes_that_are_no_description_are_reported(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "bytes.driver.yaml"
     path.write_bytes(data)
     with pytest.raises(DriverError):

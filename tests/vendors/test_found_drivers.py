@@ -152,19 +152,19 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_a_mistake_is_told_with_its_place(cell, case):
-    (old, new), told = WRONG[case]
+def test_a_mistake_is_reported_with_its_place(cell, case):
+    (old, new), reported = WRONG[case]
     text = DRIVER + WITHIN
     assert old in text
     cell.write("arm.driver.yaml", text.replace(old, new, 1))
     ran = cell.run("trace", "cell.py")
     assert ran.code == 2, ran.err
-    assert told in ran.err
+    assert reported in ran.err
     assert "Traceback" not in ran.err
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("", "expected a mapping at the top, found nothing"),
         ("driver: arm\n", "it serves nothing; describe some"),
@@ -195,12 +195,12 @@ def test_a_mistake_is_told_with_its_place(cell, case):
         ("driver: arm\ndefinitions: {a: b}\nparameters: {}\n", "is not an interface"),
     ],
 )
-def test_what_is_no_description_is_told(tmp_path, text, told):
+def test_what_is_no_description_is_reported(tmp_path, text, expected):
     path = tmp_path / "arm.driver.yaml"
     path.write_text(text)
     with pytest.raises(DriverError, match=r"arm\.driver\.yaml:\d+|at most") as caught:
         read_driver(path)
-    assert told in str(caught.value)
+    assert expected in str(caught.value)
 
 
 def test_lines_may_end_as_on_windows(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 
 
 @pytest.mark.parametrize("package", ["franka_msgs", "franka_control"])
-def test_settings_are_taken_and_told_of_and_errors_recovered(run_on, package):
+def test_settings_are_taken_and_reported_of_and_errors_recovered(run_on, package):
     ran = run_on(
         "panda",
         f"""

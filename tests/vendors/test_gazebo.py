@@ -43,7 +43,7 @@ def test_links_of_urdf_that_are_fixed_make_one_body():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         ("<sdf", "the model is not XML: "),
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><sdf/>", "the model is not XML: "),
@@ -57,10 +57,10 @@ def test_links_of_urdf_that_are_fixed_make_one_body():
         (CUBE.replace("0.05 0.05 0.05", "1e9 1 1"), "a box is 1e+09 m long; at most 1000 m are si"),
     ],
 )
-def test_what_is_no_body_is_refused(text, told):
+def test_what_is_no_body_is_refused(text, expected):
     with pytest.raises(ModelRefusedError) as refusal:
         model_body("cube", text, HERE)
-    assert told in str(refusal.value)
+    assert expected in str(refusal.value)
 
 
 HEAD1 = f'''

@@ -185,7 +185,7 @@ def work(bot):
     assert ran.position("waist") == pytest.approx(0.5, abs=0.01)
 
 
-def test_the_driver_tells_of_modes_registers_and_what_it_refuses(run_on):
+def test_the_driver_reports_modes_registers_and_what_it_refuses(run_on):
     ran = run_on(
         "wx250s",
         """
@@ -288,7 +288,7 @@ good, clusters = InterbotixPointCloudInterface().get_cluster_positions(
 
 
 @pytest.mark.parametrize("ros", [1, 2])
-def test_a_model_that_is_not_the_simulated_robot_is_told_of(run_on, ros):
+def test_a_model_that_is_not_the_simulated_robot_is_reported_of(run_on, ros):
     with pytest.raises(RuntimeError, match=r"has 6 joints, and arm model 'wx200' has 5: the robot"):
         run_on("wx250s", program(ros, "\ndef work(bot): pass\n", model="wx200"), ros=ros)
 

@@ -33,7 +33,7 @@ def refused(call, *arguments):
 """
 
 
-def test_the_home_action_is_read_and_played_and_told_by_its_function(run_on):
+def test_the_home_action_is_read_and_played_and_reported_by_its_function(run_on):
     ran = run_on(
         "gen3",
         HEAD

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
         path = Path(options.keep or Path(folder, "robot.mcap"))
         note("listening; an interrupt ends it", quiet=options.quiet)
         heard = record_robot(path, topics=topics, seconds=options.duration)
-        said = f"{heard.messages} messages on {len(heard.topics)} topics; {heard.told}"
+        said = f"{heard.messages} messages on {len(heard.topics)} topics; {heard.ended}"
         note(said, quiet=options.quiet)
         trace = read_recording(path, options, options.controller)
     if options.output is not None:

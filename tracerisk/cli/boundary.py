@@ -37,8 +37,8 @@ def guarded(options: argparse.Namespace) -> int:
         # Imported here: a start-up that goes well does without it.
         from tracerisk.dependencies import error_of
 
-        told = error_of(error, f"`tracerisk {options.verb}`")
-        return _internal_error() if told is None else _failed(options, told)
+        found = error_of(error, f"`tracerisk {options.verb}`")
+        return _internal_error() if found is None else _failed(options, found)
     except (KeyboardInterrupt, BrokenPipeError):
         raise
     except Exception:  # noqa: BLE001 - the one boundary

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.cli.hardware_spread import add_hardware_spread, spreads_of_files, tell
+from tracerisk.cli.hardware_spread import add_hardware_spread, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.pipeline.results.figure_spreads import with_distributions
 
         model = with_distributions(model, spreads.figures)
-        tell(spreads, options)
+        print_spreads(spreads, options)
     text = model_json.dumps(model)
     verdicts = sources_verdict(options.files)
     for line in () if verdicts is None else verdicts.lines:

@@ -62,11 +62,11 @@ def run(options: argparse.Namespace) -> int:
     except ModelError as error:
         error.location = error.location or Location(options.files[0])
         raise
-    told = "blocks" if kind is None else kind.value
+    kind_name = "blocks" if kind is None else kind.value
     write_all(FileWrite(Path(name), text.encode()) for name, text in texts.items())
     if options.json:
-        print_json("convert", format=told, to=target.value, files=list(texts))
-    note(f"{', '.join(texts)}: {told} as {target.value}", quiet=options.quiet)
+        print_json("convert", format=kind_name, to=target.value, files=list(texts))
+    note(f"{', '.join(texts)}: {kind_name} as {target.value}", quiet=options.quiet)
     return 0
 
 

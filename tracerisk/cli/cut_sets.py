@@ -162,11 +162,13 @@ def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
         raise InputError("figures depend on the mission time; give --mission-time H, in hours")
     tree = model.fault_tree(name, mission_time_h=time or 0.0)
     if timed and time is None:
-        told = "figures depend on the mission time: with --mission-time H there are probabilities"
-        return _Asked(tree, None, (*model.findings, told))
+        message = (
+            "figures depend on the mission time: with --mission-time H there are probabilities"
+        )
+        return _Asked(tree, None, (*model.findings, message))
     if any(event.model is None for event in tree.events):
-        told = "events have no figures: the cut sets are listed by their order"
-        return _Asked(tree, None, (*model.findings, told))
+        message = "events have no figures: the cut sets are listed by their order"
+        return _Asked(tree, None, (*model.findings, message))
     return _Asked(tree, tree.values_at(time or 0.0), model.findings)
 
 
@@ -192,8 +194,8 @@ def _of_dynamic(model: object, time: float | None) -> _Asked:
     )
     fixed = all(isinstance(event.model, Constant | PerDemand) for event in tree.events)
     if time is None and not fixed:
-        told = "figures depend on the mission time: with --mission-time H there are probabilities"
-        return _Asked(tree, None, (*notes, told))
+        text = "figures depend on the mission time: with --mission-time H there are probabilities"
+        return _Asked(tree, None, (*notes, text))
     return _Asked(tree, tree.values_at(time or 0.0), notes)
 
 

@@ -203,8 +203,8 @@ def _of_controller(path: str, robot_name: str | None, sandbox: str | None) -> di
     launch = LaunchChoice()
     try:
         launch = choose_launch(controller, settings)
-        told = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
-        found["launch"] = told or "nothing from a launch file"
+        text = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
+        found["launch"] = text or "nothing from a launch file"
     except LimitError:
         raise
     except TraceRiskError as error:

@@ -76,12 +76,12 @@ def _schema(options: argparse.Namespace) -> int:
 def _counted(driver: Driver) -> str:
     kinds = ("services", "actions", "subscribed_topics", "published_topics")
     counts = {kind: sum(each.kind == kind for each in driver.interfaces) for kind in kinds}
-    told = [
+    lines = [
         f"{count} {kind.replace('_', ' ') if count != 1 else kind[:-1].replace('_', ' ')}"
         for kind, count in counts.items()
         if count
     ]
-    return ", ".join(told) or "parameters alone"
+    return ", ".join(lines) or "parameters alone"
 
 
 def _as_json(driver: Driver) -> dict[str, Any]:

@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         found = api.evidence(options.controller)
     else:
         reasons: list[str] = []
-        with bar_of_cells(quiet=options.quiet) as told:
+        with bar_of_cells(quiet=options.quiet) as progress:
             found = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
                 jobs=options.jobs,
                 shard=options.shard,
                 fresh=options.fresh,
-                told=told,
+                progress=progress,
                 noted=reasons.append,
             )
         for each in dict.fromkeys(reasons):
@@ -136,9 +136,13 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
 def _replay(options: argparse.Namespace, found: Evidence) -> None:
     from tracerisk import api
 
-    with bar_of_cells(quiet=options.quiet) as told:
+    with bar_of_cells(quiet=options.quiet) as progress:
         number = api.evidence_replays(
-            options.controller, found, options.replays, shared.run_settings(options), told=told
+            options.controller,
+            found,
+            options.replays,
+            shared.run_settings(options),
+            progress=progress,
         )
     note(f"{number} replays, and index.html, in {options.replays}", quiet=options.quiet)
 

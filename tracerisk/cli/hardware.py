@@ -138,10 +138,10 @@ def _init(options: argparse.Namespace) -> int:
         starting_yaml,
     )
 
-    told = None if options.output is None else format_of_name(options.output)
-    if told is not None and options.format not in (None, told):
+    named = None if options.output is None else format_of_name(options.output)
+    if named is not None and options.format not in (None, named):
         raise InputError(
-            f"is the name of a {told} file, but --format says {options.format}; leave one out",
+            f"is the name of a {named} file, but --format says {options.format}; leave one out",
             Location(options.output),
         )
     robot = _robot(options.robot)
@@ -151,7 +151,7 @@ def _init(options: argparse.Namespace) -> int:
         {name: group.joints for name, group in robot.groups.items()},
         hardware_of(robot.name),
     )
-    kind = told or options.format or "yaml"
+    kind = named or options.format or "yaml"
     text = (starting_sysml if kind == "sysml" else starting_yaml)(hardware, robot.title)
     names = [each.name for each in hardware.components]
     _deliver(options, text, is_new=True, format=kind, components=names)
@@ -173,13 +173,13 @@ def _schema(options: argparse.Namespace) -> int:
     return 0
 
 
-def _deliver(options: argparse.Namespace, text: str, *, is_new: bool, **told: Any) -> None:
+def _deliver(options: argparse.Namespace, text: str, *, is_new: bool, **shown: Any) -> None:
     """Write a file, or print what would be in it; one that `is_new` takes no other's place."""
     if options.output is not None:
         _write(options.output, text, is_new=is_new)
         note(f"{options.output}: written", quiet=options.quiet)
     if options.json:
-        print_json("hardware", action=options.action, file=options.output, text=text, **told)
+        print_json("hardware", action=options.action, file=options.output, text=text, **shown)
     elif options.output is None:
         print(text, end="")
 

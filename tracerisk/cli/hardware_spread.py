@@ -100,7 +100,7 @@ def uncertainty_of_run(
     from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
 
     spreads = _checked(model, hardware, instances, by_hand)
-    tell(spreads, options)
+    print_spreads(spreads, options)
     return propagate(
         model,
         samples=SAMPLES if options.samples is None else options.samples,
@@ -109,7 +109,7 @@ def uncertainty_of_run(
     )
 
 
-def tell(spreads: HardwareSpreads | None, options: argparse.Namespace) -> None:
+def print_spreads(spreads: HardwareSpreads | None, options: argparse.Namespace) -> None:
     """Print what a reader must know of the spreads."""
     for text in () if spreads is None else spreads.notes:
         note(f"assumed: {text}", quiet=options.quiet)

@@ -87,10 +87,10 @@ def run(options: argparse.Namespace) -> int:
         show(*_answers(points, rows[name]))
         if options.above is not None:
             since = above[name]
-            told = f"not above {options.above:g}"
+            text = f"not above {options.above:g}"
             if since is not None:
-                told = f"above {options.above:g} since {_told(since)}"
-            show(told)
+                text = f"above {options.above:g} since {_text(since)}"
+            show(text)
     return int(code)
 
 
@@ -102,10 +102,10 @@ def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:
         return ["the figure never rose"]
     point, factor = rise
     change = rows[points.index(point)].change
-    return [f"largest rise: x{factor:.3g} by {_told(point)}", f"  {change}"]
+    return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {change}"]
 
 
-def _told(point: HistoryPoint) -> str:
+def _text(point: HistoryPoint) -> str:
     return f"{point.name} ({point.date}): {point.subject}" if point.commit else point.name
 
 

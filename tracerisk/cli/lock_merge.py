@@ -62,6 +62,6 @@ def _install(options: argparse.Namespace) -> int:
     done = install_merge_driver(Path())
     if options.json:
         print_json("lock-merge", exit_code=int(ExitCode.FINE), done=list(done))
-    for told in done:
-        note(told, quiet=options.quiet)
+    for line in done:
+        note(line, quiet=options.quiet)
     return int(ExitCode.FINE)

@@ -106,8 +106,8 @@ def _write_page(
         more=more,
     )
     write_file(options.output, html)
-    told = f"{options.output}: the report of {model.name}"
-    note(told, quiet=options.quiet or options.json)
+    text = f"{options.output}: the report of {model.name}"
+    note(text, quiet=options.quiet or options.json)
     data = assessment_to_json(assessment)
     return {"report": options.output, **verdicts.data(), "assessment": data}
 

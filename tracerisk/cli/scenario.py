@@ -112,8 +112,8 @@ def _write(output: Path, text: str) -> None:
         try:
             output.write_bytes(text.encode())
         except OSError as error:
-            told = f"cannot be written: {error.strerror}"
-            raise InputError(told, Location(str(output))) from error
+            message = f"cannot be written: {error.strerror}"
+            raise InputError(message, Location(str(output))) from error
 
 
 def _output(options: argparse.Namespace, controller: Controller) -> Path:
@@ -171,20 +171,20 @@ def _print_draft(
 ) -> None:
     if draft.cut:
         note(f"tracerisk: {draft.cut}: this is the best scenario so far")
-    rows = [(each.need.told, each.location, each.words) for each in draft.given]
+    rows = [(each.need.words, each.location, each.words) for each in draft.given]
     if draft.robot is not None:
-        rows.insert(0, (f"robot {draft.robot.name}", None, draft.robot.told))
+        rows.insert(0, (f"robot {draft.robot.name}", None, draft.robot.remark))
     if draft.arguments is not None:
-        told = f"arguments {' '.join(draft.arguments.words)}"
-        rows.insert(0, (told, None, draft.arguments.told))
+        text = f"arguments {' '.join(draft.arguments.words)}"
+        rows.insert(0, (text, None, draft.arguments.remark))
     if rows:
         show("Asked for, and given by the scenario as assumed:")
-    for told, place, words in rows:
-        show(f"  {told}{_at(place)}: {words}")
+    for text, place, words in rows:
+        show(f"  {text}{_at(place)}: {words}")
     if draft.missing:
         show("Asked for, and given by no scenario:")
     for each in draft.missing:
-        show(f"  {each.need.told}{_at(each.location)}: {each.words}")
+        show(f"  {each.need.words}{_at(each.location)}: {each.words}")
     _print_asked(asked, "in the source beside, and had in the run or not reached")
     if not rows and not draft.missing and not asked:
         show("It asks its world for nothing.")
@@ -204,7 +204,7 @@ def _print_asked(asked: tuple[Missed, ...], where: str) -> None:
     if asked:
         show(f"Asked for {where}:")
     for each in asked:
-        show(f"  {each.need.told}{_at(each.location)}")
+        show(f"  {each.need.words}{_at(each.location)}")
 
 
 def _at(place: Location | None) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
+from tracerisk.cli.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.assessment import print_assessment, risk_exit
 from tracerisk.cli.shared.model_files import OWN, format_of
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         for line in () if verdicts is None else verdicts.lines:
             show(line)
-        tell(spreads, options)
+        print_spreads(spreads, options)
         asked.print_set(changes)
         print_assessment(assessment)
         asked.print_what_if(

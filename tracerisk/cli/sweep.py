@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk import api
     from tracerisk.report.series import sweep as report
 
-    with bar_of_cells(quiet=options.quiet) as told:
+    with bar_of_cells(quiet=options.quiet) as progress:
         points = api.sweep(
             options.controller,
             options.over,
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
             most_s=options.time,
             shard=options.shard,
             fresh=options.fresh,
-            told=told,
+            progress=progress,
         )
     if options.csv is not None:
         write_file(options.csv, report.csv_text(points))

@@ -80,8 +80,8 @@ def run(options: argparse.Namespace) -> int:
         if trace.end.scenario:
             note(scenario_advice(trace.end.scenario), quiet=options.quiet)
         for line in trace.assumptions:
-            told = line.startswith((MEASURED, LOST))
-            note(line if told else f"assumed: {line}", quiet=options.quiet)
+            listed = line.startswith((MEASURED, LOST))
+            note(line if listed else f"assumed: {line}", quiet=options.quiet)
     return code
 
 

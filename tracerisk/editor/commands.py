@@ -36,20 +36,20 @@ async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
     """Refresh a controller, show the user how that ended, and return whether it ended well."""
     path = path_of(uri)
     if path is None or policy not in ("", *POLICIES):
-        server.tell(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)
+        server.report(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)
         return False
     path = path.resolve()
     unsaved = [each.path.name for each in server.session.unsaved() if each.path is not None]
     if unsaved:
-        told = f"{', '.join(unsaved)} is not saved; save, then refresh {path.name}"
-        server.tell(told, is_error=True)
+        message = f"{', '.join(unsaved)} is not saved; save, then refresh {path.name}"
+        server.report(message, is_error=True)
         return False
     if server.refreshes.is_running(path):
-        server.tell(f"{path.name} is being refreshed already", is_error=True)
+        server.report(f"{path.name} is being refreshed already", is_error=True)
         return False
     async with server.progress(f"refreshing {path.name}", partial(server.refreshes.end, path)):
         done: Refreshed = await server.refreshes.run(path, path.parent, policy)
-    server.tell(done.words, is_error=not done.is_fine)
+    server.report(done.words, is_error=not done.is_fine)
     for document in list(server.session.documents.values()):
         server.session.put(document.uri, document.version, document.text)
     server.touch(list(server.session.documents))
@@ -60,11 +60,13 @@ async def _pin(server: RiskServer, uri: Any, line: Any, reason: Any) -> bool:
     """Set the value of a line by hand; return whether the editor did so."""
     document = server.document(str(uri))
     if document is None or not isinstance(line, int):
-        server.tell(f"{PIN} takes the URI of an open source, a line and a reason", is_error=True)
+        server.report(f"{PIN} takes the URI of an open source, a line and a reason", is_error=True)
         return False
     edit = pin(server.session, document, line, str(reason))
     if edit is None:
-        server.tell("there is no value of a risk block to set by hand on this line", is_error=True)
+        server.report(
+            "there is no value of a risk block to set by hand on this line", is_error=True
+        )
         return False
     return await server.apply("set a value by hand", edit)
 
@@ -75,11 +77,11 @@ async def _accept(
     """Accept a reason of a controller's verdict; return whether the editor did so."""
     path = path_of(uri)
     if path is None or code not in ACCEPTABLE or not words.strip():
-        told = f"{ACCEPT} takes the URI of a controller, a code, function, object and words"
-        server.tell(f"{told}; {one_of(ACCEPTABLE, code)}", is_error=True)
+        text = f"{ACCEPT} takes the URI of a controller, a code, function, object and words"
+        server.report(f"{text}; {one_of(ACCEPTABLE, code)}", is_error=True)
         return False
     edit = acceptance(server.session, path, code, function, thing, words.strip())
     if edit is None:
-        server.tell(f"{path.parent} has no {SETTINGS} that another entry fits", is_error=True)
+        server.report(f"{path.parent} has no {SETTINGS} that another entry fits", is_error=True)
         return False
     return await server.apply(f"accept {code}", edit)

@@ -225,12 +225,12 @@ def _described(figures: Sequence[ControllerFigures]) -> Iterator[tuple[Component
 def component_words(component: Component, hardware: Hardware | None) -> str:
     """Return what a hardware description says of a component, on one line."""
     count = "as many as the robot has" if component.quantity is None else f"{component.quantity}"
-    told = [f"units: {count}"]
+    lines = [f"units: {count}"]
     for figure in component.figures:
         what = figure.kind.replace("_", " ")
-        told.append(f"{what} {figure.value:g} per {figure.per.value}")
+        lines.append(f"{what} {figure.value:g} per {figure.per.value}")
     source = component.source or (None if hardware is None else hardware.source)
-    return "; ".join([*told, *([f"source: {source}"] if source else [])])
+    return "; ".join([*lines, *([f"source: {source}"] if source else [])])
 
 
 def hardware_of(figures: ControllerFigures) -> Hardware | None:

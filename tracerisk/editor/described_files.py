@@ -97,8 +97,8 @@ def _about(root: Any, node: Any) -> str:
     """Return what a schema says of a key."""
     if "description" in node:
         return str(node["description"])
-    told = [each["description"] for each in _alternatives(root, node) if "description" in each]
-    return told[0] if told else ""
+    reported = [each["description"] for each in _alternatives(root, node) if "description" in each]
+    return reported[0] if reported else ""
 
 
 def _at(root: Any, nodes: Sequence[Any], path: Sequence[str]) -> list[Any]:

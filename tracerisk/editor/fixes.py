@@ -64,22 +64,24 @@ def _refreshes(
     if not mended:
         return
     uri, name = session.uri_of(analysis.path), analysis.path.name
-    told = [finding_diagnostic(each, analysis.path, document.lines) for each in mended]
+    diagnostics = [finding_diagnostic(each, analysis.path, document.lines) for each in mended]
     is_edited = any(each.kind in ("edited", "undecided") for each in mended)
     if not is_edited:
-        yield _command(f"Refresh the risk blocks of {name}", told, REFRESH, [uri], preferred=True)
+        yield _command(
+            f"Refresh the risk blocks of {name}", diagnostics, REFRESH, [uri], preferred=True
+        )
         return
     if any(each.kind == "edited" for each in mended):
         title = f"Keep all edits of {name} as set by hand, and refresh"
-        yield _command(title, told, REFRESH, [uri, "accept-edits"])
+        yield _command(title, diagnostics, REFRESH, [uri, "accept-edits"])
     title = f"Discard all edits of {name}, and refresh"
-    yield _command(title, told, REFRESH, [uri, "discard-edits"])
+    yield _command(title, diagnostics, REFRESH, [uri, "discard-edits"])
 
 
 def _of_finding(
     session: Session, document: Document, analysis: Analysis, finding: CheckFinding, *, asks: bool
 ) -> Iterator[lsp.CodeAction]:
-    told = [finding_diagnostic(finding, analysis.path, document.lines)]
+    diagnostics = [finding_diagnostic(finding, analysis.path, document.lines)]
     if finding.kind in ("edited", "undecided"):
         line = (finding.location.line or 1) - 1
         value = value_line(document.lines.texts, line)
@@ -88,17 +90,17 @@ def _of_finding(
             edits = {line: value.with_value(written)}
             title = f"Put {value.key} back to {written}"
             edit = _workspace_edit(document, edits)
-            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, told, edit=edit)
+            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, diagnostics, edit=edit)
     reason = reason_of(analysis.verdict, finding.message, finding.subject)
     if finding.kind in ("faulted", "partial") and reason is not None:
         given = [session.uri_of(analysis.path), *reason.key]
         title = f"Accept {reason.code} in {settings_of(controller_root(analysis.path)).name}"
         if asks:
-            yield _command(f"{title}, with a reason", told, ASKED_ACCEPT, list(given))
+            yield _command(f"{title}, with a reason", diagnostics, ASKED_ACCEPT, list(given))
             return
         edit = acceptance(session, analysis.path, *reason.key, "")
         if edit is not None:
-            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, told, edit=edit)
+            yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, diagnostics, edit=edit)
 
 
 def _pin(
@@ -180,7 +182,7 @@ def _workspace_edit(document: Document, edits: dict[int, str]) -> lsp.WorkspaceE
 
 def _command(
     title: str,
-    told: list[lsp.Diagnostic],
+    diagnostics: list[lsp.Diagnostic],
     name: str,
     arguments: list[str],
     *,
@@ -188,7 +190,7 @@ def _command(
 ) -> lsp.CodeAction:
     command = lsp.Command(title, name, arguments=arguments)
     kind = lsp.CodeActionKind.QuickFix
-    return lsp.CodeAction(title, kind, told, is_preferred=preferred or None, command=command)
+    return lsp.CodeAction(title, kind, diagnostics, is_preferred=preferred or None, command=command)
 
 
 def reason_of(verdict: Verdict | None, message: str, function: str) -> Reason | None:

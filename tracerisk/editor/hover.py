@@ -61,12 +61,12 @@ def function_markdown(
 
     `file` is the source, as each of the controllers names it. Empty where nothing is known.
     """
-    told = []
+    lines = []
     for each, name in zip(figures, file, strict=True):
         state = each.state(name, function)
         if state is not None:
-            told.append("\n".join(_function_lines(each, state)))
-    return "\n\n---\n\n".join(told)
+            lines.append("\n".join(_function_lines(each, state)))
+    return "\n\n---\n\n".join(lines)
 
 
 def _function_lines(figures: ControllerFigures, state: StateAssessment) -> Iterator[str]:
@@ -119,8 +119,8 @@ def use_text(use: UnitUse) -> str:
         ("grasping", use.grasping_s),
         ("read", use.reading_s),
     )
-    told = ", ".join(f"{what} {seconds:.1f} s" for what, seconds in times if seconds)
-    return f"{_plain(use.unit)}: {told or 'not in use'}"
+    text = ", ".join(f"{what} {seconds:.1f} s" for what, seconds in times if seconds)
+    return f"{_plain(use.unit)}: {text or 'not in use'}"
 
 
 def closing_lines(figures: ControllerFigures) -> Iterator[str]:
@@ -146,11 +146,11 @@ def component_markdown(
     entry: ComponentEntry,
 ) -> str:
     """Return what is known of one component of a block."""
-    told = [f"**{_plain(entry.name)}** in {_plain(block.function)}{_by_hand(entry)}", ""]
+    lines = [f"**{_plain(entry.name)}** in {_plain(block.function)}{_by_hand(entry)}", ""]
     for kind, value in component_fields(entry):
         if value.is_stated:
-            told.append(f"- {kind.key}: {_plain(value.text)}{_said(value)}")
-    told.append("")
+            lines.append(f"- {kind.key}: {_plain(value.text)}{_said(value)}")
+    lines.append("")
     for each, name in zip(figures, file, strict=True):
         state = each.state(name, block.function)
         if state is None or each.assessment is None:
@@ -158,21 +158,21 @@ def component_markdown(
         found = [one for one in state.components if component_of(one.name) == entry.name]
         contribution = sum(one.contribution for one in found)
         part = contribution / state.top_event if state.top_event > 0.0 else 0.0
-        told.append(
+        lines.append(
             f"{share_text(part)} of the failure probability of {_plain(state.name)}, "
             f"{share_text(part * each.share(state))} of that of the mission."
         )
         use = each.use(state.name, entry.name)
         if use is not None:
-            told.append(f"Most used unit in the last run: {use_text(use)}.")
-        told += [
+            lines.append(f"Most used unit in the last run: {use_text(use)}.")
+        lines += [
             "If it never failed, the mission's failure probability would fall by "
             f"{share_text(one.fussell_vesely)}."
             for one in each.importances
             if component_of(one.name) == entry.name
         ]
-        told += ["", *closing_lines(each)]
-    return "\n".join(told)
+        lines += ["", *closing_lines(each)]
+    return "\n".join(lines)
 
 
 def _by_hand(entry: ComponentEntry) -> str:

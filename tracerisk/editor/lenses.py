@@ -56,5 +56,5 @@ def lenses(
 def _of_mission(figures: ControllerFigures) -> Iterator[Lens]:
     if figures.assessment is not None:
         mission = figures.assessment.mission
-        told = f"mission fails by its hardware with {mission.failure_probability:.4g}"
-        yield Lens(1, f"{told}; {verdict_line(figures.verdict)}")
+        text = f"mission fails by its hardware with {mission.failure_probability:.4g}"
+        yield Lens(1, f"{text}; {verdict_line(figures.verdict)}")

@@ -121,7 +121,7 @@ class RiskServer:
         found = self.session.documents.get(uri)
         return found if found is not None and found.is_source else None
 
-    def tell(self, words: str, *, is_error: bool) -> None:
+    def report(self, words: str, *, is_error: bool) -> None:
         """Show the user a line."""
         kind = lsp.MessageType.Error if is_error else lsp.MessageType.Info
         self.connection.window_show_message(lsp.ShowMessageParams(kind, words))
@@ -245,12 +245,12 @@ def _hover(server: RiskServer, params: lsp.HoverParams) -> lsp.Hover | None:
     block = outline.block_at(line)
     entry = None if block is None else component_at(block, line)
     if block is not None and entry is not None:
-        told = component_markdown(figures, files, block, entry)
+        hover_text = component_markdown(figures, files, block, entry)
     else:
-        told = function_markdown(figures, files, function)
-    if not told:
+        hover_text = function_markdown(figures, files, function)
+    if not hover_text:
         return None
-    return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, told), lines.whole(line - 1))
+    return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, hover_text), lines.whole(line - 1))
 
 
 def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:

@@ -258,7 +258,7 @@ def _concurrent_owners(
 ) -> tuple[Finding, ...]:
     """Return each pair of owners that had live commands at the same time, once."""
     findings: list[Finding] = []
-    told: set[frozenset[FunctionRef]] = set()
+    reported: set[frozenset[FunctionRef]] = set()
     open_commands: list[LiveCommand] = []
     for each in live:
         now = each.command.issue_ns
@@ -269,9 +269,9 @@ def _concurrent_owners(
         for other in open_commands:
             earlier = visits[other.visit].function
             pair = frozenset({earlier, visit.function})
-            if len(pair) == 1 or pair in told:
+            if len(pair) == 1 or pair in reported:
                 continue
-            told.add(pair)
+            reported.add(pair)
             message = (
                 f"{visit.function.name} commands {', '.join(each.command.elements)} while a "
                 f"command of {earlier.name} is still live; each element counts for whoever "

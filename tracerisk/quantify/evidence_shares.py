@@ -122,7 +122,7 @@ class EvidenceShares:
                 return term
             ends = (_pooled(like, term),) * len(uses)
             return replace(term, ends=ends, cells=(f"{fault} {is_idle}", len(like)))
-        told = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
+        described = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
         if is_idle:
             places = [(each.time_s - each.active_s, each.fails) for each in cells]
             shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
@@ -136,10 +136,10 @@ class EvidenceShares:
         stands_for = [_hazard(term, each) for each in cells]
         total = sum(stands_for)
         if total <= 0.0 or term.counts == "visits":
-            return replace(told, ends=shares)
+            return replace(described, ends=shares)
         ending = sum(s for s, each in zip(stands_for, cells, strict=True) if each.fails)
         hazards = [term.hazard(use) for use in uses]
-        return replace(told, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
+        return replace(described, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
 
     def _kept(self, cells: Sequence[Cell], share: float) -> float:
         """Return the share of a stratum's hazard, as it is with the share that figures keep."""

@@ -64,6 +64,6 @@ def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | 
     add_share_columns(table, width)
     table.add_column("source", overflow="fold")
     for each in shown:
-        told = plain([each.source])
-        table.add_row(*plain([each.component]), *share_cells(each.fussell_vesely, width), *told)
+        found = plain([each.source])
+        table.add_row(*plain([each.component]), *share_cells(each.fussell_vesely, width), *found)
     return table

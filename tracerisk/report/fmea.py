@@ -99,26 +99,26 @@ class FmeaRow:
     @property
     def told_after_s(self) -> float | None:
         """The median time until the controller was notified, where it was [s]."""
-        told = [each.told_after_s for each in self.cells if each.told_after_s is not None]
-        return statistics.median(told) if told else None
+        notified = [each.told_after_s for each in self.cells if each.told_after_s is not None]
+        return statistics.median(notified) if notified else None
 
     @property
-    def told(self) -> str:
+    def notified(self) -> str:
         """The same in words, also where it was not notified of any."""
-        told, untold_s = self.told_after_s, untold_for(self.cells)
-        if told is not None:
-            return f"{told:.2f}"
+        notified, untold_s = self.told_after_s, untold_for(self.cells)
+        if notified is not None:
+            return f"{notified:.2f}"
         return "never" if untold_s is None else f"> {untold_s}"
 
     @property
     def detection(self) -> str:
         """By what the failure was reported, and in how many of the cells."""
-        told = [each.told_by for each in self.cells if each.told_by]
-        if not told:
+        notified = [each.told_by for each in self.cells if each.told_by]
+        if not notified:
             untold_s = untold_for(self.cells)
             return "nothing" if untold_s is None else f"nothing within {untold_s} s"
-        kinds = ", ".join(sorted({each.replace("_", " ") for each in told}))
-        return f"{kinds} ({len(told)} of {len(self.cells)})"
+        kinds = ", ".join(sorted({each.replace("_", " ") for each in notified}))
+        return f"{kinds} ({len(notified)} of {len(self.cells)})"
 
     @property
     def hardest(self) -> str:
@@ -130,7 +130,7 @@ class FmeaRow:
     def values(self) -> tuple[str, ...]:
         """The row as text, in the order of `HEADINGS`."""
         low, high = self.interval
-        told = self.told_after_s
+        notified = self.told_after_s
         return (
             self.component,
             self.mode,
@@ -138,7 +138,7 @@ class FmeaRow:
             self.worst.local,
             end_effect(self.cells),
             self.detection,
-            "" if told is None else f"{told:.3g}",
+            "" if notified is None else f"{notified:.3g}",
             f"{self.share:.4g}",
             f"{low:.4g}",
             f"{high:.4g}",
@@ -185,7 +185,7 @@ def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str
         table.add_row(
             f"  {row.function}",
             end_effect(row.cells),
-            row.told,
+            row.notified,
             f"{row.failed} of {len(row.cells)}",
             f"{low:.2f}..{high:.2f}",
         )
@@ -196,17 +196,17 @@ def summary_lines(found: Evidence) -> list[str]:
     """Return what a campaign showed over all, a line each."""
     cells = found.cells
     needed, harmless, idle_needed, idle_harmless = confusion(cells)
-    told = [each.told_after_s for each in cells if each.told_after_s is not None]
+    delays = [each.told_after_s for each in cells if each.told_after_s is not None]
     lines = [
         f"{len(cells)} failures tried, {found.drawn} of them drawn from the hazard; "
         f"{sum(1 for each in cells if each.fails)} ended the mission",
         f"in use: {needed} needed, {harmless} harmless; idle: {idle_needed} needed, "
         f"{idle_harmless} harmless",
     ]
-    if told:
+    if delays:
         lines.append(
-            f"reported to the controller in {len(told)}, after {statistics.median(told):.2f} s in "
-            "the median"
+            f"reported to the controller in {len(delays)}, "
+            f"after {statistics.median(delays):.2f} s in the median"
         )
     else:
         lines.append("reported to the controller in none")

@@ -138,11 +138,11 @@ def render_brief(
         ]
         if parts:
             console.print(Text(f"Parts that matter most: {', '.join(parts)}."))
-        told = [*findings, *assessment.findings]
-        for line in told[:MOST_PARTS]:
+        reported = [*findings, *assessment.findings]
+        for line in reported[:MOST_PARTS]:
             console.print(Text(f"- {line}"))
-        if len(told) > MOST_PARTS:
-            console.print(Text(f"- and {len(told) - MOST_PARTS} more findings"))
+        if len(reported) > MOST_PARTS:
+            console.print(Text(f"- and {len(reported) - MOST_PARTS} more findings"))
         for line in following:
             console.print(Text(line))
 
@@ -165,14 +165,14 @@ def mission_sentence(assessment: Assessment) -> str:
     risk = assessment.mission.failure_probability
     if risk == 0.0:
         return f"No hardware failure that is modelled can end a mission of {assessment.model}."
-    told = (
+    text = (
         f"Probability that a hardware failure ends a mission of {assessment.model}: "
         f"{_probability(risk)}"
     )
     if not assessment.components:
-        return f"{told}."
+        return f"{text}."
     first = assessment.components[0]
-    return f"{told}, {share_text(first.fussell_vesely)} of it through {first.name}."
+    return f"{text}, {share_text(first.fussell_vesely)} of it through {first.name}."
 
 
 _SEEN = 1e-4
@@ -189,13 +189,13 @@ def _readings(assessment: Assessment) -> str:
     spread = max(figures.values()) - min(figures.values())
     risk = mission.failure_probability
     relative = spread / risk if risk > 0.0 else 0.0
-    told = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
-    told = f"{told[0].upper()}{told[1:]}: they differ by {100.0 * relative:.2g} %."
+    text = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
+    text = f"{text[0].upper()}{text[1:]}: they differ by {100.0 * relative:.2g} %."
     if relative < _SEEN:
-        return told
+        return text
     if mission.reading == GEOMETRIC:
-        return f"{told} The first holds: `next` is a distribution."
-    return f"{told} The second holds: `next` counts the cycles of a mission."
+        return f"{text} The first holds: `next` is a distribution."
+    return f"{text} The second holds: `next` counts the cycles of a mission."
 
 
 def _fixed_cycles(mission: MissionFigures) -> str:

@@ -123,30 +123,30 @@ def render_uncertainty(
         for each in found.inputs
         if each.cut
     ]
-    told = []
+    lines = []
     if found.mean > 0.0:
-        told.append(
+        lines.append(
             f"The mean has a standard error of {found.standard_error:.2g} "
             f"({100.0 * found.standard_error / found.mean:.2g} %)."
         )
     if found.is_weighted:
-        told.append(
+        lines.append(
             "The mean lies in draws too rare for this sample: it comes from as many others, half "
             "of them from the tails of the inputs with the greatest shares, weighted."
         )
     if not found.knows_mean:
-        told.append(
+        lines.append(
             f"This sample does not give the mean: the greatest of its {found.samples} draws alone "
             f"makes {100.0 * found.greatest_share:.2g} % of it, so that still greater ones, which "
             "were not drawn, matter as much. The mean is likely higher, and its standard error "
             "with it; go by the percentiles."
         )
     if found.point > 0.0 and abs(found.mean - found.point) > 0.01 * found.point:
-        told.append(
+        lines.append(
             f"The mean is {found.mean / found.point:.3g} times the point, in which each parameter "
             "has its own value: the median of its distribution, unless it says otherwise."
         )
-    return render_parts([spread, *told, inputs, *cut], width=width, color=color)
+    return render_parts([spread, *lines, inputs, *cut], width=width, color=color)
 
 
 def _sweep(swept: Sweep) -> Table:

@@ -56,10 +56,10 @@ class Forked(subprocess.Popen[bytes]):
         self.returncode: int | None = None
         self._replies = replies
         replies.settimeout(_LONGEST_START_S)
-        told, descriptors, _, _ = socket.recv_fds(replies, _NUMBER.size, 1)
+        data, descriptors, _, _ = socket.recv_fds(replies, _NUMBER.size, 1)
         if not descriptors:
             raise ConnectionError("the server has ended")
-        (self.pid,), (self._process,) = _NUMBER.unpack(told), descriptors
+        (self.pid,), (self._process,) = _NUMBER.unpack(data), descriptors
 
     def poll(self) -> int | None:
         """Return how it ended; None while it runs."""
@@ -72,11 +72,11 @@ class Forked(subprocess.Popen[bytes]):
         if self.returncode is None:
             if not _is_ready(self._replies.fileno(), timeout):
                 raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
-            told = b""
+            data = b""
             with contextlib.suppress(ConnectionError):
-                told = self._replies.recv(_NUMBER.size)
-            if told:
-                self.returncode = os.waitstatus_to_exitcode(*_NUMBER.unpack(told))
+                data = self._replies.recv(_NUMBER.size)
+            if data:
+                self.returncode = os.waitstatus_to_exitcode(*_NUMBER.unpack(data))
             else:
                 # The server was killed; what it forked ends by itself.
                 if not _is_ready(self._process, _GRACE_S):
@@ -317,10 +317,10 @@ class _Jobs:
         import socket
 
         try:
-            told, found, _, _ = socket.recv_fds(self._requests, 1, _MOST_DESCRIPTORS)
+            data, found, _, _ = socket.recv_fds(self._requests, 1, _MOST_DESCRIPTORS)
         except OSError:
-            told, found = b"", []
-        if not told:
+            data, found = b"", []
+        if not data:
             self._is_open = False
             return None
         asker = found[1]

@@ -218,7 +218,7 @@ def run_limited(
                     stream.close()
     if child.returncode == _OUT_OF_MEMORY:
         used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of what a controller has"
-        raise LimitError(f"{doing} took more than {used}; {limits.memory.told}", place)
+        raise LimitError(f"{doing} took more than {used}; {limits.memory.advice}", place)
     if child.returncode in (-signal.SIGKILL, -signal.SIGXCPU):
         name = signal.Signals(-child.returncode).name
         raise LimitError(
@@ -251,13 +251,13 @@ def _watched(
             if own.seconds > limits.own.value:
                 raise LimitError(
                     f"{doing} took more than {limits.own.value:g} s of computing or sleeping; "
-                    f"{limits.own.told}",
+                    f"{limits.own.advice}",
                     place,
                 )
         if monotonic() - began > limits.wall.value:
             what = "did not start within" if own is None else "took more than"
             raise LimitError(
-                f"{doing} {what} {limits.wall.value:g} s of wall time; {limits.wall.told}", place
+                f"{doing} {what} {limits.wall.value:g} s of wall time; {limits.wall.advice}", place
             )
 
 

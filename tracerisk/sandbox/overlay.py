@@ -182,7 +182,7 @@ class Overlay:
             self._refuse_folder(full, place)
             return self._open(place, mode, *args, **more)
         place = self._seen(full)
-        with self._told(full):
+        with self._noting(full):
             return self._open(file if place == full else place, mode, *args, **more)
 
     def _refuse_folder(self, full: str, place: str) -> None:
@@ -201,11 +201,11 @@ class Overlay:
                 raise FileNotFoundError(2, "No such file or directory", os.fsdecode(path))
             place = self._target(full) if flags & os.O_TRUNC else self._copied(full)
             return int(self._real["open"](place, flags, *args, **more))
-        with self._told(full):
+        with self._noting(full):
             return int(self._real["open"](path if place == full else place, flags, *args, **more))
 
     @contextlib.contextmanager
-    def _told(self, full: str) -> Iterator[None]:
+    def _noting(self, full: str) -> Iterator[None]:
         try:
             yield
         except PermissionError:
@@ -285,7 +285,7 @@ class Overlay:
         if full is None:
             return list(self._real["listdir"](path))
         full = os.path.realpath(full)
-        with self._told(full):
+        with self._noting(full):
             names = self._names(full)
         return [os.fsencode(each) for each in names] if isinstance(path, bytes) else names
 

@@ -61,8 +61,8 @@ class CallGraph:
         for ref in calls:
             parts = str(ref.name).split(".")
             # A class is called by its name.
-            told = parts[-2:] if parts[-1] == "__init__" else parts[-1:]
-            for name in told:
+            tail = parts[-2:] if parts[-1] == "__init__" else parts[-1:]
+            for name in tail:
                 named.setdefault(ref.file, {}).setdefault(name, set()).add(ref)
         seen = {file: _imported_files(file, imports) for file in imports}
         linked = {}

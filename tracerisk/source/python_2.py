@@ -42,10 +42,10 @@ def python_2_hint(source: bytes, file: str) -> str | None:
     if not found:
         return None
     shown = sorted(found, key=lambda sign: (found[sign], sign))
-    told = ", ".join(f"`{sign}` (line {found[sign]})" for sign in shown[:_MOST])
+    text = ", ".join(f"`{sign}` (line {found[sign]})" for sign in shown[:_MOST])
     more = f" and {len(shown) - _MOST} more" if len(shown) > _MOST else ""
     return (
-        f"{file} is Python 2: {told}{more}; convert it first, e.g. with `2to3 -w {file}` or "
+        f"{file} is Python 2: {text}{more}; convert it first, e.g. with `2to3 -w {file}` or "
         f"`python-modernize -w {file}`"
     )
 

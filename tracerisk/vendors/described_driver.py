@@ -156,7 +156,7 @@ class DescribedDriver:
     def _refused(
         self, interface: Interface, error: PlanningError, stack: tuple[Frame, ...]
     ) -> Result:
-        self._commands.tell(
+        self._commands.report(
             "command_ignored", f"{short_name(interface)} moved nothing: {error.message}", stack
         )
         return Result(error.failure, error.message)
@@ -187,9 +187,9 @@ class DescribedDriver:
         is_goal: bool = False,
     ) -> tuple[Result, list[Job]]:
         """Do what a case says; a motion is returned as a job, over or not."""
-        for told in (case.note, case.refuse):
-            if told:
-                self._commands.tell("not_simulated", f"{short_name(interface)}: {told}", stack)
+        for words in (case.note, case.refuse):
+            if words:
+                self._commands.report("not_simulated", f"{short_name(interface)}: {words}", stack)
         if case.refuse:
             return Result("not_simulated", case.refuse), []
         if case.clear:
@@ -297,15 +297,15 @@ class DescribedDriver:
     def _feed_back(self, interface: Interface, goal: ActionGoal) -> None:
         period_ns = round(1e9 / interface.rate)
 
-        def tell() -> None:
+        def notify() -> None:
             if goal.state.is_terminal:
                 return
             made = self._messages.part(goal.client.type_name, "Feedback")
             answers = self._arm(interface).answers
             goal.publish_feedback(answers.fill(made, interface.feedback, Result(), goal.message))
-            self._scheduler.call_at(self._scheduler.now_ns + period_ns, tell, background=True)
+            self._scheduler.call_at(self._scheduler.now_ns + period_ns, notify, background=True)
 
-        self._scheduler.call_at(self._scheduler.now_ns + period_ns, tell, background=True)
+        self._scheduler.call_at(self._scheduler.now_ns + period_ns, notify, background=True)
 
     # Topics
 
@@ -380,7 +380,7 @@ class DescribedDriver:
             by_controller=False,
         )
         if self._arm(interface).answers.asks_sensors(interface.response):
-            self._reading.tells_joints(publication, interface.rate)
+            self._reading.reports_joints(publication, interface.rate)
         self._schedule(interface, publication)
 
     def _schedule(self, interface: Interface, publication: Publication) -> None:

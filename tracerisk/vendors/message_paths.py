@@ -55,13 +55,13 @@ def check(message_class: Any, path: str) -> MessageField:
     for name, index in steps_of(path):
         if owner is None:
             assert field is not None
-            raise FieldError(f"'{field.name}' is {field.told} and has no field '{name}'")
+            raise FieldError(f"'{field.name}' is {field.type_text} and has no field '{name}'")
         fields = {each.name: each for each in fields_of(owner)}
         if name not in fields:
             raise FieldError(f"{type_of(owner)} has no field '{name}'; {one_of(fields, name)}")
         field = fields[name]
         if index is not None and not field.is_array:
-            raise FieldError(f"'{name}' of {type_of(owner)} is {field.told}, no list")
+            raise FieldError(f"'{name}' of {type_of(owner)} is {field.type_text}, no list")
         if index is not None and field.length is not None and index >= field.length:
             raise FieldError(f"'{name}' of {type_of(owner)} has {field.length} entries")
         # A field of each of a list: what follows needs an index.

@@ -132,7 +132,7 @@ class MotionQueue:
         if job in self._live:
             self._live.remove(job)
         if motion.outcome == "aborted":
-            self._commands.tell(
+            self._commands.report(
                 "execution_failure", f"{job.kind} was aborted: {motion.message}", job.stack
             )
             self._end(job, "aborted", motion.message)
@@ -142,10 +142,10 @@ class MotionQueue:
             self._begin(self._waiting.popleft())
 
     def _fail(self, job: Job, outcome: str, message: str) -> None:
-        told = "was aborted" if job.is_goal else "moved nothing"
-        self._commands.tell(
+        text = "was aborted" if job.is_goal else "moved nothing"
+        self._commands.report(
             "goal_rejected" if job.is_goal else "command_ignored",
-            f"{job.kind} {told}: {message}",
+            f"{job.kind} {text}: {message}",
             job.stack,
         )
         self._end(job, outcome, message)

@@ -94,13 +94,13 @@ def message(folder, text: str) -> str:
 
 
 @pytest.mark.parametrize("mistake", NOTATION)
-def test_a_broken_file_is_told_with_what_was_expected(tmp_path, mistake):
+def test_a_broken_file_is_reported_with_what_was_expected(tmp_path, mistake):
     text, expected = NOTATION[mistake]
     assert message(tmp_path, text) == f"m.sysml:{expected}"
 
 
 @pytest.mark.parametrize("mistake", MEANING)
-def test_a_description_that_means_nothing_is_told_with_its_place(tmp_path, mistake):
+def test_a_description_that_means_nothing_is_reported_with_its_place(tmp_path, mistake):
     text, expected = MEANING[mistake]
     if not text.startswith("package M"):
         text = f"package M {{ {HEAD}{text}\n}}"
@@ -110,7 +110,7 @@ def test_a_description_that_means_nothing_is_told_with_its_place(tmp_path, mista
     assert expected in found
 
 
-def test_what_cannot_be_read_is_told(tmp_path):
+def test_what_cannot_be_read_is_reported(tmp_path):
     with pytest.raises(HardwareError, match=r"absent\.sysml: cannot be read: No such file"):
         read_sysml(tmp_path / "absent.sysml", shown="absent.sysml")
     latin = tmp_path / "latin.sysml"

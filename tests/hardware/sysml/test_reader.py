@@ -145,7 +145,7 @@ def test_a_risk_level_is_given_with_and_without_new(tmp_path, word):
     assert hardware.components[0].figures == (FailureFigure("probability", 0.25, Basis.VISIT),)
 
 
-def test_a_level_is_told_and_left_out(tmp_path):
+def test_a_level_is_reported_and_left_out(tmp_path):
     hardware = read(
         tmp_path,
         "part r { part a { @Risk { totalRisk = RiskLevelEnum::high; } } part b {"

@@ -89,11 +89,11 @@ def ended(found, fault: Fault, *, follows: bool = False):
     return result.done.trace
 
 
-def test_a_controller_that_was_told_and_goes_on_is_followed_for_ten_seconds(tmp_path):
+def test_a_controller_that_was_reported_and_goes_on_is_followed_for_ten_seconds(tmp_path):
     found = nominal(tmp_path)
     trace = ended(found, jam(1, time_s=1.0).faults[0])
-    (told, *_) = (each.time_s for each in trace.findings if each.kind == "execution_failure")
-    after = min(each.start_s for each in trace.visits if each.start_s > told)
+    (reported, *_) = (each.time_s for each in trace.findings if each.kind == "execution_failure")
+    after = min(each.start_s for each in trace.visits if each.start_s > reported)
     assert trace.end.simulated_s == pytest.approx(after + TOLD_S, abs=0.002)
     assert trace.end.simulated_s < found.trace.end.simulated_s - 1.0
     whole = ended(found, jam(1, time_s=1.0).faults[0], follows=True)

@@ -51,7 +51,7 @@ def ros2(workspace):
     return workspace
 
 
-def test_the_one_launch_file_that_starts_it_is_taken_and_told(workspace, given):
+def test_the_one_launch_file_that_starts_it_is_taken_and_reported(workspace, given):
     workspace.write("scripts/pick.py", ROS1)
     workspace.write("launch/a.launch", NODE1.format("p", SPEED1.format(0.5)))
     workspace.write("launch/other.launch", NODE1.replace("pick.py", "place.py").format("p", ""))
@@ -163,7 +163,7 @@ def test_a_node_of_another_package_is_another(ros2):
     )
 
 
-def test_a_file_that_cannot_be_read_is_told_and_harms_nothing(ros2):
+def test_a_file_that_cannot_be_read_is_reported_and_harms_nothing(ros2):
     ros2.write(
         "launch/a.launch.py",
         LAUNCH2.format("picker", "p", "") + "# arm_task\nraise OSError('no')\n",
@@ -175,7 +175,7 @@ def test_a_file_that_cannot_be_read_is_told_and_harms_nothing(ros2):
     )
 
 
-def test_what_was_left_out_is_told_where_the_source_asks_for_it(ros2):
+def test_what_was_left_out_is_reported_where_the_source_asks_for_it(ros2):
     ros2.write("arm_task/pick.py", ROS2.replace('"side"', '"robot_description"'))
     ros2.write(
         "launch/a.launch.py",
@@ -192,7 +192,7 @@ def test_what_was_left_out_is_told_where_the_source_asks_for_it(ros2):
     )
 
 
-def test_a_program_started_twice_is_told(workspace, given):
+def test_a_program_started_twice_is_reported(workspace, given):
     workspace.write("scripts/pick.py", ROS1)
     node = '<node pkg="arm_task" type="pick.py" name="{}">{}</node>'
     text = node.format("left", "") + node.format("right", SPEED1.format(1))
@@ -259,7 +259,7 @@ def test_a_launch_file_that_is_named_is_taken(workspace, given):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "expected"),
     [
         (None, "the launch file cannot be read: No such file or directory"),
         (
@@ -277,12 +277,12 @@ def test_a_launch_file_that_is_named_is_taken(workspace, given):
         ),
     ],
 )
-def test_a_named_launch_file_that_does_not_start_it_is_an_error(workspace, text, told):
+def test_a_named_launch_file_that_does_not_start_it_is_an_error(workspace, text, expected):
     workspace.write("scripts/pick.py", ROS1)
     path = workspace.package / "launch/a.launch"
     if text is not None:
         workspace.write("launch/a.launch", text)
-    with pytest.raises(InputError, match=re.escape(f"{path}: {told}")):
+    with pytest.raises(InputError, match=re.escape(f"{path}: {expected}")):
         workspace.choose("scripts/pick.py", launch=str(path))
 
 

@@ -308,7 +308,7 @@ def test_what_is_not_here_leaves_only_itself_out(described):
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "expected"),
     [
         ("import launch.nothing_such", "No module named 'launch.nothing_such'"),
         ("from launch.actions import Teleport", "Teleport"),
@@ -321,10 +321,10 @@ def test_what_is_not_here_leaves_only_itself_out(described):
         ("raise SystemExit(3)", "3"),
     ],
 )
-def test_a_file_that_does_more_than_describe_is_a_problem(described, line, told):
+def test_a_file_that_does_more_than_describe_is_a_problem(described, line, expected):
     reading = described("pick()", before=line)
     assert reading.nodes == ()
-    assert any(told in each for each in reading.problems), reading.problems
+    assert any(expected in each for each in reading.problems), reading.problems
 
 
 def test_a_file_may_write_a_temporary_file_and_print(described):
@@ -336,7 +336,7 @@ def test_a_file_may_write_a_temporary_file_and_print(described):
     assert values(node) == {"speed": 1}
 
 
-def test_an_argument_without_a_default_is_told(described):
+def test_an_argument_without_a_default_is_reported(described):
     reading = described(
         "DeclareLaunchArgument('arm'), pick(arguments=[LaunchConfiguration('arm')]),"
         "DeclareLaunchArgument('m', default_value='x', choices=['a', 'b'])"
@@ -373,7 +373,7 @@ def test_a_file_that_does_not_end_is_no_file_that_starts_nothing(body, workspace
         read_launch(path, find_workspace(workspace.package), limits)
 
 
-def test_the_release_is_told_whatever_the_host_has_sourced(described, monkeypatch):
+def test_the_release_is_reported_whatever_the_host_has_sourced(described, monkeypatch):
     monkeypatch.setenv("ROS_DISTRO", "foxy")
     reading = described("pick(name=os.environ['ROS_DISTRO'])", before="import os\n")
     assert [node.name for node in reading.nodes] == ["jazzy"]

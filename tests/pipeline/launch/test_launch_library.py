@@ -45,7 +45,7 @@ from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import (
 
 
 @pytest.mark.parametrize(
-    ("left", "right", "told"),
+    ("left", "right", "expected"),
     [
         (None, "", "true"),
         (True, "1", "true"),
@@ -58,9 +58,9 @@ from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import (
         ("arm", "Arm", "false"),
     ],
 )
-def test_two_values_are_equal_as_truth_values_numbers_or_texts(left, right, told):
-    assert EqualsSubstitution(left, right).perform(LaunchContext()) == told
-    assert EqualsSubstitution(right, left).perform(LaunchContext()) == told
+def test_two_values_are_equal_as_truth_values_numbers_or_texts(left, right, expected):
+    assert EqualsSubstitution(left, right).perform(LaunchContext()) == expected
+    assert EqualsSubstitution(right, left).perform(LaunchContext()) == expected
 
 
 def test_truth_values_are_those_of_yaml_and_of_digits():
@@ -77,7 +77,7 @@ def test_truth_values_are_those_of_yaml_and_of_digits():
         IfElseSubstitution("true")
 
 
-def test_what_is_not_there_is_told_by_the_substitution(tmp_path):
+def test_what_is_not_there_is_reported_by_the_substitution(tmp_path):
     context = LaunchContext()
     with pytest.raises(SubstitutionFailure, match="File not found"):
         FileContent(str(tmp_path / "none.txt")).perform(context)
@@ -100,8 +100,8 @@ def test_a_condition_without_a_predicate_does_not_hold_and_old_ones_warn():
 def test_actions_keep_what_they_are_given_as_substitutions():
     context = LaunchContext()
     setting = SetLaunchConfiguration("arm", ["left", "_1"])
-    told = [setting.name, setting.value, LogInfo(msg=["a", "b"]).msg]
-    assert [perform_substitutions(context, each) for each in told] == ["arm", "left_1", "ab"]
+    reported = [setting.name, setting.value, LogInfo(msg=["a", "b"]).msg]
+    assert [perform_substitutions(context, each) for each in reported] == ["arm", "left_1", "ab"]
     declared = DeclareLaunchArgument("arm", default_value="left", choices=["left", "right"])
     assert perform_substitutions(context, declared.default_value) == "left"
     assert "Valid choices are: ['left', 'right']" in declared.description

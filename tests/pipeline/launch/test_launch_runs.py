@@ -107,9 +107,9 @@ def trace(example, script, *options, argv=()):
 def test_a_node_of_ros_1_has_all_that_its_launch_file_gives_it(ros1, capfd):
     outcome, found = trace(ros1, "scripts/turn.py")
     assert outcome.code == 0, outcome.err
-    told = outcome.err + capfd.readouterr().err
-    assert "/left_turner ['--fast'] 1.5 left" in told
-    assert "/left/goal 0.2" in told
+    text = outcome.err + capfd.readouterr().err
+    assert "/left_turner ['--fast'] 1.5 left" in text
+    assert "/left/goal 0.2" in text
     assert found.inputs == ("config/limits.yaml", "launch/turn.launch")
     assert (
         "launch: parameters, arguments and remaps from launch/turn.launch (2 parameters, "
@@ -123,9 +123,9 @@ def test_the_users_own_parameters_go_before_those_of_the_launch_file(ros1, capfd
         ros1, "scripts/turn.py", "--params", "mine.yaml", argv=("_angle:=0.1", "--slow")
     )
     assert outcome.code == 0, outcome.err
-    told = outcome.err + capfd.readouterr().err
-    assert "['--slow'] 0.5 left" in told
-    assert "/left/goal 0.1" in told
+    text = outcome.err + capfd.readouterr().err
+    assert "['--slow'] 0.5 left" in text
+    assert "/left/goal 0.1" in text
 
 
 def test_without_the_launch_file_it_is_as_if_there_were_none(ros1):
@@ -212,7 +212,7 @@ def test_one_may_not_name_a_launch_file_and_want_none(example):
     assert "not allowed with argument" in outcome.err
 
 
-def test_doctor_tells_of_the_launch_file_before_a_run(ros1):
+def test_doctor_reports_the_launch_file_before_a_run(ros1):
     outcome = ros1.run("doctor", "scripts/turn.py", "--robot", "panda")
     assert (
         "launch: parameters, arguments and remaps from launch/turn.launch (2 param" in outcome.out

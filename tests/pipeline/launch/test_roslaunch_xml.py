@@ -44,7 +44,7 @@ def test_parameters_of_a_node_are_private_and_those_outside_global(read):
         ('value="[1, 2]" type="yaml"', [1, 2]),
     ],
 )
-def test_the_type_of_a_parameter_is_told_or_seen(read, attributes, value):
+def test_the_type_of_a_parameter_is_reported_or_seen(read, attributes, value):
     found = parameters(read(f'<param name="a" {attributes}/>'))
     assert found == {"/a": value}
     assert type(found["/a"]) is type(value)

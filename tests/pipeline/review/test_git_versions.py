@@ -14,7 +14,7 @@ from tracerisk.errors import InputError
 from tracerisk.pipeline.review.review import review
 
 
-def told(repository, *words, folder=None):
+def reported(repository, *words, folder=None):
     """The controllers that differ, with what became of their mission's figure."""
     found = review(words, folder or repository.folder)
     return {each.name: outcome(each) for each in found.controllers}
@@ -37,13 +37,13 @@ def committed(repository, two_steps):
 
 
 def test_by_default_head_is_compared_with_the_working_tree(committed, two_steps):
-    assert told(committed) == {}
+    assert reported(committed) == {}
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     found = review([], committed.folder)
     assert (found.before, found.after) == ("HEAD", "working tree")
-    assert told(committed) == {"pick.py": 1.59}
+    assert reported(committed) == {"pick.py": 1.59}
     committed.git("add", "pick.py")
-    assert told(committed) == {"pick.py": 1.59}, "staged or not"
+    assert reported(committed) == {"pick.py": 1.59}, "staged or not"
 
 
 def test_revisions_ranges_and_merge_bases(committed, two_steps):
@@ -53,30 +53,30 @@ def test_revisions_ranges_and_merge_bases(committed, two_steps):
     committed.git("checkout", "--quiet", "side")
     committed.write("other.py", two_steps(gripper="= 8e-07"))
     committed.commit()
-    assert told(committed) == {}
-    assert told(committed, "HEAD~1") == {"other.py": 2.76}
-    assert told(committed, "main") == {"pick.py": 0.63, "other.py": 2.76}
-    assert told(committed, "main..side") == {"pick.py": 0.63, "other.py": 2.76}
-    assert told(committed, "main..") == told(committed, "main..side")
-    assert told(committed, "..main") == {"pick.py": 1.59, "other.py": 0.36}
-    assert told(committed, "main...side") == {"other.py": 2.76}
-    assert told(committed, "main", "pick.py") == {"pick.py": 0.63}
+    assert reported(committed) == {}
+    assert reported(committed, "HEAD~1") == {"other.py": 2.76}
+    assert reported(committed, "main") == {"pick.py": 0.63, "other.py": 2.76}
+    assert reported(committed, "main..side") == {"pick.py": 0.63, "other.py": 2.76}
+    assert reported(committed, "main..") == reported(committed, "main..side")
+    assert reported(committed, "..main") == {"pick.py": 1.59, "other.py": 0.36}
+    assert reported(committed, "main...side") == {"other.py": 2.76}
+    assert reported(committed, "main", "pick.py") == {"pick.py": 0.63}
     assert review(["main...side"], committed.folder).before == "merge base of main and side"
     commit = committed.git("rev-parse", "main").strip()
     assert review([f"{commit}..side"], committed.folder).before == commit[:10]
     committed.git("checkout", "--quiet", "--detach", "HEAD~1")
-    assert told(committed) == {}
-    assert told(committed, "side") == {"other.py": 0.36}
+    assert reported(committed) == {}
+    assert reported(committed, "side") == {"other.py": 0.36}
 
 
 def test_added_deleted_and_untracked_files(committed, annotated_source):
     committed.write("new.py", annotated_source(weld=("done 1", "torch = 3e-6; camera = 5e-5")))
     (committed.folder / "other.py").unlink()
-    assert told(committed) == {"other.py": "gone"}, "an untracked file is none of git's"
-    assert told(committed, "new.py") == {"new.py": "new"}, "unless it is named"
-    assert told(committed, "other.py") == {"other.py": "gone"}
+    assert reported(committed) == {"other.py": "gone"}, "an untracked file is none of git's"
+    assert reported(committed, "new.py") == {"new.py": "new"}, "unless it is named"
+    assert reported(committed, "other.py") == {"other.py": "gone"}
     committed.git("add", "new.py")
-    assert told(committed) == {"new.py": "new", "other.py": "gone"}
+    assert reported(committed) == {"new.py": "new", "other.py": "gone"}
 
 
 def test_a_renamed_file_is_the_same_controller(committed, two_steps):
@@ -90,14 +90,14 @@ def test_a_renamed_file_is_the_same_controller(committed, two_steps):
     )
     committed.write("grab.py", two_steps(gripper="= 4e-07"))
     committed.commit()
-    assert told(committed, "HEAD~1..HEAD") == {"grab.py": 1.59}
+    assert reported(committed, "HEAD~1..HEAD") == {"grab.py": 1.59}
 
 
 def test_no_commit_yet_makes_everything_new(repository, two_steps):
     repository.write("pick.py", two_steps())
-    assert told(repository) == {}
+    assert reported(repository) == {}
     repository.git("add", "pick.py")
-    assert told(repository) == {"pick.py": "new"}
+    assert reported(repository) == {"pick.py": "new"}
     assert "no commit yet" in review([], repository.folder).before
 
 
@@ -108,12 +108,12 @@ def test_names_that_git_would_quote(repository, two_steps):
     repository.commit()
     for name in names:
         repository.write(name, two_steps(gripper="= 4e-07"))
-    assert told(repository) == dict.fromkeys(names, 1.59)
+    assert reported(repository) == dict.fromkeys(names, 1.59)
 
 
 def test_line_ends_make_no_difference(committed, two_steps):
     committed.write("pick.py", two_steps().replace("\n", "\r\n"))
-    assert told(committed) == {"pick.py": "same"}
+    assert reported(committed) == {"pick.py": "same"}
     (found,) = review([], committed.folder).controllers
     assert (found.changes, found.increase) == ((), 0.0)
 
@@ -131,9 +131,9 @@ def test_binary_files_and_files_that_only_quote_blocks_are_left_alone(repository
     for name, data in files.items():
         if name != "data.py":
             repository.write(name, data)
-    assert told(repository) == {}
+    assert reported(repository) == {}
     repository.write("data.py", files["data.py"])
-    assert told(repository) == told(repository, "data.py") == {}
+    assert reported(repository) == reported(repository, "data.py") == {}
 
 
 def test_scripts_without_an_ending_and_c_sources_are_read(repository, two_steps):
@@ -156,19 +156,19 @@ def test_scripts_without_an_ending_and_c_sources_are_read(repository, two_steps)
     repository.commit()
     repository.write("scripts/node", "#!/usr/bin/env python3\n" + two_steps(gripper="= 4e-07"))
     repository.write("place.cpp", published % "3e-7")
-    assert told(repository) == {"scripts/node": 1.59, "place.cpp": 3.0}
+    assert reported(repository) == {"scripts/node": 1.59, "place.cpp": 3.0}
 
 
-def test_in_a_subfolder_places_are_told_from_there(committed, two_steps):
+def test_in_a_subfolder_places_are_reported_from_there(committed, two_steps):
     committed.write("src/deep/x.py", two_steps())
     committed.commit()
     committed.write("src/deep/x.py", two_steps(gripper="= 4e-07"))
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     src = committed.folder / "src"
-    assert told(committed, folder=src) == {"deep/x.py": 1.59, "../pick.py": 1.59}
-    assert told(committed, "deep", folder=src) == {"deep/x.py": 1.59}
-    assert told(committed, ".", folder=src) == {"deep/x.py": 1.59}
-    assert told(committed, "../pick.py", folder=src) == {"../pick.py": 1.59}
+    assert reported(committed, folder=src) == {"deep/x.py": 1.59, "../pick.py": 1.59}
+    assert reported(committed, "deep", folder=src) == {"deep/x.py": 1.59}
+    assert reported(committed, ".", folder=src) == {"deep/x.py": 1.59}
+    assert reported(committed, "../pick.py", folder=src) == {"../pick.py": 1.59}
     (found,) = review(["../pick.py"], src).controllers
     assert str(found.changes[0].fields[0].location).startswith("../pick.py:")
 
@@ -185,23 +185,23 @@ def test_git_settings_of_the_user_do_not_matter(committed, two_steps):
         committed.git("config", setting, value)
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     (committed.folder / "src").mkdir()
-    assert told(committed, folder=committed.folder / "src") == {"../pick.py": 1.59}
+    assert reported(committed, folder=committed.folder / "src") == {"../pick.py": 1.59}
 
 
 def test_a_file_that_is_touched_or_made_executable_has_not_changed(committed):
     (committed.folder / "pick.py").chmod(0o755)
     os.utime(committed.folder / "other.py", (1, 1))
-    assert told(committed) == {}
-    assert told(committed, "pick.py") == {"pick.py": "same"}
+    assert reported(committed) == {}
+    assert reported(committed, "pick.py") == {"pick.py": "same"}
 
 
 def test_a_symbolic_link_is_no_controller_of_its_own(committed):
     (committed.folder / "link.py").symlink_to("pick.py")
     committed.git("add", "link.py")
-    assert told(committed) == {}
+    assert reported(committed) == {}
 
 
-def test_a_submodule_is_told_and_left_alone(committed, two_steps):
+def test_a_submodule_is_reported_and_left_alone(committed, two_steps):
     inner = committed.folder / "arm"
     inner.mkdir()
     inside = type(committed)(inner)
@@ -213,8 +213,8 @@ def test_a_submodule_is_told_and_left_alone(committed, two_steps):
     assert found.controllers == ()
     assert found.notes == ("arm is a submodule; run tracerisk diff in it",)
     with pytest.raises(InputError, match=r"arm/x\.py: is in another repository, arm; run"):
-        told(committed, "arm/x.py")
-    assert told(committed, folder=inner) == {}
+        reported(committed, "arm/x.py")
+    assert reported(committed, folder=inner) == {}
 
 
 def test_a_file_that_a_sparse_checkout_leaves_out_is_there_all_the_same(committed, two_steps):
@@ -222,9 +222,9 @@ def test_a_file_that_a_sparse_checkout_leaves_out_is_there_all_the_same(committe
     committed.commit()
     committed.git("sparse-checkout", "set", "--no-cone", "/*", "!/left/")
     assert not (committed.folder / "left").exists()
-    assert told(committed) == {}
+    assert reported(committed) == {}
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
-    assert told(committed, "HEAD", "left/out.py", "pick.py") == {
+    assert reported(committed, "HEAD", "left/out.py", "pick.py") == {
         "pick.py": 1.59,
         "left/out.py": "same",
     }
@@ -234,8 +234,8 @@ def test_a_linked_working_tree_is_one_of_its_own(committed, two_steps, tmp_path)
     linked = tmp_path / "linked"
     committed.git("worktree", "add", "--quiet", "-b", "side", str(linked))
     (linked / "pick.py").write_text(two_steps(gripper="= 4e-07"))
-    assert told(committed) == {}
-    assert told(committed, folder=linked) == {"pick.py": 1.59}
+    assert reported(committed) == {}
+    assert reported(committed, folder=linked) == {"pick.py": 1.59}
 
 
 def test_nothing_is_written(committed, two_steps):
@@ -245,8 +245,8 @@ def test_nothing_is_written(committed, two_steps):
 
     committed.write("pick.py", two_steps())  # the same bytes, another time stamp
     before = state()
-    assert told(committed) == {}
-    assert told(committed, "HEAD", "pick.py") == {"pick.py": "same"}
+    assert reported(committed) == {}
+    assert reported(committed, "HEAD", "pick.py") == {"pick.py": "same"}
     assert state() == before
 
 
@@ -270,16 +270,16 @@ def test_nothing_is_written(committed, two_steps):
 )
 def test_what_git_does_not_know_is_an_error(committed, words, message):
     with pytest.raises(InputError) as raised:
-        told(committed, *words)
+        reported(committed, *words)
     assert message in str(raised.value)
 
 
-def test_a_word_that_is_revision_and_file_is_an_error_that_tells_how_to_say_which(committed):
+def test_a_word_that_is_revision_and_file_is_an_error_that_says_how_to_say_which(committed):
     committed.write("main", "x\n")
     with pytest.raises(InputError, match=r"both a revision and a file; write \./main for"):
-        told(committed, "main")
-    assert told(committed, "main^0") == {}
-    assert told(committed, "./main") == {}
+        reported(committed, "main")
+    assert reported(committed, "main^0") == {}
+    assert reported(committed, "./main") == {}
 
 
 def test_histories_without_a_common_ancestor(committed):
@@ -287,8 +287,8 @@ def test_histories_without_a_common_ancestor(committed):
     committed.write("note.txt", "x")
     committed.commit()
     with pytest.raises(InputError, match=r"no common ancestor; write main\.\.alone"):
-        told(committed, "main...alone")
-    assert told(committed, "main..alone") == {}
+        reported(committed, "main...alone")
+    assert reported(committed, "main..alone") == {}
 
 
 def test_a_shallow_clone_lacks_revisions_and_says_so(committed, two_steps, tmp_path):
@@ -325,7 +325,7 @@ def test_an_object_that_git_cannot_read_is_an_error_and_no_missing_file(committe
     path.write_bytes(b"no zlib stream")
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     with pytest.raises(InputError, match=r"^HEAD:pick\.py: in HEAD: git cannot read its content"):
-        told(committed)
+        reported(committed)
 
 
 def test_a_git_that_ends_early_is_an_error(committed, monkeypatch, tmp_path):
@@ -338,17 +338,17 @@ def test_a_git_that_ends_early_is_an_error(committed, monkeypatch, tmp_path):
     with pytest.raises(
         InputError, match=r"git cat-file ended while it read .*; `git fsck` reports"
     ):
-        told(committed)
+        reported(committed)
 
 
 def test_in_a_hook_git_says_where_the_repository_is(committed, two_steps):
     hook = committed.folder / ".git" / "hooks" / "pre-commit"
     hook.parent.mkdir(exist_ok=True)
-    hook.write_text(f"#!/bin/sh\nexec '{sys.executable}' -m tracerisk diff > told.txt\n")
+    hook.write_text(f"#!/bin/sh\nexec '{sys.executable}' -m tracerisk diff > reported.txt\n")
     hook.chmod(0o755)
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     committed.commit()
-    assert committed.read("told.txt").startswith(b"pick.py: mission failure rises")
+    assert committed.read("reported.txt").startswith(b"pick.py: mission failure rises")
 
 
 @pytest.mark.parametrize("which", ["HEAD", "working tree"])
@@ -359,7 +359,7 @@ def test_a_bad_block_names_its_version_and_its_place(committed, two_steps, which
         committed.commit()
         committed.write("pick.py", two_steps())
     with pytest.raises(InputError) as raised:
-        told(committed)
+        reported(committed)
     lead = "HEAD:pick.py" if which == "HEAD" else "pick.py"
     line = bad.splitlines().index("    # |   quantity = 0") + 1
     assert str(raised.value).startswith(f"{lead}:{line}: in {which}: quantity = 0 is not allowed")
@@ -380,8 +380,8 @@ def test_an_unmerged_source_is_an_error_of_the_working_tree(committed, two_steps
     )
     assert merged.returncode == 1
     with pytest.raises(InputError, match=r"in working tree: .*conflict marker"):
-        told(committed)
-    assert told(committed, "main..side") == {"pick.py": 0.84}
+        reported(committed)
+    assert reported(committed, "main..side") == {"pick.py": 0.84}
 
 
 def test_the_same_input_gives_the_same_review(committed, two_steps):

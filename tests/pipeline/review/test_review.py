@@ -78,7 +78,7 @@ def test_a_lock_in_a_folder_names_files_from_there(repository, parts):
     assert only(review([], repository.folder / "cell")).name == "main.py"
 
 
-def test_a_lock_that_only_one_version_has_tells_for_both(repository, parts):
+def test_a_lock_that_only_one_version_has_says_for_both(repository, parts):
     for name, text in parts().items():
         repository.write(name, text)
     repository.commit()
@@ -149,7 +149,7 @@ def test_a_lock_in_conflict_is_read_and_a_broken_one_names_its_version(repositor
         ({}, ("edit",)),
     ],
 )
-def test_the_lock_tells_the_cause(repository, parts, inputs, causes):
+def test_the_lock_says_the_cause(repository, parts, inputs, causes):
     write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
     repository.commit()
     after = parts(gripper="= 4e-07")
@@ -158,7 +158,7 @@ def test_the_lock_tells_the_cause(repository, parts, inputs, causes):
     assert change.causes == causes
 
 
-def test_what_the_runs_depended_on_is_told(repository, parts):
+def test_what_the_runs_depended_on_is_reported(repository, parts):
     old = {"sources": {"main.py": "a", "old.py": "a"}, "hardware": "a", "settings": {"seed": 1}}
     new = {"sources": {"main.py": "b", "new.py": "a"}, "hardware": "b", "settings": {"robot": "r"}}
     write(repository, parts(), ("main.py", lock_of(parts(), "main.py", **old)))
@@ -191,7 +191,7 @@ def test_a_value_that_the_lock_did_not_write_is_an_edit_and_a_pin_is_a_pin(repos
     assert (pin.kind, pin.path, pin.after) == ("new", "place.gripper.probability", "4e-07")
 
 
-def test_without_a_lock_the_code_tells_the_cause(repository, two_steps):
+def test_without_a_lock_the_code_says_the_cause(repository, two_steps):
     repository.write("pick.py", two_steps())
     repository.commit()
     repository.write("pick.py", two_steps(gripper="= 4e-07").replace('arm.go("', 'arm.run("'))
@@ -200,7 +200,7 @@ def test_without_a_lock_the_code_tells_the_cause(repository, two_steps):
     assert only(review([], repository.folder)).changes[0].causes == ("edit",)
 
 
-def test_a_renamed_function_is_told_as_renamed_and_changes_nothing(repository, two_steps):
+def test_a_renamed_function_is_reported_as_renamed_and_changes_nothing(repository, two_steps):
     repository.write("pick.py", two_steps())
     repository.commit()
     renamed = two_steps().replace("def pick(", "def grab(").replace("name = pick", "name = grab")
@@ -244,7 +244,7 @@ def test_the_library_compares_sources(two_steps):
         )
 
 
-def test_of_two_controllers_only_the_one_that_changed_is_told(repository, annotated_source):
+def test_of_two_controllers_only_the_one_that_changed_is_reported(repository, annotated_source):
     def files(gripper):
         return {
             "a.py": annotated_source(reach=("done 1", "motor = 1e-7")),
@@ -306,7 +306,7 @@ def showed(repository, parts):
 TOUCH = {"unexpected_contacts": {"hand.py": {"place": [["finger", "table"]]}}}
 
 
-def test_a_contact_that_the_earlier_run_did_not_show_is_told_whatever_the_figure_does(showed):
+def test_a_contact_that_the_earlier_run_did_not_show_is_reported_whatever_the_figure_does(showed):
     found = showed({}, {**TOUCH, "uncovered": {"main.py": ["drop"]}}, code="LATER = 1\n")
     diff = only(found)
     assert diff.is_unchanged
@@ -319,7 +319,7 @@ def test_a_contact_that_the_earlier_run_did_not_show_is_told_whatever_the_figure
     assert "- finger and table touch in place" in render_diff_markdown(found)
 
 
-def test_a_contact_that_the_earlier_run_showed_too_is_not_told_again(showed):
+def test_a_contact_that_the_earlier_run_showed_too_is_not_reported_again(showed):
     found = showed(TOUCH, TOUCH, code="LATER = 1\n")
     assert only(found).of_run == ()
     assert not found.is_worth_telling(0.5)

@@ -78,7 +78,7 @@ def test_bounds_hold_for_a_tree_that_is_not_coherent(tangled):
     assert lower < exact < upper
 
 
-def test_the_error_tells_the_bounds(tangled):
+def test_the_error_says_the_bounds(tangled):
     pairs = {event.name: Probability.of(0.25) for event in tangled.events}
     limits = Limits(nodes=(1_000,), small_nodes=0, bound_nodes=1_000)
     with pytest.raises(TooLargeError) as caught:

@@ -216,7 +216,7 @@ def test_an_event_may_be_the_top_itself():
     ]
 
 
-def test_a_tree_that_is_not_coherent_tells_what_must_not_happen():
+def test_a_tree_that_is_not_coherent_says_what_must_not_happen():
     gates = (Gate("top", AND, ("a", "not b")), Gate("not b", NOT, ("b",)))
     tree = FaultTree("top", gates, (BasicEvent("a"), BasicEvent("b")))
     assert list(minimal_cut_sets(tree).most_probable()) == [CutSet(("a",))]
@@ -232,7 +232,7 @@ def two_of(count):
     return FaultTree("top", (top, *pairs), tuple(map(BasicEvent, names)))
 
 
-def test_too_small_a_budget_is_told_with_what_to_do():
+def test_too_small_a_budget_is_reported_with_what_to_do():
     with pytest.raises(TooLargeError, match=r"need more than 10 nodes; limit their order"):
         minimal_cut_sets(two_of(12), budget=10)
 

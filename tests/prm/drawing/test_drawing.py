@@ -59,7 +59,7 @@ def test_a_fault_tree_is_drawn_with_every_gate_and_event_once():
     assert shapes(TREE._repr_svg_(), "circle") == len(TREE.events) + 1
 
 
-def test_of_a_large_tree_the_uppermost_part_is_drawn_and_the_rest_told():
+def test_of_a_large_tree_the_uppermost_part_is_drawn_and_the_rest_reported():
     tree = FaultTree.of("top", {"top": ("or", *(f"e{index}" for index in range(10_000)))})
     words = texts(svg_of(tree))
     assert "e148" in words
@@ -84,7 +84,7 @@ def test_a_chain_is_drawn_with_its_probabilities_and_ways_back():
     assert {"a", "b", "fail", "done", "0.875", "0.5", "0.375", "↻0.125"} <= set(words)
 
 
-def test_of_a_large_chain_the_first_states_are_drawn_and_the_rest_told():
+def test_of_a_large_chain_the_first_states_are_drawn_and_the_rest_reported():
     size = 300
     chain = MarkovChain(
         {f"s{index}": {f"s{(index + 1) % size}": 0.5, "end": 0.5} for index in range(size)},
@@ -101,7 +101,7 @@ def test_a_hybrid_model_is_drawn_with_its_failures(arm):
     assert {"init", "pick", "done", "init_failure", "pick_failure", "↻0.9", "0.1"} <= set(words)
 
 
-def test_html_escapes_names_and_tells_the_size(arm):
+def test_html_escapes_names_and_says_the_size(arm):
     assert "<figcaption>&lt;arm&gt;: 2 functions, 2 parameters</figcaption>" in arm._repr_html_()
     assert "Fault tree top: 6 gates, 8 events" in TREE._repr_html_()
     chain = MarkovChain({"a": {"end": 1.0}}, ("end",))

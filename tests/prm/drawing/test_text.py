@@ -15,7 +15,7 @@ MODEL = HybridModel.of("arm", {"pick": TREE})
 HOSTILE = "</td></svg><script>alert(1)</script>'\" onload='x'"
 
 
-def test_models_tell_their_size():
+def test_models_say_their_size():
     assert text_of(TREE) == "Fault tree top: 1 gates, 2 events"
     assert text_of(MODEL) == "arm: 1 functions, 2 parameters"
     chain = MarkovChain({"a": {"end": 1.0}}, ("end",))
@@ -49,10 +49,10 @@ def test_a_notebook_shows_text_beside_the_html_and_not_all_fields():
 
 def test_of_very_many_assumptions_the_first_are_shown():
     assessment = replace(solve(MODEL), findings=tuple(f"finding {n}" for n in range(500)))
-    for told in (assessment._repr_html_(), text_of(assessment)):
-        assert "finding 20" in told
-        assert "finding 40" not in told
-        assert "more" in told
+    for reported in (assessment._repr_html_(), text_of(assessment)):
+        assert "finding 20" in reported
+        assert "finding 40" not in reported
+        assert "more" in reported
 
 
 def test_hostile_names_are_text_in_every_drawing():

@@ -322,7 +322,7 @@ def test_the_full_periodic_test_gives_the_figures_of_scrams_tests(changes, expec
     ],
     ids=lambda part: part if isinstance(part, str) else "",
 )
-def test_what_has_no_value_is_told(expression, message):
+def test_what_has_no_value_is_reported(expression, message):
     names = {"a": Reference("b"), "b": Reference("a"), "pumps": 1.0}
     with pytest.raises(ModelError) as caught:
         value(expression, names)

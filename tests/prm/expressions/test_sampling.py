@@ -161,7 +161,7 @@ def test_a_sample_is_the_value_at_each_draw(expression):
         (Reference("cycle"), "parameter 'cycle' is defined by itself (cycle -> cycle)"),
     ],
 )
-def test_what_cannot_be_sampled_is_told(expression, message):
+def test_what_cannot_be_sampled_is_reported(expression, message):
     names = {"x": UniformDeviate(*numbers(0.5, 1.0)), "cycle": Reference("cycle")}
     with pytest.raises(ModelError) as caught:
         sample(expression, names, 1.0, DRAWS)

@@ -398,7 +398,7 @@ CASES = [
 @pytest.mark.parametrize(
     ("path", "value", "message", "by_schema"), CASES, ids=[case[2][:60] for case in CASES]
 )
-def test_bad_input_is_told_with_its_path_and_place(validator, path, value, message, by_schema):
+def test_bad_input_is_reported_with_its_path_and_place(validator, path, value, message, by_schema):
     data = changed(path, value)
     text = json.dumps(data, indent=1)
     with pytest.raises(ModelError) as raised:
@@ -460,7 +460,7 @@ def test_what_is_nested_too_deep_is_refused_both_ways():
         dumps(model)
 
 
-def test_an_unreachable_end_is_told_when_the_model_is_solved():
+def test_an_unreachable_end_is_reported_when_the_model_is_solved():
     data = changed((*CHAIN, "transitions", 1, "target"), "s")
     data["modelData"][0]["value"] = 0.0
     model = loads(json.dumps(data), "bad.json")

@@ -270,7 +270,7 @@ def test_labels_attributes_and_units_are_kept():
     assert loads_open_psa(dumps_open_psa(read), "again.xml") == read
 
 
-def test_a_duplicate_argument_is_accepted_and_told():
+def test_a_duplicate_argument_is_accepted_and_reported():
     read = loads_open_psa(model(gate(f"<and>{A}{A}</and>") + event("a")), "m.xml")
     tree = read.fault_tree("top")
     assert tree.probability({"a": 0.5}).p == 0.5
@@ -515,7 +515,7 @@ BAD += [
 
 
 @pytest.mark.parametrize(("text", "message"), BAD, ids=[message[:60] for _, message in BAD])
-def test_what_is_wrong_is_told_where_it_stands(text, message):
+def test_what_is_wrong_is_reported_where_it_stands(text, message):
     with pytest.raises(ModelError) as caught:
         loads_open_psa(text, "m.xml")
     assert message in str(caught.value)
@@ -523,7 +523,7 @@ def test_what_is_wrong_is_told_where_it_stands(text, message):
     assert caught.value.location.line is not None
 
 
-def test_a_figure_that_cannot_be_evaluated_is_told_where_it_stands():
+def test_a_figure_that_cannot_be_evaluated_is_reported_where_it_stands():
     figure = '<sub><float value="0"/><system-mission-time/></sub>'
     read = loads_open_psa(model(gate(A) + "\n" + event("a", figure)), "m.xml")
     with pytest.raises(ModelError) as caught:
@@ -534,20 +534,20 @@ def test_a_figure_that_cannot_be_evaluated_is_told_where_it_stands():
     )
 
 
-def test_an_event_without_a_figure_is_told():
+def test_an_event_without_a_figure_is_reported():
     read = loads_open_psa(model(gate(A) + '<define-basic-event name="a"/>'), "m.xml")
     tree = read.fault_tree("top")
     with pytest.raises(ModelError, match="event 'a': parameter 'a' has no value"):
         tree.probability(tree.values_at(1.0))
 
 
-def test_an_unknown_top_is_told():
+def test_an_unknown_top_is_reported():
     read = loads_open_psa(model(TOP + EVENTS), "m.xml")
     with pytest.raises(ModelError, match="there is no top 'tap'; did you mean 'top'\\?"):
         read.fault_tree("tap")
 
 
-def test_bytes_that_are_not_utf_8_are_told():
+def test_bytes_that_are_not_utf_8_are_reported():
     text = model(event("a")).replace("<opsa-mef>", "<opsa-mef><!-- \xe9 -->").encode("latin-1")
     with pytest.raises(ModelError) as caught:
         loads_open_psa(text, "m.xml")
@@ -578,7 +578,7 @@ def test_an_entity_bomb_is_refused_at_once(encoding, tmp_path):
     assert time.process_time() - started < 2.0
 
 
-def test_a_folder_and_a_missing_file_are_told(tmp_path):
+def test_a_folder_and_a_missing_file_are_reported(tmp_path):
     with pytest.raises(ModelError, match="cannot be read: Is a directory"):
         read_open_psa(tmp_path)
     with pytest.raises(ModelError, match="cannot be read: No such file or directory"):
@@ -621,7 +621,7 @@ def test_an_xor_of_many_is_written_without_depth():
     assert loads_open_psa(dumps_open_psa(wide), "again.xml") == wide
 
 
-def test_an_expression_that_nests_too_deep_to_write_is_told():
+def test_an_expression_that_nests_too_deep_to_write_is_reported():
     figure = Number(0.5)
     for _ in range(150):
         figure = Negation(figure)
@@ -630,7 +630,7 @@ def test_an_expression_that_nests_too_deep_to_write_is_told():
         dumps_open_psa(deep)
 
 
-def test_an_expression_without_a_word_in_open_psa_is_told():
+def test_an_expression_without_a_word_in_open_psa_is_reported():
     class Own(Number):
         pass
 
@@ -662,7 +662,7 @@ def test_an_expression_without_a_word_in_open_psa_is_told():
         ),
     ],
 )
-def test_what_open_psa_cannot_hold_is_told(changes, message):
+def test_what_open_psa_cannot_hold_is_reported(changes, message):
     with pytest.raises(ModelError) as caught:
         dumps_open_psa(LogicModel(**changes))
     assert caught.value.message == message
@@ -725,7 +725,7 @@ def test_files_that_a_file_includes_are_read_with_it(tmp_path):
         ("n.xml", 'parse="text"', "has the attribute 'parse'"),
     ],
 )
-def test_what_cannot_be_included_is_told(href, more, message, tmp_path):
+def test_what_cannot_be_included_is_reported(href, more, message, tmp_path):
     included = INCLUDE.format(href).replace("/>", f" {more}/>")
     (tmp_path / "m.xml").write_text(WHOLE.format(included))
     with pytest.raises(ModelError, match=re.escape(message)):

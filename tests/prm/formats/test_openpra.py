@@ -359,7 +359,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("data", "message"), BAD, ids=[message[:50] for _, message in BAD])
-def test_what_is_wrong_is_told_where_it_stands(data, message):
+def test_what_is_wrong_is_reported_where_it_stands(data, message):
     text = data if isinstance(data, str) else json.dumps(data)
     with pytest.raises(ModelError) as caught:
         loads_openpra(text, "m.json")
@@ -377,7 +377,7 @@ def test_deep_nesting_is_refused():
         loads_openpra("[" * 100_000, "m.json")
 
 
-def test_files_that_cannot_be_read_or_written_are_told(tmp_path):
+def test_files_that_cannot_be_read_or_written_are_reported(tmp_path):
     with pytest.raises(ModelError, match="cannot be read: Is a directory"):
         read_openpra(tmp_path)
     with pytest.raises(ModelError, match="cannot be written: Is a directory"):
@@ -453,7 +453,7 @@ def with_tree(start, **more):
     ],
     ids=lambda part: part[:40] if isinstance(part, str) else "",
 )
-def test_what_openpra_cannot_hold_is_told(model, message):
+def test_what_openpra_cannot_hold_is_reported(model, message):
     with pytest.raises(ModelError) as caught:
         dumps_openpra(model)
     assert message in str(caught.value)
@@ -469,7 +469,7 @@ def test_gates_that_would_be_written_without_end_are_too_large():
         dumps_openpra(model)
 
 
-def test_gates_too_deep_to_nest_are_told():
+def test_gates_too_deep_to_nest_are_reported():
     chain = [GateDefinition(Gate(f"g{i}", GateKind.NOT, (f"g{i + 1}",))) for i in range(300)]
     last = GateDefinition(Gate("g300", GateKind.OR, ("a", "b")))
     model = LogicModel(gates=(*chain, last), events=MODEL.events)

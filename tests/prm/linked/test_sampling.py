@@ -125,7 +125,7 @@ def test_deviates_without_a_share_are_drawn_anew_in_each_block(monkeypatch):
     assert (low, middle, high) == pytest.approx((0.25, 0.7, 1.15), rel=0.02)
 
 
-def test_a_row_that_a_draw_breaks_is_told():
+def test_a_row_that_a_draw_breaks_is_reported():
     model = LinkedModel(
         "m",
         (ModelParameter("x", Number(0.4)),),

@@ -486,7 +486,7 @@ def test_what_cannot_be_solved_names_its_element(model, values, message):
     assert message in str(raised.value)
 
 
-def test_a_chain_that_never_ends_is_told_when_its_end_is_asked_for():
+def test_a_chain_that_never_ends_is_reported_when_its_end_is_asked_for():
     chain = LinkedChain(
         "c",
         "s",

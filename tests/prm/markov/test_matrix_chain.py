@@ -321,7 +321,7 @@ def test_states_that_are_not_there_are_refused():
         MarkovChain.from_matrix(unreached).solve(0).expected_time_given([2], 1.0)
 
 
-def test_an_exit_below_double_precision_is_told_with_its_state():
+def test_an_exit_below_double_precision_is_reported_with_its_state():
     matrix = np.zeros((700, 700))
     for state in range(699):
         matrix[state, [0, state + 1]] = 1.0, 1e-5

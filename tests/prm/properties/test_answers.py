@@ -260,7 +260,7 @@ def test_random_chains_agree_with_stepping():
         ("P=? [F x=0", "where ']' is expected"),
     ],
 )
-def test_what_is_not_read_is_told_by_name(text, message):
+def test_what_is_not_read_is_reported_by_name(text, message):
     with pytest.raises(ModelError, match=message.replace("?", r"\?").replace("+", r"\+")):
         ask(read_prism_model(GAMBLER), text)
 

@@ -94,8 +94,8 @@ def test_axe_finds_nothing_serious(opened, scheme):
     opened.execute_script(
         "for (const each of document.querySelectorAll('details')) each.open = true"
     )
-    serious, told = _violations(opened)
-    assert not serious, told
+    serious, reported = _violations(opened)
+    assert not serious, reported
 
 
 def test_the_page_follows_the_scheme_until_a_theme_is_chosen(opened):
@@ -143,12 +143,12 @@ def test_a_function_is_chosen_from_the_chain_and_let_go_by_escape(opened):
     )
     assert marked == ["source-2-9", "source-2-10"]
     opened.find_element("tag name", "body").send_keys("\ue00c")
-    told = opened.execute_script("return told")
-    assert [each["function"] for each in told] == ["pick", None]
+    reported = opened.execute_script("return told")
+    assert [each["function"] for each in reported] == ["pick", None]
 
 
-def test_the_clock_stays_within_the_run_and_tells_who_listens(opened):
-    told = opened.execute_script("""
+def test_the_clock_stays_within_the_run_and_says_who_listens(opened):
+    reported = opened.execute_script("""
         const {clock} = tracerisk, told = [];
         const end = clock.subscribe((time, source) => told.push([time, source]));
         clock.setEnd(10);
@@ -158,7 +158,7 @@ def test_the_clock_stays_within_the_run_and_tells_who_listens(opened):
         clock.setEnd(0);
         return told;
     """)
-    assert told == [[0, None], [4, "test"], [10, "test"], [0, None]]
+    assert reported == [[0, None], [4, "test"], [10, "test"], [0, None]]
 
 
 def test_a_link_unfolds_what_it_leads_to(opened):
@@ -210,16 +210,16 @@ def test_axe_finds_nothing_serious_on_the_page_over_all_controllers(
     file.write_text(text, encoding="utf-8")
     _emulate(browser, scheme)
     browser.get(file.as_uri())
-    serious, told = _violations(browser)
-    assert not serious, told
+    serious, reported = _violations(browser)
+    assert not serious, reported
 
 
 def test_what_is_wider_than_the_window_says_so_until_it_is_not(opened):
     wide = "return document.querySelectorAll('#functions .scroll + .more-sideways').length"
     wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(opened, 5)
-    for width, is_told in ((360, True), (1920, False), (360, True)):
+    for width, is_reported in ((360, True), (1920, False), (360, True)):
         metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
         opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-        wait.until(lambda it, told=is_told: bool(it.execute_script(wide)) is told)
+        wait.until(lambda it, reported=is_reported: bool(it.execute_script(wide)) is reported)
     _emulate(opened, "light", "print")
     assert _state_of(opened, ".more-sideways", "display") == "none"

@@ -119,7 +119,7 @@ def test_red_and_green_come_near_one_another_without_a_cone():
 
 @pytest.mark.parametrize("sight", SIGHTS)
 @pytest.mark.parametrize("scheme", [0, 1])
-def test_states_are_told_apart_by_whoever_looks(scheme, sight):
+def test_states_are_reported_apart_by_whoever_looks(scheme, sight):
     for one, other in combinations(STATES, 2):
         places = (seen(COLOURS[each][scheme], sight) for each in (one, other))
         assert math.dist(*places) >= APART, (one, other)

@@ -92,7 +92,7 @@ def table(document, name):
     ]
 
 
-def test_unexpected_contacts_are_told_by_function_and_bodies(shown):
+def test_unexpected_contacts_are_reported_by_function_and_bodies(shown):
     heads, *rows = table(shown(trace_of(VISITS)), "unexpected-contacts")
     assert heads == HEADINGS
     assert rows == [
@@ -140,7 +140,7 @@ def test_nothing_unexpected_is_said_so_and_many_rows_are_folded(shown):
     assert "20 rows" in folded.xpath("./summary")[0].text_content()
 
 
-def test_nothing_touched_is_told_and_nothing_known_is_not(shown, arm, report_of, parsed):
+def test_nothing_touched_is_reported_and_nothing_known_is_not(shown, arm, report_of, parsed):
     nothing = trace_of([(1, (), ())])
     (section,) = shown(nothing).xpath("//section[@id='touches']")
     assert "Nothing touched anything, and nothing was held." in section.text_content()
@@ -159,5 +159,5 @@ def test_hostile_names_are_text(shown, hostile):
     assert not document.xpath("//img | //@onmouseover | //@onerror")
     for name in ("unexpected-contacts", "payloads"):
         (found,) = document.xpath(f"//table[@id='{name}-table']")
-        told = found.text_content()
-        assert all(told.count(text) == 2 for text in hostile if text.isprintable())
+        printed = found.text_content()
+        assert all(printed.count(text) == 2 for text in hostile if text.isprintable())

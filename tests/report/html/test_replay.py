@@ -76,7 +76,7 @@ def test_the_same_run_gives_the_same_bytes(run):
     assert replay_data(make_replay(run)) == replay_data(make_replay(run))
 
 
-def test_a_robot_without_shapes_is_told(run):
+def test_a_robot_without_shapes_is_reported(run):
     bare = replace(run.robot, links=tuple(replace(each, shapes=()) for each in run.robot.links))
     assert make_replay(replace(run, robot=bare)).notes == (
         "The model of panda has no shapes that could be shown.",

@@ -305,16 +305,16 @@ def test_a_drive_is_coloured_by_its_state(page, shown_run):
     assert page.execute_script("return tracerisk.replay.stateOf('panda_hand')") is None
 
 
-def test_what_is_active_is_told_in_words(page, shown_run):
+def test_what_is_active_is_reported_in_words(page, shown_run):
     activity = shown_run.replay.activity["panda_hand"]
     step = int(np.flatnonzero(activity.grasping & ~activity.moving)[100])
     go_to(page, step * 0.002)
-    told = page.execute_async_script(
+    reported = page.execute_async_script(
         "const done = arguments[0];"
         "setTimeout(() => done(document.querySelector('[data-now=active]').textContent), 300)"
     )
-    assert re.search(r"gripper, (holding, )?grasping: panda_hand", told)
-    assert "always in use: power_system" in told
+    assert re.search(r"gripper, (holding, )?grasping: panda_hand", reported)
+    assert "always in use: power_system" in reported
 
 
 def test_keys_turn_the_view_and_move_the_time(page, shown_run):
@@ -496,8 +496,8 @@ def test_segments_of_an_element_sum_to_its_exposure(page, shown_run):
             (HOLDING, exposure.holding_s),
             (GRASPING, exposure.grasping_s),
         ):
-            told = triples[(states & bit) > 0, 1].sum() / 1000
-            assert told == pytest.approx(seconds, abs=1e-6), f"{name}, {bit}"
+            reported = triples[(states & bit) > 0, 1].sum() / 1000
+            assert reported == pytest.approx(seconds, abs=1e-6), f"{name}, {bit}"
         assert triples[:, 1].sum() / 1000 == pytest.approx(exposure.active_s, abs=1e-6)
 
 
@@ -529,11 +529,11 @@ def test_buttons_step_from_visit_to_visit(page, shown_run):
     page.find_element("css selector", '[data-time="previous"]').click()
     now = page.execute_script("return tracerisk.clock.time")
     assert now == pytest.approx(shown_run.trace.visits[2].start_s, abs=1e-6)
-    told = page.find_element("id", "timeline-slider").get_attribute("aria-valuetext")
-    assert told == f"{now:.2f} s, pick, visit 3 of {N_VISITS}"
+    reported = page.find_element("id", "timeline-slider").get_attribute("aria-valuetext")
+    assert reported == f"{now:.2f} s, pick, visit 3 of {N_VISITS}"
 
 
-def test_arrow_keys_go_along_the_visits_and_tell_each(page, shown_run):
+def test_arrow_keys_go_along_the_visits_and_say_each(page, shown_run):
     page.execute_script("document.querySelector('.timeline-visit[tabindex=\"0\"]').focus()")
     keys(page, "\ue014", "\ue014")  # right
     tip = page.find_element("css selector", ".timeline-tip")
@@ -558,19 +558,19 @@ def test_zooming_to_a_visit_shows_it_alone(page, shown_run):
     assert page.execute_script(_CHART)["visits"] == N_VISITS
 
 
-def test_a_pointer_on_a_row_is_told_what_is_there(page):
+def test_a_pointer_on_a_row_is_reported_what_is_there(page):
     from selenium.webdriver import ActionChains
     from selenium.webdriver.support.ui import WebDriverWait
 
     line = page.find_element("css selector", '[data-line="gripper"]')
     segment = line.find_element("css selector", ".timeline-segment")
 
-    def told(driver):
+    def reported(driver):
         # A busy machine hands the pointer on later than the driver returns.
         ActionChains(driver).move_to_element(segment).perform()
         return driver.find_element("css selector", ".timeline-tip").text
 
-    tip = WebDriverWait(page, 20).until(told)
+    tip = WebDriverWait(page, 20).until(reported)
     assert re.fullmatch(r"gripper: (moving|holding|grasping|, )+, [\d.]+ s to [\d.]+ s", tip)
 
 

@@ -121,7 +121,7 @@ def test_only_the_riskiest_function_is_unfolded(document, arm):
     assert [each.get("data-function") for each in opened] == [riskiest.name]
 
 
-def test_of_a_large_tree_the_uppermost_part_is_drawn_and_the_rest_told(report_of, parsed):
+def test_of_a_large_tree_the_uppermost_part_is_drawn_and_the_rest_reported(report_of, parsed):
     tree = FaultTree.of("top", {"top": ("or", *(f"e{n}" for n in range(200)))})
     model = HybridModel.of("m", {"big": tree}, values={f"e{n}": 1e-9 for n in range(200)})
     page = parsed(render_report(report_of(model)))
@@ -205,7 +205,7 @@ def _shown(text):
     return shown_sources((SourceFile("a.py", text),))
 
 
-def test_pins_are_told_with_reason_and_drift(arm, report_of, parsed):
+def test_pins_are_reported_with_reason_and_drift(arm, report_of, parsed):
     place = Location("a.py", 1)
     pins = (
         Pin("move.motor.probability", "2e-7", "1e-7", "FMEA-112", 100.0, place),
@@ -220,16 +220,16 @@ def test_pins_are_told_with_reason_and_drift(arm, report_of, parsed):
 
 
 @pytest.mark.parametrize(
-    ("drift", "told"),
+    ("drift", "expected"),
     [
         (None, "\N{EN DASH}"), (0.0, "0 %"), (-3.456, "-3.46 %"), (999.9, "+1e+03 %"),
         (7188.6, "+7,190 %"), (-123456.0, "-123,000 %"), (2.5e7, "+2.5e+07 %"),
         (math.inf, "computed is zero"),
     ],
 )  # fmt: skip
-def test_a_drift_has_three_digits(drift, told):
+def test_a_drift_has_three_digits(drift, expected):
     pin = Pin("a.b", "1", "2", None, drift, Location("a.py", 1))
-    assert drift_of_pin(pin) == told
+    assert drift_of_pin(pin) == expected
 
 
 def test_without_a_run_the_page_says_why(arm, report_of, parsed):
@@ -245,15 +245,15 @@ def test_what_became_of_the_scene_stands_with_the_summary(arm, report_of, parsed
     assert "objects: 9 of 10 <b>" in texts(page.xpath("//section[@class='lead']/p"))
 
 
-def test_a_difference_is_told_in_the_words_of_diff(arm, report_of, parsed, eventful, review_of):
+def test_a_difference_is_reported_in_the_words_of_diff(arm, report_of, parsed, eventful, review_of):
     review = review_of(eventful, notes=("a note",))
     page = parsed(render_report(report_of(arm, review=review)))
     section = page.get_element_by_id("difference")
     assert section.xpath("./h2")[0].text == "Since HEAD"
     assert len(rows(page, "difference-1-changes")) == len(eventful.changes) + 1
-    told = section.text_content()
-    assert "FMEA|112 <b>" in told
-    assert "a note" in told
+    text = section.text_content()
+    assert "FMEA|112 <b>" in text
+    assert "a note" in text
 
 
 def test_a_model_that_cannot_fail_says_so(report_of, parsed):
@@ -303,9 +303,9 @@ def test_hostile_texts_are_texts(hostile_page, parsed):
     assert len(document.xpath("//style")) == 1
     assert not document.xpath("//img | //b[text()='']")
     assert not document.xpath("//@onmouseover | //@onerror")
-    told = document.text_content()
+    printed = document.text_content()
     for text in ("</script><script>window.pwned = 1</script>", "{{ 7 * 7 }}{% raw %}"):
-        assert told.count(text) > 5
+        assert printed.count(text) > 5
 
 
 def test_what_no_encoding_has_is_replaced(arm, report_of):
@@ -375,7 +375,7 @@ def test_labels_of_a_chain_do_not_overlap(report_of, parsed):
 
 
 @pytest.mark.parametrize(
-    ("share", "told"),
+    ("share", "expected"),
     [
         (0.0, "0 %"),
         (2.7e-8, "< 0.01 %"),
@@ -386,8 +386,8 @@ def test_labels_of_a_chain_do_not_overlap(report_of, parsed):
         (1.0, "100 %"),
     ],
 )
-def test_a_share_is_none_or_all_only_where_it_is(share, told):
-    assert figures.percent(share).replace("\N{NO-BREAK SPACE}", " ") == told
+def test_a_share_is_none_or_all_only_where_it_is(share, expected):
+    assert figures.percent(share).replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_readings_that_print_the_same_share_one_box(report_of, parsed):

@@ -182,7 +182,7 @@ def test_rows_of_what_is_always_in_use_and_of_what_no_component_has():
     assert (loose.component, list(loose.elements)) == ("", ["b"])
 
 
-def test_segments_are_told_in_whole_milliseconds_where_they_are():
+def test_segments_are_reported_in_whole_milliseconds_where_they_are():
     found = segments_data([Segment(0.002, 0.01, MOVING), Segment(0.0125, 0.0131, HOLDING)])
     assert found == [2, 8, MOVING, 12.5, 0.6, HOLDING]
     assert [type(each) for each in found[:3]] == [int, int, int]

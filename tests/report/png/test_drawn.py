@@ -128,7 +128,7 @@ def test_long_and_hostile_words_are_wrapped_into_the_caption(shown):
     assert np.asarray(image.convert("L"))[SIZE[1] :, -12:].min() > 200
 
 
-def test_where_nothing_can_be_drawn_it_is_told_what_to_install(pictures, monkeypatch):
+def test_where_nothing_can_be_drawn_it_is_reported_what_to_install(pictures, monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     with pytest.raises(RenderError, match="without a screen, and there is none") as caught:
         drawn(pictures)
@@ -146,8 +146,8 @@ def test_both_ways_are_tried_where_the_renderer_is_off(monkeypatch):
 
     monkeypatch.setenv("MUJOCO_GL", "disable")
     monkeypatch.setattr("tracerisk.report.png.drawn.run_limited", no_gl)
-    told = re.escape("(egl: ImportError: no GL for you; osmesa: ImportError: no GL for you)")
-    with pytest.raises(RenderError, match=told):
+    reported = re.escape("(egl: ImportError: no GL for you; osmesa: ImportError: no GL for you)")
+    with pytest.raises(RenderError, match=reported):
         drawn([])
     assert asked == ["egl", "osmesa"]
 

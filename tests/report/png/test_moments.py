@@ -50,7 +50,7 @@ def test_of_equal_stretches_the_middle_of_the_longest_and_then_the_first_one_is_
     assert moments(trace, activity_of(a="mm..mm...."), 10)[0].frame == 0
 
 
-def test_the_visit_is_told_and_an_earlier_one_goes_before_its_equal(trace_of):
+def test_the_visit_is_reported_and_an_earlier_one_goes_before_its_equal(trace_of):
     visits = (("f", 0.0, 0.2, ("a", "b")), ("g", 0.2, 0.2, ("a",)), ("f", 0.4, 0.4, ("a", "b")))
     trace = trace_of(*visits, end_s=0.8)
     activity = activity_of(a="mmmmm.....mmmmm.....", b=".....mmmmm..m.......")

@@ -98,7 +98,9 @@ def test_the_legend_lists_the_pictures_and_what_the_colours_mean(two_functions, 
     assert (legend["robot"], legend["scene"]) == ("panda", "tube_racks")
 
 
-def test_what_moves_with_no_component_is_told_and_a_sensor_with_none_is_not(trace_of, turning_arm):
+def test_what_moves_with_no_component_is_reported_and_a_sensor_with_none_is_not(
+    trace_of, turning_arm
+):
     trace = trace_of(("lift", 0.0, 4.0, ("panda_joint2", "eye")))
     (picture,) = make_pictures(trace, {}, turning_arm)
     assert picture.entry["active"] == {"": {"panda_joint2": ["moving"]}}
@@ -111,8 +113,8 @@ def test_of_many_elements_the_first_are_named(trace_of, turning_arm):
     names = tuple(f"s{index}" for index in range(40))
     trace = trace_of(("lift", 0.0, 4.0, names))
     (picture,) = make_pictures(trace, {"sensor": names}, turning_arm)
-    (told,) = [row.text for row in picture.rows if row.colour == STATE_COLOURS["in use"]]
-    assert told.endswith("s11, and 28 more)")
+    (reported,) = [row.text for row in picture.rows if row.colour == STATE_COLOURS["in use"]]
+    assert reported.endswith("s11, and 28 more)")
 
 
 def test_what_the_controller_puts_into_the_scene_is_there_from_then_on(two_functions, turning_arm):

@@ -71,14 +71,14 @@ def test_a_robot_is_heard_by_a_node_that_only_subscribes(real_ros, tmp_path, exa
                 *("attach", "--robot", "panda", "--names", "/steps", "--effort-unit", "Nm"),
                 *("--duration", "15", "--keep", "robot.mcap", "-o", "robot.json"),
             )
-        told = robot.communicate(timeout=30)[0]
+        reported = robot.communicate(timeout=30)[0]
     finally:
         robot.kill()
         is_over.set()
         serving.join()
         session.close()
     assert done.code == 0, done.err
-    (publishers, subscribers, services) = json.loads(told.replace("'", '"'))[0]
+    (publishers, subscribers, services) = json.loads(reported.replace("'", '"'))[0]
     assert [n for n in subscribers if n.startswith("/tracerisk_attach")], subscribers
     assert not [n for n in [*publishers, *services] if n.startswith("/tracerisk_attach")]
     trace = json.loads(example.read("robot.json"))

@@ -101,9 +101,9 @@ def test_the_run_has_its_own_master_and_no_way_out(lived):
 
 def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):
     trace = json.loads(lived.read("live.json").decode())
-    told = trace["assumptions"]
-    assert told[0] == "measured: live, on real rospy with the twin as a node"
-    assert any(each.startswith("lost: repeatability") for each in told)
+    reported = trace["assumptions"]
+    assert reported[0] == "measured: live, on real rospy with the twin as a node"
+    assert any(each.startswith("lost: repeatability") for each in reported)
     assert trace["end"]["cause"] == "ended"
 
 
@@ -122,8 +122,8 @@ def test_the_published_block_is_written_and_never_fresh(lived):
     assert source.count("RiskAnnotation") == 2
     checked = lived.run("check", "steps.py")
     assert checked.code == 1
-    told = " ".join((checked.out + checked.err).split())
-    assert "stale: setting measured was True" in told
+    text = " ".join((checked.out + checked.err).split())
+    assert "stale: setting measured was True" in text
 
 
 def test_nothing_is_written_by_a_live_run_itself():

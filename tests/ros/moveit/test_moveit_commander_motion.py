@@ -173,7 +173,7 @@ success, trajectory, _, error = arm.plan()
     assert "planning for group 'panda_arm' failed" in first.message
 
 
-def test_the_same_failure_at_the_same_line_is_told_once(run):
+def test_the_same_failure_at_the_same_line_is_reported_once(run):
     ran = run(
         FAST
         + """

@@ -366,7 +366,7 @@ done = arm.go(across)
     assert "'wall'" in finding
 
 
-def test_a_cartesian_path_ends_before_a_collision_unless_told_not_to_look(run):
+def test_a_cartesian_path_ends_before_a_collision_unless_reported_not_to_look(run):
     ran = run(
         SCENE
         + """
@@ -402,7 +402,7 @@ after = arm.plan([0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])[3].val
     assert ran["after"] == 1
 
 
-def test_a_flat_mesh_is_kept_but_told_to_be_no_body(run):
+def test_a_flat_mesh_is_kept_but_reported_to_be_no_body(run):
     ran = run(
         SCENE
         + """

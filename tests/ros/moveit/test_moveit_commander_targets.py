@@ -66,7 +66,7 @@ def test_an_unknown_group_lists_the_groups(run):
         ("moveit_commander.conversions.list_to_pose([1])", "Expected either 6 or 7 elements"),
     ],
 )
-def test_what_is_refused_and_how_it_is_told(run, call, text):
+def test_what_is_refused_and_how_it_is_reported(run, call, text):
     assert text in refused(run, call)
 
 
@@ -145,7 +145,7 @@ def test_joint_positions_can_be_looked_for_by_pose(run):
     assert ran["height"] == pytest.approx(ran["pose"].pose.position.z, abs=0.002)
 
 
-def test_joint_positions_for_a_pose_out_of_reach_are_refused_and_told(run):
+def test_joint_positions_for_a_pose_out_of_reach_are_refused_and_reported(run):
     ran = run(
         """
         arm = MoveGroupCommander("panda_arm")
@@ -315,7 +315,7 @@ def test_settings_are_given_back(run):
     assert request.start_state.is_diff is True
 
 
-def test_the_state_is_told_as_a_message(run):
+def test_the_state_is_reported_as_a_message(run):
     ran = run(
         """
         robot = moveit_commander.RobotCommander()

@@ -66,9 +66,9 @@ status = panda.execute(arm.plan().trajectory, controllers=[])
     assert bool(ran["status"]) is True
     (command,) = ran.recording.commands
     assert command.outcome == "succeeded"
-    (told,) = ran.findings
-    assert "the arm is assumed to begin where its first motion was planned from" in told
-    assert "panda_joint2 -0.7854" in told
+    (reported,) = ran.findings
+    assert "the arm is assumed to begin where its first motion was planned from" in reported
+    assert "panda_joint2 -0.7854" in reported
 
 
 def test_a_plan_from_elsewhere_is_not_executed(run):

@@ -169,7 +169,7 @@ with monitor.read_write() as scene:
     assert "is no .scene file" in ran["refused"]
 
 
-def test_planning_within_the_lock_is_told_as_the_deadlock_that_it_is(run):
+def test_planning_within_the_lock_is_reported_as_the_deadlock_that_it_is(run):
     # planning_scene_monitor.cpp of moveit/moveit2: updateFrameTransforms, which plan() calls,
     # locks scene_update_mutex_ for itself alone.
     ran = run(

@@ -48,7 +48,7 @@ def test_a_cloud_is_moved_and_its_other_fields_stay(run_ros2):
     )
 
 
-def test_a_pose_turns_with_a_positive_w_and_failures_tell_no_span(run_ros2):
+def test_a_pose_turns_with_a_positive_w_and_failures_say_no_span(run_ros2):
     def main():
         import tf2_geometry_msgs
         import tf2_py
@@ -67,12 +67,12 @@ def test_a_pose_turns_with_a_positive_w_and_failures_tell_no_span(run_ros2):
             placed.header.frame_id = "base"
             placed.header.stamp.sec = sec
             core.set_transform(placed, "test")
-        told = []
+        reported = []
         for seconds in (0.5, 2.5):
             with pytest.raises(tf2_py.ExtrapolationException) as failed:
                 core.lookup_transform_core("base", "hand", Time(seconds=seconds))
-            told.append(str(failed.value).partition(".")[0])
-        return turned.w, told
+            reported.append(str(failed.value).partition(".")[0])
+        return turned.w, reported
 
     words = "Lookup would require extrapolation into the"
     assert run_ros2(main) == (1.0, [f"{words} past", f"{words} future"])

@@ -22,14 +22,14 @@ def shifted(x: float = 0.0, y: float = 0.0, z: float = 0.0, turn=ORIGIN.orientat
 
 
 @pytest.fixture
-def told() -> list[str]:
+def reported() -> list[str]:
     return []
 
 
 @pytest.fixture
-def tree(told: list[str]) -> TransformTree:
+def tree(expected: list[str]) -> TransformTree:
     """map - base - arm - hand, and map - camera (static); hand moves from 1 s to 3 s."""
-    tree = TransformTree(warn=told.append)
+    tree = TransformTree(warn=expected.append)
     tree.place("map", "base", shifted(1.0), 0, "test", static=True)
     tree.place("map", "camera", shifted(0.0, 0.0, 2.0), 0, "test", static=True)
     for time_s in (1, 2, 3):
@@ -145,28 +145,28 @@ def test_what_cannot_be_answered_says_why(tree, target, source, time_s, failure,
         ("a", "b", shifted(turn=(0.0, 0.0, 0.0, 0.0)), "TF_DENORMALIZED_QUATERNION"),
     ],
 )
-def test_a_transform_that_makes_no_sense_is_dropped_and_told(
-    tree, told, parent, child, pose, message
+def test_a_transform_that_makes_no_sense_is_dropped_and_reported(
+    tree, expected, parent, child, pose, message
 ):
     frames = tree.frames
     assert tree.place(parent, child, pose, S, "somebody", static=False) is False
-    assert message in told[0]
+    assert message in expected[0]
     assert tree.frames == frames
 
 
-def test_old_and_repeated_poses_are_dropped_and_told(told):
-    tree = TransformTree(cache_ns=2 * S, warn=told.append)
+def test_old_and_repeated_poses_are_dropped_and_reported(expected):
+    tree = TransformTree(cache_ns=2 * S, warn=expected.append)
     for time_s in (10, 11, 13):
         tree.place("a", "b", shifted(time_s), time_s * S, "test", static=False)
     assert not tree.can_transform("a", "b", 10 * S)[0]
     assert tree.can_transform("a", "b", 11 * S)[0]
     assert not tree.place("a", "b", shifted(), 13 * S, "test", static=False)
     assert not tree.place("a", "b", shifted(), 10 * S, "test", static=False)
-    assert "TF_REPEATED_DATA" in told[0]
-    assert "TF_OLD_DATA" in told[1]
+    assert "TF_REPEATED_DATA" in expected[0]
+    assert "TF_OLD_DATA" in expected[1]
 
 
-def test_a_loop_is_told_as_one():
+def test_a_loop_is_reported_as_one():
     tree = TransformTree()
     for parent, child in (("a", "b"), ("b", "c"), ("c", "a"), ("x", "y")):
         tree.place(parent, child, shifted(), S, "test", static=False)
@@ -186,7 +186,7 @@ def test_clear_keeps_what_is_static(tree):
     assert not tree.can_transform("map", "hand", 0)[0]
 
 
-def test_the_tree_is_told_as_text(tree):
+def test_the_tree_is_reported_as_text(tree):
     assert "Frame hand exists with parent arm.\n" in tree.as_string()
     assert "hand: \n  parent: 'arm'\n  broadcaster: 'test'\n" in tree.as_yaml()
     assert '"arm" -> "hand"' in tree.as_dot()

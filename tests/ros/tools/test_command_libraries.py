@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 
-def test_topics_services_and_nodes_are_told(run_node):
+def test_topics_services_and_nodes_are_reported(run_node):
     def main():
         import rosnode
         import rospy

@@ -191,7 +191,7 @@ def test_a_server_that_is_not_there_is_named(run):
         ('gen.add("a", str_t, 0, "", "x", "a")', "Max or min specified for a"),
     ],
 )
-def test_a_malformed_description_is_told(run, tmp_path, line, message):
+def test_a_malformed_description_is_reported(run, tmp_path, line, message):
     (tmp_path / "compliance" / "cfg" / "Compliance.cfg").write_text(
         CFG.split("gen.add(")[0] + line + "\n"
     )
@@ -203,7 +203,7 @@ def test_a_malformed_description_is_told(run, tmp_path, line, message):
         run(main)
 
 
-def test_a_file_that_describes_nothing_is_told(run, tmp_path):
+def test_a_file_that_describes_nothing_is_reported(run, tmp_path):
     (tmp_path / "compliance" / "cfg" / "Compliance.cfg").write_text("x = 1\n")
 
     def main():

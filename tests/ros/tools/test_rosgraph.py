@@ -10,7 +10,7 @@ import re
 import pytest
 
 
-def test_the_master_is_there_and_tells_the_state_of_the_graph(run_node):
+def test_the_master_is_there_and_says_the_state_of_the_graph(run_node):
     def main():
         import rosgraph
         import rospy

@@ -20,7 +20,7 @@ def test_a_machine_follows_outcomes_and_hands_data_on(run_node):
                 return "more" if ud.n < 3 else "enough"
 
         @smach.cb_interface(outcomes=["over"], input_keys=["total"])
-        def tell(ud, word):
+        def reported(ud, word):
             seen.append((word, ud["total"]))
             return "over"
 
@@ -31,7 +31,7 @@ def test_a_machine_follows_outcomes_and_hands_data_on(run_node):
                 "COUNT", Count(), {"more": "COUNT", "enough": "TELL"}, {"n": "count"}
             )
             smach.StateMachine.add(
-                "TELL", smach.CBState(tell, cb_args=["n is"]), remapping={"total": "count"}
+                "TELL", smach.CBState(reported, cb_args=["n is"]), remapping={"total": "count"}
             )
         machine.register_transition_cb(
             lambda ud, active, word: seen.append((word, *active)), ["at"]
@@ -46,7 +46,7 @@ def test_a_machine_follows_outcomes_and_hands_data_on(run_node):
     assert run_node(main) == [("at", "COUNT"), ("at", "COUNT"), ("at", "TELL"), ("n is", 3)]
 
 
-def test_what_is_put_together_wrongly_is_told(run_node):
+def test_what_is_put_together_wrongly_is_reported(run_node):
     def main():
         import smach
 
@@ -71,14 +71,14 @@ def test_what_is_put_together_wrongly_is_told(run_node):
             smach.StateMachine.add("A", Done())
         with pytest.raises(smach.InvalidStateError, match="a int, and no smach"), machine:
             smach.StateMachine.add("B", 1)
-        for result, told in (
+        for result, reported in (
             ("else", "returned 'else'"),
             ("read", "none of the state's input_keys"),
         ):
             machine = smach.StateMachine(["over"])
             with machine:
                 smach.StateMachine.add("A", Done(result), {"done": "over"})
-            with pytest.raises(smach.InvalidUserCodeError, match=told):
+            with pytest.raises(smach.InvalidUserCodeError, match=reported):
                 machine.execute()
         machine = smach.StateMachine(["over"])
         with machine:

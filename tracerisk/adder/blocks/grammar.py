@@ -343,8 +343,8 @@ class _Parser:
             message = f"{kind.key} {before}{text} is not allowed; allowed: {error}"
             value, mark, reason = text.partition("#")
             if mark and _is_readable(kind, value.strip()):
-                told = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
-                message = f"a reason stands behind `!` and not behind `#`; write `{told}`"
+                words = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
+                message = f"a reason stands behind `!` and not behind `#`; write `{words}`"
             raise self._error(at.line, message) from error
 
 

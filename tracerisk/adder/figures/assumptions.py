@@ -26,7 +26,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
 def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     tested = [each for each in used if each.component.test_interval_s is not None]
     within = sorted(each.component.name for each in tested if each.missions_between_tests == 1.0)
-    told = [
+    lines = [
         f"{', '.join(within)}: tests within the mission are not counted: a failure is taken to "
         "stay hidden until the mission ends, which overstates the risk"
     ]
@@ -37,7 +37,7 @@ def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
         for each in tested
         if each.missions_between_tests > 1.0
     ]
-    return (*(told if within else ()), *rarer)
+    return (*(lines if within else ()), *rarer)
 
 
 def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:

@@ -45,9 +45,9 @@ def show_failure(options: argparse.Namespace, trace: Trace) -> int:
         write_file(options.trace, trace_json.dumps(trace))
     code = print_failure(trace)
     if options.report is not None:
-        told = f"{options.report}: no report is written of a run that ended badly"
+        message = f"{options.report}: no report is written of a run that ended badly"
         kept = "; the file is an earlier one" if Path(options.report).exists() else ""
-        note(f"{told}{kept}", quiet=options.quiet)
+        note(f"{message}{kept}", quiet=options.quiet)
     if options.json:
         data = trace_json.trace_data(trace)
         verdict = verdict_json(trace.verdict)

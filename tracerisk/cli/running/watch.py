@@ -78,26 +78,26 @@ class _Clock:
 def _looking(watched: Watch, clock: _Clock, bar: Progress | None) -> Progress:
     """Return what passes on the progress, and ends work on what has changed meanwhile."""
 
-    def told(phase: str, simulated_s: float) -> None:
+    def phase_text(phase: str, simulated_s: float) -> None:
         watched.look()
         clock.pass_on(phase)
         if bar is not None:
             bar(phase, simulated_s)
 
-    return told
+    return phase_text
 
 
 def _followed(done: FinishedRun, known: FinishedRun | None, clock: _Clock) -> str:
     """Return how the figure moved, and how long that took, on one line."""
     wall_s = time.monotonic() - clock.began
     now = done.assessed.assessment.mission.failure_probability
-    told = f"mission failure {now:.4g}"
+    phase_text = f"mission failure {now:.4g}"
     if known is not None:
         before = known.assessed.assessment.mission.failure_probability
         change = f" ({100.0 * (now / before - 1.0):+.3g} %)" if before > 0.0 else ""
-        told += ", as before" if now == before else f", was {before:.4g}{change}"
+        phase_text += ", as before" if now == before else f", was {before:.4g}{change}"
     is_same = known is not None and done.assessed.trace is known.assessed.trace
     how = f"{wall_s:.2f} s, without a run"
     if not is_same:
         how = f"{wall_s:.2f} s, of which the run {clock.ran_s:.2f} s"
-    return f"{told}; {how}"
+    return f"{phase_text}; {how}"

@@ -75,8 +75,8 @@ class _Handler(BaseHTTPRequestHandler):
             return False
         if self.command in ("GET", "HEAD"):
             return True
-        told = "Nothing can be changed here: only GET is answered."
-        self._send(refused(HTTPStatus.METHOD_NOT_ALLOWED, "Read only", told), with_body=True)
+        text = "Nothing can be changed here: only GET is answered."
+        self._send(refused(HTTPStatus.METHOD_NOT_ALLOWED, "Read only", text), with_body=True)
         return False
 
     def _reply(self) -> Reply:
@@ -89,8 +89,8 @@ class _Handler(BaseHTTPRequestHandler):
             return refused(HTTPStatus.BAD_REQUEST, "Not a page", "The target is no path of a page.")
         names = {f"{host}:{self.server.server_port}" for host in (HOST, "localhost")}
         if self.headers.get_all("Host", []) not in [[name] for name in names]:
-            told = f"This server answers to {self.server.url} and to no other name."
-            return refused(HTTPStatus.MISDIRECTED_REQUEST, "Another host", told)
+            message = f"This server answers to {self.server.url} and to no other name."
+            return refused(HTTPStatus.MISDIRECTED_REQUEST, "Another host", message)
         origins = self.headers.get_all("Origin", [])
         if origins and origins not in [[f"http://{name}"] for name in names]:
             return refused(HTTPStatus.FORBIDDEN, "Another site", _FOREIGN)

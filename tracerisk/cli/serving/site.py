@@ -179,8 +179,8 @@ class Site:
     def _state(self, _: str, __: str) -> Reply:
         with contextlib.suppress(TraceRiskError):
             self._read()
-        told = sorted((str(path), repr(look)) for path, look in self._seen.items())
-        return _json({"state": hashlib.sha256(json.dumps(told).encode()).hexdigest()})
+        seen = sorted((str(path), repr(look)) for path, look in self._seen.items())
+        return _json({"state": hashlib.sha256(json.dumps(seen).encode()).hexdigest()})
 
     def _file(self, name: str, _: str) -> Reply:
         """Return a report that stands in the repository, and no other file."""
@@ -235,9 +235,9 @@ class _UnknownNameError(InputError):
     """A name that no lock knows."""
 
 
-def refused(status: int, title: str, told: str) -> Reply:
+def refused(status: int, title: str, words: str) -> Reply:
     """Return the page that says why a request is not answered."""
-    return _page(title, told, status)
+    return _page(title, words, status)
 
 
 def _kept(known: KnownController) -> KeptRun | None:
@@ -299,9 +299,9 @@ def _html(text: str, status: int = 200) -> Reply:
     return Reply(status, HTML, text.encode("utf-8"), policy)
 
 
-def _page(title: str, told: str, status: int) -> Reply:
+def _page(title: str, words: str, status: int) -> Reply:
     html = rendered("heading.html.j2", name="", sentence=title)
-    body = rendered("list.html.j2", lines=(), lead="", empty=told)
+    body = rendered("list.html.j2", lines=(), lead="", empty=words)
     text = page(title, html, [Section("reason", "Why", body), live_section()], connects=True)
     return _html(text, status)
 

@@ -171,7 +171,7 @@ def progress_bar(
         task = bar.add_task("reading", total=None, simulated="", left="")
         first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
 
-        def tell(phase: str, simulated_s: float) -> None:
+        def notify(phase: str, simulated_s: float) -> None:
             nonlocal first
             most = "" if most_s is None else f" of at most {most_s:g}"
             simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
@@ -187,7 +187,7 @@ def progress_bar(
                 task, description=phase, simulated=simulated, left=left, total=total, completed=done
             )
 
-        yield tell
+        yield notify
 
 
 @contextlib.contextmanager
@@ -209,10 +209,10 @@ def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] |
     with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
         task = bar.add_task("failures", total=None, left="the run without a failure")
 
-        def tell(done: int, of: int, left_s: float) -> None:
+        def notify(done: int, of: int, left_s: float) -> None:
             bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
 
-        yield tell
+        yield notify
 
 
 def _is_dumb() -> bool:

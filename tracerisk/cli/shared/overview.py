@@ -43,8 +43,8 @@ def write_overview(options: argparse.Namespace) -> int:
     title = Path.cwd().name
     rows = [overview_row(each, report=links.get(each.name, "")) for each in found]
     write_file(options.output, overview_page(title, rows))
-    told = f"{options.output}: {len(found)} controller{'' if len(found) == 1 else 's'}"
-    note(told, quiet=options.quiet or options.json)
+    text = f"{options.output}: {len(found)} controller{'' if len(found) == 1 else 's'}"
+    note(text, quiet=options.quiet or options.json)
     if options.json:
         print_json(
             "report",

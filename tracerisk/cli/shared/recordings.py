@@ -35,12 +35,12 @@ def add_reading(parser: argparse.ArgumentParser, *, with_robot: bool) -> None:
         help="least difference of two positions [rad or m]; velocities are then derived if missing",
     )
     group.add_argument("--joint-states", metavar="TOPIC", help="the topic of the joint states")
-    told = group.add_mutually_exclusive_group()
-    told.add_argument("--commands", metavar="FILE", help="what the probe wrote (docs/probe.md)")
-    told.add_argument(
+    choice = group.add_mutually_exclusive_group()
+    choice.add_argument("--commands", metavar="FILE", help="what the probe wrote (docs/probe.md)")
+    choice.add_argument(
         "--functions", metavar="FILE.csv", help="times of functions: time_s,function[,event]"
     )
-    told.add_argument("--names", metavar="TOPIC", help="a topic with the names of functions")
+    choice.add_argument("--names", metavar="TOPIC", help="a topic with the names of functions")
 
 
 def read_recording(path: Path, options: argparse.Namespace, controller: str | None = None) -> Trace:

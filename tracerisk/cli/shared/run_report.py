@@ -88,8 +88,8 @@ def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
     ]
     if not counted:
         return ExitCode.FINE
-    told = "1 finding" if len(counted) == 1 else f"{len(counted)} findings"
-    note(f"tracerisk: {told}, and --fail-on {fail_on}")
+    text = "1 finding" if len(counted) == 1 else f"{len(counted)} findings"
+    note(f"tracerisk: {text}, and --fail-on {fail_on}")
     return ExitCode.WOULD_CHANGE
 
 

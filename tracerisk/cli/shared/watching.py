@@ -138,8 +138,8 @@ def watch(
             beside = [] if sources is None else sources.glob("*.py")
             watched.follow({*watched.files, *place, *beside})
         count = sum(1 for each in watched.files if each.is_file())
-        told = f"watching {count} file{'' if count == 1 else 's'}; Ctrl-C ends"
-        note(told, quiet=quiet)
+        text = f"watching {count} file{'' if count == 1 else 's'}; Ctrl-C ends"
+        note(text, quiet=quiet)
         note(f"{_named(watched.wait())} changed", quiet=quiet)
 
 

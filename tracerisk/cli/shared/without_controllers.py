@@ -18,7 +18,7 @@ def note_without_controllers(options: argparse.Namespace) -> None:
 
     found = without_controllers(options.files)
     for name in found[:_SHOWN]:
-        told = "no risk blocks, and no controller depends on it"
-        note(f"{name}: {told}; `tracerisk run {name}` writes blocks", quiet=options.quiet)
+        message = "no risk blocks, and no controller depends on it"
+        note(f"{name}: {message}; `tracerisk run {name}` writes blocks", quiet=options.quiet)
     if len(found) > _SHOWN:
         note(f"and {len(found) - _SHOWN} more files without blocks", quiet=options.quiet)

@@ -151,8 +151,8 @@ class ChainFile:
             ends, visits = solution.absorption(), solution.expected_visits()
         steps = math.fsum(visits.values())
         data = {"expected_visits": visits, "expected_steps": steps}
-        told = f"mean number of steps: {steps:.6e}"
-        return self._absorbed(chain, ends, data, visits, told, figure)
+        text = f"mean number of steps: {steps:.6e}"
+        return self._absorbed(chain, ends, data, visits, text, figure)
 
     def _continuous(self, chain: ExplicitChain, figure: str | None) -> Solved:
         from tracerisk.report.model_files import render_states
@@ -172,8 +172,8 @@ class ChainFile:
             "expected_times": solution.expected_times(),
             "expected_time": time,
         }
-        told = f"mean time until the end, in the unit of the rates: {time:.6e}"
-        return self._absorbed(chain, solution.absorption(), data, visits, told, figure)
+        text = f"mean time until the end, in the unit of the rates: {time:.6e}"
+        return self._absorbed(chain, solution.absorption(), data, visits, text, figure)
 
     def _absorbed(
         self,
@@ -181,7 +181,7 @@ class ChainFile:
         ends: Mapping[str, float],
         data: dict[str, Any],
         visits: Mapping[str, float],
-        told: str,
+        words: str,
         figure: str | None,
     ) -> Solved:
         from tracerisk.report.model_files import render_line, render_states
@@ -190,7 +190,7 @@ class ChainFile:
         shown: list[tuple[Render, tuple[Any, ...]]] = [
             (render_states, (self.name, "probability of ending there", ends)),
             (render_states, (f"From {chain.entry} on", "expected visits", visits)),
-            (render_line, (told,)),
+            (render_line, (words,)),
         ]
         data = {"entry": chain.entry, "absorption": dict(ends), **data}
         return Solved(figures, data, tuple(shown), chain.notes)

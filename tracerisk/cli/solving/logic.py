@@ -142,7 +142,7 @@ class LogicFile:
             raise InputError(
                 f"'{self.name}' has {len(names)} tops; say with --figure which --uncertainty is of"
             )
-        return propagate(self.model, names[0], self._time(), samples=samples, seed=seed, tell=note)
+        return propagate(self.model, names[0], self._time(), samples=samples, seed=seed, note=note)
 
     def _gate(self, figure: str) -> tuple[str, ...]:
         """Return a gate that is asked for by name; raise InputError for an unknown one."""

@@ -124,11 +124,11 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
         before = names.get(member.name) if member.name else None
         if before is not None and found.get(before) is before:
             line = before.location().line
-            told = f"inherited from line {line} already; write 'part :>> {member.name}' to redefine"
+            text = f"inherited from line {line} already; write 'part :>> {member.name}' to redefine"
             if before in general.members:
-                told = f"declared in line {line} already; write a multiplicity for several of"
+                text = f"declared in line {line} already; write a multiplicity for several of"
             raise HardwareError(
-                f"'{member.name}' is {told} it, or give it another name", member.location()
+                f"'{member.name}' is {text} it, or give it another name", member.location()
             )
         found[member] = member
         if member.name:
@@ -197,13 +197,13 @@ def _is_covered(part: Symbol, subsetters: list[Symbol]) -> bool:
         return True
     names = ", ".join(f"'{each.name}'" for each in subsetters)
     raise HardwareError(
-        f"'{part.name}' has {_told(bounds)} units, but the parts that are subsets of it, {names}, "
+        f"'{part.name}' has {_text(bounds)} units, but the parts that are subsets of it, {names}, "
         f"have {total}; name every unit, or none",
         part.location(),
     )
 
 
-def _told(bounds: tuple[int, int | None]) -> str:
+def _text(bounds: tuple[int, int | None]) -> str:
     low, high = bounds
     return str(low) if low == high else f"{low}..{'*' if high is None else high}"
 
@@ -236,7 +236,7 @@ def _bounds(part: Symbol, given: Multiplicity) -> tuple[int, int | None]:
         )
     if high is not None and (low > high or high < 1):
         raise HardwareError(
-            f"a multiplicity of {_told((low, high))} leaves no unit; write a number above 0",
+            f"a multiplicity of {_text((low, high))} leaves no unit; write a number above 0",
             part.location(given.at),
         )
     return low, high

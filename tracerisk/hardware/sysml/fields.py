@@ -68,7 +68,7 @@ class Fields:
         if isinstance(value, Amount):
             self.fail(key, "a number has no unit here; leave the unit out")
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self.fail(key, f"expected a number, found {told(value)}")
+            self.fail(key, f"expected a number, found {described(value)}")
         return self._bounded(key, value, minimum, maximum)
 
     def _bounded(self, key: str, value: float, minimum: float, maximum: float | None) -> float:
@@ -94,7 +94,7 @@ class Fields:
         """Return a whole number from 1 on."""
         value = self.meaning(key)
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            self.fail(key, f"expected a whole number from 1 on, found {told(value)}")
+            self.fail(key, f"expected a whole number from 1 on, found {described(value)}")
         return value
 
     def boolean(self, key: str, default: bool) -> bool:
@@ -103,7 +103,7 @@ class Fields:
             return default
         value = self.meaning(key)
         if not isinstance(value, bool):
-            self.fail(key, f"expected true or false, found {told(value)}")
+            self.fail(key, f"expected true or false, found {described(value)}")
         return value
 
     def text(self, key: str) -> str | None:
@@ -112,7 +112,7 @@ class Fields:
             return None
         value = self.meaning(key)
         if not isinstance(value, str):
-            self.fail(key, f"expected a text in double quotes, found {told(value)}")
+            self.fail(key, f"expected a text in double quotes, found {described(value)}")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -126,7 +126,7 @@ class Fields:
         found = []
         for each in each_of:
             if not isinstance(each, str):
-                self.fail(key, f"expected names in double quotes, found {told(each)}")
+                self.fail(key, f"expected names in double quotes, found {described(each)}")
             if each in found:
                 self.fail(key, f"names '{each}' twice")
             found.append(each)
@@ -155,7 +155,7 @@ class Fields:
         if isinstance(value, Standard) and value.path[:-1] == (OURS, enumeration):
             return words[value.path[-1]]
         allowed = self._allowed(enumeration)
-        return self.fail(key, f"expected a {enumeration}, found {told(value)}; {allowed}")
+        return self.fail(key, f"expected a {enumeration}, found {described(value)}; {allowed}")
 
     def _allowed(self, enumeration: str) -> str:
         return one_of(f"{enumeration}::{word}" for word in ENUMERATIONS[enumeration])
@@ -186,7 +186,7 @@ class Fields:
     def _amount(self, key: str, power: int, example: str) -> Amount:
         value = self.meaning(key)
         if not isinstance(value, Amount) or value.unit.power != power:
-            self.fail(key, f"expected {example}; found {told(value)}")
+            self.fail(key, f"expected {example}; found {described(value)}")
         return value
 
     def nested(self, key: str, kind: str, package: str = OURS) -> Fields:
@@ -196,7 +196,7 @@ class Fields:
             return Fields(f"{self.owner}.{key}", given.nested, given.location, self._way)
         value = self.meaning(key)
         if not isinstance(value, Built) or value.of != Standard((package, kind)):
-            self.fail(key, f"expected '{{ ... }}' or new {kind}(...), found {told(value)}")
+            self.fail(key, f"expected '{{ ... }}' or new {kind}(...), found {described(value)}")
         values = {
             name: Given(expression, scope, expression.at, {})
             for name, (expression, scope) in value.arguments.items()
@@ -212,7 +212,7 @@ class Fields:
                 )
 
 
-def told(value: Meaning) -> str:
+def described(value: Meaning) -> str:
     """Return what a value is, for messages."""
     if value is None:
         return "null"

@@ -118,7 +118,7 @@ class _Reading:
         part = place.symbol
         data = self._annotations.of(part, "FailureData", "Risk")
         if not data:
-            self._tell_without_figure(place)
+            self._warn_without_figure(place)
             return None
         name = component_name(place)
         figures, law, age_s = self._figures(place, data)
@@ -206,10 +206,10 @@ class _Reading:
                 found[1][0].location,
             )
         if not found:
-            self._tell_without_figure(place)
+            self._warn_without_figure(place)
         return tuple(figure for _, figure in found)
 
-    def _tell_without_figure(self, place: Place) -> None:
+    def _warn_without_figure(self, place: Place) -> None:
         """Warn of a part that is described in part only: a level, or our data without a figure."""
         own = self._annotations.own(place.symbol)
         for each in own:
@@ -228,9 +228,9 @@ class _Reading:
                 )
 
     def _warn(self, location: Location, message: str) -> None:
-        told = f"{location}: {message}"
-        if told not in self._warnings:
-            self._warnings.append(told)
+        text = f"{location}: {message}"
+        if text not in self._warnings:
+            self._warnings.append(text)
 
 
 _METADATA_OF = {

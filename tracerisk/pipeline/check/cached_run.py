@@ -43,18 +43,18 @@ def kept_run(path: Path | str) -> KeptRun:
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     settings = read_settings(controller.root, controller.file)
     if entry is None:
-        told = f"{LOCK_NAME} knows of no run of it."
-        return KeptRun(controller, settings, (str(controller.path),), None, told)
+        message = f"{LOCK_NAME} knows of no run of it."
+        return KeptRun(controller, settings, (str(controller.path),), None, message)
     recorded = RunInputs.from_data(entry.inputs)
     settings = settings.with_options(given_options(recorded, controller))
     files = _files(controller, entry)
     reasons = stale_reasons(recorded, controller, settings)
     if reasons:
-        told = f"The trace of its last run is stale: {'; '.join(reasons)}."
-        return KeptRun(controller, settings, files, None, told)
+        message = f"The trace of its last run is stale: {'; '.join(reasons)}."
+        return KeptRun(controller, settings, files, None, message)
     trace = TraceCache(controller.root).read(recorded.fingerprint, controller.file)
-    told = "" if trace is not None else "The trace of its last run is not kept on this machine."
-    return KeptRun(controller, settings, files, trace, told, recorded.fingerprint)
+    message = "" if trace is not None else "The trace of its last run is not kept on this machine."
+    return KeptRun(controller, settings, files, trace, message, recorded.fingerprint)
 
 
 def last_duration_s(path: Path | str) -> float | None:

@@ -105,10 +105,10 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
         what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
-        told = f"run {controller.path}"
+        text = f"run {controller.path}"
         if not controller.is_python:
-            told = f"annotate {controller.path} --log LOG"
-        message = f"{what}; `tracerisk {told}`"
+            text = f"annotate {controller.path} --log LOG"
+        message = f"{what}; `tracerisk {text}`"
         return Checked(controller.path, (CheckFinding("unknown", message, place),))
     recorded = RunInputs.from_data(entry.inputs)
     settings = read_settings(controller.root, controller.file)
@@ -256,14 +256,14 @@ def _of_blocks(
             )
         current = {block.function: block for block in each.placed}
         bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
-        told = set()
+        reported = set()
         for name, placed in current.items():
             written = bases[0].get(name)
             lost = () if written is None else tuple(_lost_lines(written, each, placed))
             yield from lost
             if lost:
-                told.add(name)
-        yield from _edits(bases, each, current, evidence, told)
+                reported.add(name)
+        yield from _edits(bases, each, current, evidence, reported)
         yield from _missing(entry, each, current)
     gone = set(entry.blocks) - {each.file for each in sources}
     for file in sorted(file for file in gone if entry.blocks[file]):
@@ -279,11 +279,11 @@ def _edits(
     source: _Source,
     current: Mapping[QualifiedName, PlacedBlock],
     evidence: SourceEvidence,
-    told: Collection[QualifiedName],
+    reported: Collection[QualifiedName],
 ) -> Iterable[CheckFinding]:
     """Yield what is not as the lock says it was written, and whose work that is.
 
-    Of the functions in `told` it is known already that they are stale.
+    Of the functions in `reported` it is known already that they are stale.
     """
     for name, placed in current.items():
         written = bases[0].get(name)
@@ -304,7 +304,7 @@ def _edits(
         place = Location(source.shown, placed.first_line)
         for edit in outcome.edits:
             yield _edit_finding(edit, edit.location or place)
-        if not outcome.edits and name not in told:
+        if not outcome.edits and name not in reported:
             message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
             yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
 

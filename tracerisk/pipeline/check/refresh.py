@@ -85,8 +85,8 @@ def refresh_controller(
         is_settled = entry.is_settled and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:
-            told = "nothing that it depends on has changed"
-            return Refreshed("fresh", told, verdict=kept_verdict(entry))
+            text = "nothing that it depends on has changed"
+            return Refreshed("fresh", text, verdict=kept_verdict(entry))
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)
@@ -107,8 +107,8 @@ def refresh_controller(
         policy=policy,
         given=given,
     )
-    told = "; ".join(reasons) or "values recomputed from the cached trace"
-    return Refreshed(how, told, annotated, trace.verdict)
+    text = "; ".join(reasons) or "values recomputed from the cached trace"
+    return Refreshed(how, text, annotated, trace.verdict)
 
 
 def _check_end(trace: Trace, path: str) -> None:

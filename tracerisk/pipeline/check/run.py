@@ -69,21 +69,21 @@ def coverage_findings(
     """Yield a finding where too little ran: fewer functions than the limit, or than in the base."""
     coverage = verdict.coverage
     ran, number = coverage.ran, coverage.all
-    told = f"{ran} of {number} functions with commands ran"
+    text = f"{ran} of {number} functions with commands ran"
     place = Location(str(controller.path), 1)
     if coverage.never_ran:
         first = coverage.never_ran[0]
         place = Location(str(controller.path_of(first.ref.file)), first.line)
         names = ", ".join(str(each.ref.name) for each in coverage.never_ran)
-        told += f", not {names}"
+        text += f", not {names}"
     if least is not None and ran < least * number:
-        message = f"{told}; the min_coverage is {least:g}"
+        message = f"{text}; the min_coverage is {least:g}"
         yield CheckFinding("coverage", message, place)
     if base is None:
         return
     before = base.coverage
     if ran * before.all < before.ran * number:
-        message = f"{told}; before the change {before.ran} of {before.all} did"
+        message = f"{text}; before the change {before.ran} of {before.all} did"
         yield CheckFinding("coverage", message, place)
     known = Counter(each.key for each in base.reasons)
     for each in verdict.open_reasons:

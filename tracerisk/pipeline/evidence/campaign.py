@@ -28,7 +28,7 @@ from tracerisk.pipeline.evidence.cell_runs import (
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
-from tracerisk.pipeline.evidence.workers import Told, Workers
+from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
@@ -142,7 +142,7 @@ def gather(
     executor: Executor | None = None,
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
-    told: Told | None = None,
+    progress: CellProgress | None = None,
     noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Plan a campaign and run it; with `until`, draw twice as many cells until the 90 % interval
@@ -161,7 +161,7 @@ def gather(
             shard=shard,
             fresh=fresh,
             most_s=left,
-            told=told,
+            progress=progress,
             noted=noted,
         )
         low, high = mission_factor(plan, found)[1]
@@ -185,7 +185,7 @@ def run_campaign(
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
     most_s: float | None = None,
-    told: Told | None = None,
+    progress: CellProgress | None = None,
     noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Run the cells of a plan that nobody has run yet, and return the evidence there is.
@@ -214,7 +214,7 @@ def run_campaign(
             digest = plan.nominal.digest
             parts = batches(todo, plan.controller, plan.options, digest, sizes, folder)
             workers = Workers(jobs, executor, most_s)
-            of_cells = told and _of_cells(told, sizes)
+            of_cells = progress and _of_cells(progress, sizes)
             for _, done in workers.run(run_batch, parts, of_cells):
                 known.update((each.key, each) for each in done.cells)
                 keep(done.cells)
@@ -271,14 +271,14 @@ def batch_sizes(number: int, workers: int) -> list[int]:
     return sizes
 
 
-def _of_cells(told: Told, sizes: Sequence[int]) -> Told:
-    """Return a callback for batches that calls `told` with cells."""
+def _of_cells(progress: CellProgress, sizes: Sequence[int]) -> CellProgress:
+    """Return a callback for batches that calls `progress` with cells."""
     number = sum(sizes)
 
     def of_batches(done: int, of: int, left_s: float) -> None:
         cells = sum(sizes[:done])
         spent_s = left_s * done / (of - done) if of > done else 0.0
-        told(cells, number, spent_s / cells * (number - cells))
+        progress(cells, number, spent_s / cells * (number - cells))
 
     return of_batches
 

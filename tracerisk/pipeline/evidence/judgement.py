@@ -62,9 +62,9 @@ def judge(
         lost = tuple(f"missed: {each}" for each in missed)
     else:
         fails = any(each.effect in _OF_THE_MISSION for each in seen)
-    told = _first_report(nominal, failed, cell.time_s)
-    if told is not None:
-        seen.append(_Seen("told", told[0], told[1]))
+    report = _first_report(nominal, failed, cell.time_s)
+    if report is not None:
+        seen.append(_Seen("told", report[0], report[1]))
     worst = min(seen, key=lambda each: EFFECTS.index(each.effect), default=None)
     same = [each for each in seen if worst is not None and each.effect == worst.effect]
     times = [each.time_s for each in same if each.time_s is not None]
@@ -75,11 +75,11 @@ def judge(
         fails=fails,
         effect="nothing" if worst is None else worst.effect,
         local=_local(failed, cell),
-        told_after_s=None if told is None else round(max(0.0, told[0] - cell.time_s), 6),
-        told_by="" if told is None else told[1],
+        told_after_s=None if report is None else round(max(0.0, report[0] - cell.time_s), 6),
+        told_by="" if report is None else report[1],
         effect_after_s=round(max(0.0, min(times) - cell.time_s), 6) if times else None,
         lost=tuple(dict.fromkeys(lost)),
-        contact="" if contact is None else _told_contact(contact),
+        contact="" if contact is None else _contact_text(contact),
         followed_s=_followed_s(failed, cell),
     )
 
@@ -96,7 +96,7 @@ def _followed_s(failed: MissionRun, cell: Cell) -> float | None:
 
 def _collisions(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
     for each in _new_contacts(nominal, failed, fault_s):
-        yield _Seen("collision", max(each.start_s, fault_s), _told_contact(each))
+        yield _Seen("collision", max(each.start_s, fault_s), _contact_text(each))
 
 
 def _new_contacts(nominal: MissionRun, failed: MissionRun, fault_s: float) -> list[Contact]:
@@ -121,7 +121,7 @@ def _force(contact: Contact) -> tuple[float, str, str]:
     return contact.force_n, contact.link, contact.other
 
 
-def _told_contact(contact: Contact) -> str:
+def _contact_text(contact: Contact) -> str:
     return f"{contact.link} on {contact.other}, {contact.force_n:.3g} N"
 
 

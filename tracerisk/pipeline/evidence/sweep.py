@@ -16,7 +16,7 @@ from typing import Any
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
-from tracerisk.pipeline.evidence.workers import Told, Workers
+from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons
 from tracerisk.pipeline.stages import annotate, build, load_hardware, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
@@ -75,7 +75,7 @@ def sweep(
     workers: Workers | None = None,
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
-    told: Told | None = None,
+    progress: CellProgress | None = None,
 ) -> tuple[SweepPoint, ...]:
     """Run a controller at every combination of the factors' values, and return the points.
 
@@ -97,7 +97,7 @@ def sweep(
     kept = _Kept(loaded.root / FOLDER, loaded, given)
     found = {} if fresh else kept.read(mine)
     todo = [_Job(str(controller), given, each) for each in mine if each not in found]
-    for job, (point, inputs) in (workers or Workers()).run(run_point, todo, told):
+    for job, (point, inputs) in (workers or Workers()).run(run_point, todo, progress):
         found[job.point] = point
         kept.add(job.point, point, inputs)
     return tuple(found[each] for each in points if each in found)
@@ -119,8 +119,8 @@ def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
         verdict = "" if trace.verdict is None else trace.verdict.kind
         seconds = trace.end.simulated_s
         if not trace.is_usable or not trace.functions:
-            told = trace.end.message if trace.functions else "it commanded no hardware"
-            return SweepPoint(values, None, verdict, seconds, error=told), inputs
+            message = trace.end.message if trace.functions else "it commanded no hardware"
+            return SweepPoint(values, None, verdict, seconds, error=message), inputs
         try:
             hardware = load_hardware(settings, trace.robot)
             annotated = annotate(loaded, trace, hardware, settings)

@@ -20,7 +20,7 @@ from tracerisk.errors import ControllerFailedError
 J = TypeVar("J")
 R = TypeVar("R")
 
-Told = Callable[[int, int, float], None]
+CellProgress = Callable[[int, int, float], None]
 """Called with how many are done, of how many, and the seconds left."""
 
 # Forked processes would share the threads and files of this one.
@@ -41,7 +41,7 @@ class Workers:
     most_s: float | None = None
 
     def run(
-        self, function: Callable[[J], R], todo: Sequence[J], told: Told | None = None
+        self, function: Callable[[J], R], todo: Sequence[J], progress: CellProgress | None = None
     ) -> Iterator[tuple[J, R]]:
         """Yield each job with its result as it is done; the order depends on the workers.
 
@@ -67,9 +67,9 @@ class Workers:
                         result = future.result()
                         done += 1
                         yield pending.pop(future), result
-                        if told is not None:
+                        if progress is not None:
                             seconds = time.monotonic() - began
-                            told(done, len(todo), seconds / done * (len(todo) - done))
+                            progress(done, len(todo), seconds / done * (len(todo) - done))
                 return
             except BrokenProcessPool:
                 left = [*pending.values(), *left]

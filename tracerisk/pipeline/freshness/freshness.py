@@ -216,8 +216,8 @@ def values_reasons(
 def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:
     for name in sorted({*before, *now}):
         if before.get(name) != now.get(name):
-            told = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
-            yield f"{told} was {_shown(before.get(name))}, is {_shown(now.get(name))}"
+            text = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
+            yield f"{text} was {_shown(before.get(name))}, is {_shown(now.get(name))}"
 
 
 def _shown(value: Any) -> str:

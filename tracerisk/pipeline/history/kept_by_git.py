@@ -133,8 +133,8 @@ class _Blobs:
 
         A stash that was dropped, what a rebase left behind without a reflog.
         """
-        told = self._repository.output("rev-parse", "--git-path", "objects")
-        folder = self._repository.top / told.decode(errors="surrogateescape").removesuffix("\n")
+        objects = self._repository.output("rev-parse", "--git-path", "objects")
+        folder = self._repository.top / objects.decode(errors="surrogateescape").removesuffix("\n")
         names = list(_loose_objects(folder))
         if len(names) > _MOST_LOOSE:
             return [], False

@@ -68,8 +68,8 @@ class Repository:
         found = _run(folder, "rev-parse", *asked)
         if found.returncode:
             raise InputError(_no_repository(found.stderr), Location(str(folder)))
-        told = found.stdout.decode(errors="surrogateescape")
-        shallow, sparse, top = told.split("\n", 2)
+        output = found.stdout.decode(errors="surrogateescape")
+        shallow, sparse, top = output.split("\n", 2)
         path = Path(top.removesuffix("\n"))
         with subprocess.Popen(
             [*_COMMAND, "cat-file", "--batch"],
@@ -174,8 +174,8 @@ class Repository:
         """
         found = _run(self.top, *arguments)
         if found.returncode:
-            told = found.stderr.decode(errors="replace").strip()
-            raise InputError(f"git {arguments[0]} failed: {told}", Location(str(self.top)))
+            message = found.stderr.decode(errors="replace").strip()
+            raise InputError(f"git {arguments[0]} failed: {message}", Location(str(self.top)))
         return found.stdout
 
 
@@ -233,8 +233,8 @@ def _environment() -> dict[str, str]:
     return {**os.environ, "GIT_OPTIONAL_LOCKS": "0", "LC_ALL": "C", "LANGUAGE": "C"}
 
 
-def _no_repository(told: bytes) -> str:
-    text = told.decode(errors="replace").strip()
+def _no_repository(output: bytes) -> str:
+    text = output.decode(errors="replace").strip()
     if "not a git repository" in text:
         return (
             "is in no git repository; tracerisk diff compares two versions that git knows: run "

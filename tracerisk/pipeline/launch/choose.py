@@ -34,7 +34,7 @@ from tracerisk.source.ros_version import ros_version
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
 _AT_ONCE = 2
-_MOST_TOLD = 3
+_MOST_LISTED = 3
 _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
 
@@ -161,7 +161,7 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     if ros == 2 and (setup := setup_of_parameter_file(program, workspace, asked, root)) is not None:
         return LaunchChoice(setup, setup.notes, robots, by)
     if best is None and direct:
-        shown_files = ", ".join(shown([file.path for file in direct], root)[:_MOST_TOLD])
+        shown_files = ", ".join(shown([file.path for file in direct], root)[:_MOST_LISTED])
         reason = f": {problems[0]}" if problems else " with the defaults of its arguments"
         return LaunchChoice(notes=(f"launch: {shown_files} does not start it{reason}",))
     return LaunchChoice(robots=robots, file=by)
@@ -309,16 +309,16 @@ def _notes(
         f"{f' ({given})' if given else ''}; --no-launch leaves them out"
     ]
     others = [each for each in candidates if each is not best]
-    for is_same, told in ((True, "the same"), (False, "other values")):
+    for is_same, which in ((True, "the same"), (False, "other values")):
         files = [each.file.path for each in others if best.same_as(each, asked) is is_same]
         if files:
-            listed = ", ".join(shown(files, root)[:_MOST_TOLD])
-            more = f" and {len(files) - _MOST_TOLD} more" if len(files) > _MOST_TOLD else ""
+            listed = ", ".join(shown(files, root)[:_MOST_LISTED])
+            more = f" and {len(files) - _MOST_LISTED} more" if len(files) > _MOST_LISTED else ""
             choose = "" if is_same else "; --launch FILE takes another"
-            lines.append(f"launch: {listed}{more} would give {told}{choose}")
+            lines.append(f"launch: {listed}{more} would give {which}{choose}")
     if best.started > 1:
         lines.append(f"launch: {setup.file} starts it {best.started} times; one of them is run")
-    for name, reason in _left_out(best, asked)[:_MOST_TOLD]:
+    for name, reason in _left_out(best, asked)[:_MOST_LISTED]:
         what = "some parameters are" if name == "*" else f"parameter {name} is"
         lines.append(f"launch: {what} left out: {reason}")
     return lines

@@ -93,7 +93,7 @@ class _LaunchBuilder(ConfigsBuilder):
 
     def _missing(self, file_path: Any) -> str:
         if isinstance(file_path, Absent):
-            return file_path.told
+            return file_path.words
         path = Path(file_path)
         if path.is_relative_to(ABSENT_FOLDER) and path != ABSENT_FOLDER:
             return f"package '{path.relative_to(ABSENT_FOLDER).parts[0]}'"

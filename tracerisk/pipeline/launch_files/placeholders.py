@@ -24,39 +24,39 @@ class AbsentError(RuntimeError):
 
 
 class Absent:
-    """A value that cannot be computed here; `told` says what it would come from."""
+    """A value that cannot be computed here; `words` says what it would come from."""
 
-    def __init__(self, told: str) -> None:
-        self._told = told
+    def __init__(self, words: str) -> None:
+        self._words = words
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """What the value would come from."""
-        return self._told
+        return self._words
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return Absent(self._told)
+        return Absent(self._words)
 
     def __call__(self, *_: Any, **__: Any) -> Absent:
         """Return another such value."""
-        return Absent(self._told)
+        return Absent(self._words)
 
     def __mro_entries__(self, _: tuple[Any, ...]) -> tuple[type, ...]:
         """Return what a class that derives from the value derives from instead."""
-        told = self._told
+        words = self._words
 
         class FromAbsent:
             def __getattr__(self, name: str) -> Any:
                 if name.startswith("__"):
                     raise AttributeError(name)
-                return Absent(told)
+                return Absent(words)
 
         return (FromAbsent,)
 
     def __getitem__(self, _: Any) -> Absent:
-        return Absent(self._told)
+        return Absent(self._words)
 
     def __setitem__(self, _: Any, __: Any) -> None:
         """Take what is put in, and forget it."""
@@ -82,15 +82,15 @@ class Absent:
     __radd__ = __add__
 
     def __fspath__(self) -> str:
-        raise AbsentError(f"{self._told} is not here")
+        raise AbsentError(f"{self._words} is not here")
 
     def __str__(self) -> str:
-        raise AbsentError(f"{self._told} is not here")
+        raise AbsentError(f"{self._words} is not here")
 
     __format__ = object.__format__
 
     def __repr__(self) -> str:
-        return f"Absent({self._told!r})"
+        return f"Absent({self._words!r})"
 
 
 class AbsentModule(ModuleType):

@@ -25,7 +25,7 @@ class Heard:
 
     messages: int
     topics: tuple[str, ...]
-    told: str
+    ended: str
 
 
 def record_robot(
@@ -62,8 +62,8 @@ def record_robot(
 def _wait_for(link: Link) -> None:
     frame = first_frame(link)
     if frame is None or frame[0]["is"] != "ready":
-        told = "the node that listens does not start" if frame is None else frame[0]["message"]
-        raise InputError(f"{told}; set ROS_MASTER_URI to that of the robot's master")
+        message = "the node that listens does not start" if frame is None else frame[0]["message"]
+        raise InputError(f"{message}; set ROS_MASTER_URI to that of the robot's master")
 
 
 def _record(
@@ -77,7 +77,7 @@ def _record(
     writer.start(profile="ros1", library=f"tracerisk {__version__}")
     channels: dict[str, int] = {}
     counts: dict[str, int] = {}
-    told = "the time is over"
+    ended = "the time is over"
     ends = None if seconds is None else time.monotonic() + seconds
     try:
         while ends is None or time.monotonic() < ends:
@@ -87,15 +87,15 @@ def _record(
                     _write(writer, channels, counts, header, body)
                     on_message(sum(counts.values()))
                 elif header["is"] == "over":
-                    told = header["message"]
+                    ended = header["message"]
             if link.is_closed:
-                told = "the master is gone" if told == "the time is over" else told
+                ended = "the master is gone" if ended == "the time is over" else ended
                 break
     except KeyboardInterrupt:
-        told = "it was interrupted"
+        ended = "it was interrupted"
     finally:
         writer.finish()
-    return Heard(sum(counts.values()), tuple(sorted(counts)), told)
+    return Heard(sum(counts.values()), tuple(sorted(counts)), ended)
 
 
 def _write(

@@ -76,7 +76,7 @@ def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
         )
         step_ns = states.samples.header.step_ns
         span_ns = (states.begin_ns, states.begin_ns + states.samples.n_steps * step_ns)
-        told = boundaries(
+        bounds = boundaries(
             file,
             robot,
             span_ns,
@@ -85,13 +85,17 @@ def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
             names=declared.names,
             controller=declared.controller,
         )
-        return _trace(file, robot, declared, states, told)
+        return _trace(file, robot, declared, states, bounds)
 
 
 def _trace(
-    file: RecordingFile, robot: Robot, declared: Declared, states: JointStates, told: Boundaries
+    file: RecordingFile,
+    robot: Robot,
+    declared: Declared,
+    states: JointStates,
+    bounds: Boundaries,
 ) -> Trace:
-    samples, commands = _on_one_clock(file, states, told)
+    samples, commands = _on_one_clock(file, states, bounds)
     activity = _activity(samples, robot)
     samples, activity, end_ns = _until_the_end(samples, activity, commands)
     attribution = attribute(
@@ -109,7 +113,7 @@ def _trace(
     )
     without = frozenset(each.name for each in robot.arm_joints) - states.has_effort
     unknown = without | {each.name for each in robot.grippers}
-    controller = declared.controller or told.controller
+    controller = declared.controller or bounds.controller
     return Trace(
         controller=controller,
         robot=robot.name,
@@ -125,17 +129,17 @@ def _trace(
         },
         findings=attribution.findings,
         assumptions=(
-            f"{MEASURED} by {file.path.name}; functions by {told.told_by}",
+            f"{MEASURED} by {file.path.name}; functions by {bounds.told_by}",
             *states.assumptions,
-            *(f"{LOST} {each}" for each in _lost(declared, states, told, without)),
+            *(f"{LOST} {each}" for each in _lost(declared, states, bounds, without)),
         ),
     )
 
 
 def _lost(
-    declared: Declared, states: JointStates, told: Boundaries, without: frozenset[str]
+    declared: Declared, states: JointStates, bounds: Boundaries, without: frozenset[str]
 ) -> list[str]:
-    lines = [*_ALWAYS_LOST, *states.lost, *told.lost]
+    lines = [*_ALWAYS_LOST, *states.lost, *bounds.lost]
     if declared.effort_unit is None:
         lines.append("torque and holding: the unit of effort is not declared (--effort-unit)")
     elif without:
@@ -144,13 +148,13 @@ def _lost(
 
 
 def _on_one_clock(
-    file: RecordingFile, states: JointStates, told: Boundaries
+    file: RecordingFile, states: JointStates, bounds: Boundaries
 ) -> tuple[Samples, tuple[Command, ...]]:
     """Return samples and commands with times from the first command [ns]."""
     samples, step_ns = states.samples, states.samples.header.step_ns
     last_ns = states.begin_ns + samples.n_steps * step_ns
-    first_ns = told.commands[0].issue_ns
-    within = [c for c in told.commands if states.begin_ns - step_ns <= c.issue_ns < last_ns]
+    first_ns = bounds.commands[0].issue_ns
+    within = [c for c in bounds.commands if states.begin_ns - step_ns <= c.issue_ns < last_ns]
     if not within:
         apart = (first_ns - states.begin_ns) / 1e9
         raise LogError(

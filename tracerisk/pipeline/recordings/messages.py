@@ -269,9 +269,9 @@ def _damage(path: Path) -> Iterator[None]:
         *(RecursionError, RuntimeError, StopIteration, TypeError, ValueError, AttributeError),
         *(MemoryError, SqliteError, ZstdError),
     ) as error:
-        told = f"{type(error).__name__}: {str(error)[:200]}".rstrip(": ")
+        message = f"{type(error).__name__}: {str(error)[:200]}".rstrip(": ")
         raise LogError(
-            f"is damaged or was cut short ({told}); `rosbag reindex`, `ros2 bag reindex` or "
+            f"is damaged or was cut short ({message}); `rosbag reindex`, `ros2 bag reindex` or "
             "`mcap recover` may save what it holds",
             Location(str(path)),
         ) from error

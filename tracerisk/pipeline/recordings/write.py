@@ -126,8 +126,8 @@ def check_rate(rate_hz: float) -> None:
     """Raise SettingsError for a rate at which joint states cannot be written [Hz]."""
     least, most = RATE_HZ
     if not least <= rate_hz <= most:
-        told = f"--record-rate: {rate_hz:g} is not allowed; give {least:g} to {most:g} Hz"
-        raise SettingsError(told)
+        message = f"--record-rate: {rate_hz:g} is not allowed; give {least:g} to {most:g} Hz"
+        raise SettingsError(message)
 
 
 def _write(

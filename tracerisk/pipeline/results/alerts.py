@@ -18,9 +18,9 @@ from tracerisk.pipeline.check.run import function_place
 from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of
 from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
+    contact_text,
     kept_contacts,
     kept_uncovered,
-    told_contact,
     unexpected_contacts,
 )
 from tracerisk.pipeline.workspace.controller import load_controller
@@ -129,9 +129,9 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     if trace.verdict is not None:
         reasons = [each for each in trace.verdict.open_reasons if each.code != NEVER_RAN]
         alerts += [_of_reason(each, trace, root) for each in reasons]
-    told = {each.message for each in alerts}
+    known_messages = {each.message for each in alerts}
     for finding in trace.findings:
-        if finding.kind != _CONTACT and finding.message not in told:
+        if finding.kind != _CONTACT and finding.message not in known_messages:
             place = finding.location or Location(trace.controller)
             subject = f"{finding.kind} {finding.message}"
             file = _file(str(root / place.file))
@@ -140,7 +140,7 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
     for contact, touches in unexpected_contacts(trace.visits).items():
         place = Location(str(root / contact.function.file), lines[contact.function])
-        alerts.append(_touched(contact, told_contact(contact, touches, links), place))
+        alerts.append(_touched(contact, contact_text(contact, touches, links), place))
     names = model_names([each.ref for each in trace.uncovered])
     alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
     return tuple(alerts)

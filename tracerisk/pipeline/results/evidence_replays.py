@@ -17,7 +17,7 @@ from tracerisk.errors import InputError, LogError
 from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
 from tracerisk.hardware.model import FaultMode, Hardware
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
-from tracerisk.pipeline.evidence.workers import Told
+from tracerisk.pipeline.evidence.workers import CellProgress
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.stages import load_hardware
@@ -37,7 +37,7 @@ def write_replays(
     folder: Path,
     options: Mapping[str, Any] | None = None,
     *,
-    told: Told | None = None,
+    progress: CellProgress | None = None,
 ) -> int:
     """Run the failures that matter again, and write a page with the replay of each.
 
@@ -63,9 +63,9 @@ def write_replays(
             name = _name(cell)
             atomic_write(folder / name, text.encode())
             pages[cell.key] = name
-            if told is not None:
+            if progress is not None:
                 each_s = (time.monotonic() - began) / len(pages)
-                told(len(pages), len(cells), each_s * (len(cells) - len(pages)))
+                progress(len(pages), len(cells), each_s * (len(cells) - len(pages)))
     index = render_evidence(found, Path(controller).name, pages, WITHOUT)
     atomic_write(folder / INDEX, index.encode())
     return len(pages)
@@ -119,16 +119,16 @@ def _page(
 def _lines(cell: Cell) -> list[str]:
     """Return what became of a failure, a line each."""
     untold_s = untold_for((cell,))
-    told = "the controller was never notified"
+    text = "the controller was never notified"
     if untold_s is not None:
-        told = f"the controller was not notified within {untold_s} s"
+        text = f"the controller was not notified within {untold_s} s"
     if cell.told_after_s is not None:
         by = cell.told_by.replace("_", " ")
-        told = f"the controller was notified after {cell.told_after_s:.2f} s, by {by}"
+        text = f"the controller was notified after {cell.told_after_s:.2f} s, by {by}"
     return [
         f"{cell.component}: {end_effect((cell,))}",
         *([f"the unit itself: {cell.local}"] if cell.local else []),
-        told,
+        text,
         *(f"lost: {each}" for each in cell.lost),
         *([f"hardest touch: {cell.contact}"] if cell.contact else []),
     ]

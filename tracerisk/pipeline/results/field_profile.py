@@ -117,14 +117,16 @@ def apart_from_twin(found: FieldProfile, twin: Trace) -> list[Apart]:
             result.append(Apart(step.name, "", "visits", 0.0, step.per_mission))
             continue
         if step.duration_s is not None and here.duration_s is not None:
-            told = here.duration_s.mean
-            if step.duration_s.excludes(told, within=ROOM) and _differ(told, step.duration_s):
-                result.append(Apart(step.name, "", "duration_s", told, step.duration_s))
+            simulated = here.duration_s.mean
+            if step.duration_s.excludes(simulated, within=ROOM) and _differ(
+                simulated, step.duration_s
+            ):
+                result.append(Apart(step.name, "", "duration_s", simulated, step.duration_s))
         for element, row in step.uses.items():
             for name, estimate in row.items():
-                told = here.uses[element][name].mean if element in here.uses else 0.0
-                if estimate.excludes(told, within=ROOM) and _differ(told, estimate):
-                    result.append(Apart(step.name, element, name, told, estimate))
+                simulated = here.uses[element][name].mean if element in here.uses else 0.0
+                if estimate.excludes(simulated, within=ROOM) and _differ(simulated, estimate):
+                    result.append(Apart(step.name, element, name, simulated, estimate))
     known = {step.name for step in found.steps}
     result += [
         Apart(name, "", "visits", step.per_mission.mean, Estimate(0.0, 0.0, 0.0))
@@ -134,8 +136,8 @@ def apart_from_twin(found: FieldProfile, twin: Trace) -> list[Apart]:
     return result
 
 
-def _differ(told: float, estimate: Estimate) -> bool:
-    return abs(told - estimate.mean) >= LEAST_S
+def _differ(simulated: float, estimate: Estimate) -> bool:
+    return abs(simulated - estimate.mean) >= LEAST_S
 
 
 def _of(trace: Trace) -> str:

@@ -72,8 +72,8 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
         path = "hardware.yaml" if len(robots) == 1 else f"hardware_{name}.yaml"
         text = None if (root / path).exists() else _hardware(name)
         if text is not None:
-            told = "failure data, to be replaced by your own value by value"
-            files.append(StartFile(path, text.encode(), told))
+            words = "failure data, to be replaced by your own value by value"
+            files.append(StartFile(path, text.encode(), words))
         if text is not None or (root / path).exists():
             described[name] = path
     files += _settings(root, controllers, robots, described)
@@ -230,8 +230,8 @@ def _settings_of(
     text = gap + newline.join(lines) + newline
     shown = Path(os.path.relpath(path, root)).as_posix()
     inside = Path(shown).parent.as_posix()
-    told = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
-    yield StartFile(shown, before + text.encode(), told, is_new=not before)
+    words = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
+    yield StartFile(shown, before + text.encode(), words, is_new=not before)
 
 
 def _template(name: str) -> bytes:

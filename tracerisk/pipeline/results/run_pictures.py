@@ -82,8 +82,8 @@ def write_pictures(
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        told = f"is not a folder for pictures: {error.strerror}"
-        raise InputError(told, Location(folder)) from error
+        message = f"is not a folder for pictures: {error.strerror}"
+        raise InputError(message, Location(folder)) from error
     for name, data in files.items():
         atomic_write(Path(folder) / name, data)
     return tuple(files)
@@ -107,6 +107,6 @@ def write_films(
         try:
             atomic_write(Path(path), data)
         except OSError as error:
-            told = f"cannot be written: {error.strerror}"
-            raise InputError(told, Location(path)) from error
+            message = f"cannot be written: {error.strerror}"
+            raise InputError(message, Location(path)) from error
     return {path: len(data) for path, data in zip(films.values(), written, strict=True)}

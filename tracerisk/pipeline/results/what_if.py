@@ -218,8 +218,8 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
     after = solve(with_values(model, values)) if factors or change.units else known.assessment
     command = ""
     if factors and not change.units:
-        told = " ".join(f"--set {name}=x{factor:.6g}" for name, factor in factors.items())
-        command = f"tracerisk solve {files} {told}"
+        text = " ".join(f"--set {name}=x{factor:.6g}" for name, factor in factors.items())
+        command = f"tracerisk solve {files} {text}"
     return Answer(known.assessment, after, tuple(_assumptions(change)), command)
 
 

@@ -50,19 +50,19 @@ def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[
     if before.entry is None or after.entry is None:
         return ()
     old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
-    told = [
+    changed = [
         *_changed_files(old.sources, new.sources),
         *_changed_files(old.files, new.files),
     ]
     if old.hardware != new.hardware and old.hardware and new.hardware:
-        told.append("the hardware description has changed")
+        changed.append("the hardware description has changed")
     for name in sorted({*old.settings, *new.settings}):
         values = old.settings.get(name), new.settings.get(name)
         if values[0] != values[1]:
             shown = ["the default" if value is None else str(value) for value in values]
             what = "the version of tracerisk" if name == "tracerisk" else f"setting {name}"
-            told.append(f"{what} was {shown[0]}, is {shown[1]}")
-    return tuple(told)
+            changed.append(f"{what} was {shown[0]}, is {shown[1]}")
+    return tuple(changed)
 
 
 def _changed_files(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:

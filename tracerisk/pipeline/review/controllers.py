@@ -83,8 +83,8 @@ class _Locks:
                     {} if content is None else loads_evidence(content.decode(), self.shown(path))
                 )
             except (TraceRiskError, UnicodeDecodeError) as error:
-                told = error if isinstance(error, TraceRiskError) else InputError("is not UTF-8")
-                raise in_version(told, self.version) from error
+                problem = error if isinstance(error, TraceRiskError) else InputError("is not UTF-8")
+                raise in_version(problem, self.version) from error
         name = os.path.relpath(controller, folder)
         return self._evidence[folder].get(PurePosixPath(name).as_posix())
 

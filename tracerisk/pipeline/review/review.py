@@ -160,8 +160,8 @@ def difference(
             before is not None,
             after is not None,
         )
-    told = run_changes(controller.before, controller.after, renamed)
-    found = replace(found, of_run=told, verdicts=verdicts)
+    changes_of_run = run_changes(controller.before, controller.after, renamed)
+    found = replace(found, of_run=changes_of_run, verdicts=verdicts)
     # Where a run went wrong, no cause of a difference is one.
     return found if found.is_comparable else replace(found, causes=())
 

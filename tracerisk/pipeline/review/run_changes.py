@@ -38,11 +38,11 @@ def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
     for key in sorted(old.keys() & new.keys()):
         was, now = old[key], new[key]
         what = f"a failure of {key[0]} ({key[1].replace('_', ' ')})"
-        told = _told_after(was), _told_after(now)
-        if told[0] != told[1] and _is_other_delay(*told):
+        notified = _notified_after(was), _notified_after(now)
+        if notified[0] != notified[1] and _is_other_delay(*notified):
             verb, earlier = (
                 _rarely(cells) if after_s is None else f"after {after_s:.1f} s"
-                for cells, after_s in ((now, told[1]), (was, told[0]))
+                for cells, after_s in ((now, notified[1]), (was, notified[0]))
             )
             yield f"{what} is now reported {verb}, before: {earlier}"
         if _differ(was, now):
@@ -63,17 +63,17 @@ def _failed(cells: Sequence[Cell]) -> int:
     return sum(1 for each in cells if each.fails)
 
 
-def _told_after(cells: Sequence[Cell]) -> float | None:
+def _notified_after(cells: Sequence[Cell]) -> float | None:
     """Return the median time until the controller was notified [s]; `None` if it mostly was not."""
-    told = [each.told_after_s for each in cells if each.told_after_s is not None]
-    return statistics.median(told) if 2 * len(told) > len(cells) else None
+    notified = [each.told_after_s for each in cells if each.told_after_s is not None]
+    return statistics.median(notified) if 2 * len(notified) > len(cells) else None
 
 
 def _rarely(cells: Sequence[Cell]) -> str:
     """Return how often a failure is reported that mostly is not."""
-    told = sum(1 for each in cells if each.told_after_s is not None)
-    if told or any(each.followed_s is not None for each in cells):
-        return f"in {told} of {len(cells)} tries"
+    notified = sum(1 for each in cells if each.told_after_s is not None)
+    if notified or any(each.followed_s is not None for each in cells):
+        return f"in {notified} of {len(cells)} tries"
     return "never"
 
 

@@ -65,11 +65,11 @@ def _function(block: RiskBlock) -> Iterator[str]:
         if entry.omitted:
             yield f"    {entry.name}: left out by hand"
             continue
-        told = ", ".join(
+        fields = ", ".join(
             f"{kind.key} {value.text}{' (pinned)' if value.pinned else ''}"
             for kind, value in component_fields(entry)
         )
-        yield f"    {entry.name}: {told}"
+        yield f"    {entry.name}: {fields}"
 
 
 def _top(block: RiskBlock) -> str:

@@ -74,7 +74,7 @@ def choose_robot(
     from tracerisk.twin.robots.generic import NAME as GENERIC
     from tracerisk.twin.robots.robot import load_robot
 
-    told = "as the settings say"
+    origin = "as the settings say"
     if settings.robot is None:
         from tracerisk.pipeline.robot.search import searched_robot
 
@@ -83,11 +83,11 @@ def choose_robot(
     if settings.robot == GENERIC:
         from tracerisk.pipeline.robot.search import stand_in
 
-        return stand_in(controller, told)
+        return stand_in(controller, origin)
     if is_model_file(settings.robot):
         read = read_model(controller.root, settings.robot, settings.limits)
-        return RobotChoice(replace(read.robot, chosen_by=told), files=read.files)
-    robot = replace(load_robot(settings.robot), chosen_by=told)
+        return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
+    robot = replace(load_robot(settings.robot), chosen_by=origin)
     return RobotChoice(equipped(robot, whole))
 
 

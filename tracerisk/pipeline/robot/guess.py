@@ -17,7 +17,7 @@ class RobotGuess:
     """A robot for a scenario, and why it is this one."""
 
     name: str
-    told: str
+    remark: str
 
 
 def guessed_robot(error: TraceRiskError | None) -> RobotGuess | None:
@@ -25,8 +25,8 @@ def guessed_robot(error: TraceRiskError | None) -> RobotGuess | None:
     if isinstance(error, SeveralRobotsError) and error.names:
         return RobotGuess(error.names[0], "one of several that fit")
     if isinstance(error, UnreadableRobotError):
-        told = "a stand-in, for that of the workspace cannot be read; better give its file"
-        return RobotGuess(GENERIC, told)
+        remark = "a stand-in, for that of the workspace cannot be read; better give its file"
+        return RobotGuess(GENERIC, remark)
     return None
 
 

@@ -78,8 +78,8 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
     robot = None if found is None else srdf_stand_in(found[0], asked.names)
     if found is None or robot is None:
         return RobotChoice(replace(generic_arm(asked.names), chosen_by=chosen_by))
-    told = f"{chosen_by}, with the names of {found[0].file}"
-    return RobotChoice(equipped(replace(robot, chosen_by=told), asked.whole), files=(found[1],))
+    origin = f"{chosen_by}, with the names of {found[0].file}"
+    return RobotChoice(equipped(replace(robot, chosen_by=origin), asked.whole), files=(found[1],))
 
 
 class _Search:
@@ -124,10 +124,10 @@ class _Search:
         if refused is not None:
             raise refused
         if self._unreadable:
-            told = "; ".join(dict.fromkeys(self._unreadable))
+            text = "; ".join(dict.fromkeys(self._unreadable))
             # Another arm in its place would give figures of a robot that is not there.
             raise UnreadableRobotError(
-                f"the robot of the workspace cannot be read: {told}"
+                f"the robot of the workspace cannot be read: {text}"
                 "; put what is missing into the workspace, mend the file, or say with --robot "
                 "which robot it is: a file, a shipped one, or generic for a stand-in"
             )
@@ -163,8 +163,8 @@ class _Search:
         self._unreadable += theirs.unreadable
         if theirs.robot is not None and theirs.is_named and not self._names_another(theirs.robot):
             taken = self._of_workspace(theirs)
-            told = f"{taken.robot.chosen_by}, as programs beside it do"
-            return replace(taken, robot=replace(taken.robot, chosen_by=told))
+            origin = f"{taken.robot.chosen_by}, as programs beside it do"
+            return replace(taken, robot=replace(taken.robot, chosen_by=origin))
         found: dict[str, tuple[Robot, str]] = {}
         others: set[str] = set()
         for each in siblings:
@@ -183,8 +183,8 @@ class _Search:
             joint.name for joint in robot.joints
         }:
             return None
-        told = f"{robot.name} is inferred from the names in {file} beside it"
-        return self._shipped(replace(robot, chosen_by=told, assumes_names=True))
+        origin = f"{robot.name} is inferred from the names in {file} beside it"
+        return self._shipped(replace(robot, chosen_by=origin, assumes_names=True))
 
     def _names_another(self, robot: Robot) -> bool:
         """Return whether the controller itself names a robot, and not this one."""

@@ -378,12 +378,12 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[Overlay | None]:
     if request.written is None:
         yield None
         return
-    told: set[tuple[str, str]] = set()
+    reported: set[tuple[str, str]] = set()
 
     def denied(verb: str, what: str) -> None:
-        if (verb, what) in told or len(told) >= _MOST_DENIED:
+        if (verb, what) in reported or len(reported) >= _MOST_DENIED:
             return
-        told.add((verb, what))
+        reported.add((verb, what))
         advice = "nothing leaves the process of a run"
         if verb == "read":
             advice = f'readable = ["{what}"] in [tool.tracerisk] allows it'
@@ -430,8 +430,8 @@ class _Metered:
             reached_ns = self._twin.advance(until_ns)
         finally:
             self.seconds += self._wall_clock() - began
-        for told in self.time_passed:
-            told()
+        for notify in self.time_passed:
+            notify()
         return reached_ns
 
 

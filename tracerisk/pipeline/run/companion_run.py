@@ -89,15 +89,15 @@ class Companions:
                 raise
             except SystemExit as error:
                 if error.code not in (None, 0):
-                    self._tell(companion, f"exited with {error.code!r}")
+                    self._report(companion, f"exited with {error.code!r}")
             except BaseException as error:  # noqa: BLE001 - it must not end the controller's run
-                self._tell(companion, f"died of {_one_text(error)}")
+                self._report(companion, f"died of {_one_text(error)}")
 
         return run
 
-    def _tell(self, companion: Companion, message: str) -> None:
-        told = f"{companion.told}, started beside the controller, {message}"
-        self._recorder.finding("companion_failed", told)
+    def _report(self, companion: Companion, message: str) -> None:
+        text = f"{companion.told}, started beside the controller, {message}"
+        self._recorder.finding("companion_failed", text)
         self._recorder.note(COMPANION, told=companion.told, ended=message)
 
     def _changed(self, process: NodeProcess | None) -> None:

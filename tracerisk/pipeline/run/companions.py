@@ -155,7 +155,7 @@ def _companion(path: Path, met: Sequence[Need], root: Path, settings: Settings) 
         script=str(path),
         root=str(program.root.resolve()),
         told=_from(root, path),
-        provides=tuple(need.told for need in met),
+        provides=tuple(need.words for need in met),
         files=tuple(dict.fromkeys(_from(root, file) for file in files)),
         launch=launch,
     )

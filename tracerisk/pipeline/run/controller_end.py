@@ -58,7 +58,7 @@ class ControllerEnd:
         self._twin = twin
         self._root = root
         self._memory_limit_mb = memory_limit_mb
-        self._told = False
+        self._reported = False
         self._owner = os.getpid()
         self.before_exit: Callable[[], None] = lambda: None
 
@@ -80,7 +80,7 @@ class ControllerEnd:
             except BaseException as error:  # noqa: BLE001 - here the controller ends
                 self._raised(error)
             else:
-                self._tell("ended", "the controller ended")
+                self._report("ended", "the controller ended")
 
     def kill(self, over: RunOver) -> None:
         """Report how the run is over, and end a process that does not react."""
@@ -88,10 +88,10 @@ class ControllerEnd:
         self.before_exit()
         os.kill(os.getpid(), signal.SIGKILL)
 
-    def _tell(self, cause: EndCause, message: str, location: Location | None = None) -> None:
-        if self._told:
+    def _report(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        if self._reported:
             return
-        self._told = True
+        self._reported = True
         if cause in _BY_ITSELF:
             self._outlast()
         self._recorder.note(
@@ -110,15 +110,15 @@ class ControllerEnd:
         place = over.location
         if place is not None and self._is_controllers(place.file):
             place = dataclasses.replace(place, file=self._below_root(place.file))
-        self._tell(over.cause, over.message, place)
+        self._report(over.cause, over.message, place)
 
     def _exited(self, error: SystemExit) -> None:
         code = error.code
         if code in (None, 0):
-            self._tell("ended", "the controller ended")
+            self._report("ended", "the controller ended")
             return
         text = f"with code {code}" if isinstance(code, int) else f"with the message: {code}"
-        self._tell("exited", f"the controller exited {text}", self._place_of(error))
+        self._report("exited", f"the controller exited {text}", self._place_of(error))
 
     def _out_of_memory(self, error: MemoryError) -> None:
         # What is left of the limit may be too little to report it.
@@ -128,26 +128,26 @@ class ControllerEnd:
             f"the controller ran out of memory: its process may take {self._memory_limit_mb} MB "
             "(--memory-limit)"
         )
-        self._tell("memory_limit", message, self._place_of(error))
+        self._report("memory_limit", message, self._place_of(error))
         _print_traceback(error)
 
     def _raised(self, error: BaseException) -> None:
         if isinstance(error, ModuleNotFoundError):
-            self._tell("not_importable", self._not_there(error), self._place_of(error))
+            self._report("not_importable", self._not_there(error), self._place_of(error))
             return
         hint = self._python_2(error)
         if hint is not None:
-            self._tell("not_importable", hint, self._place_of(error))
+            self._report("not_importable", hint, self._place_of(error))
             return
         if isinstance(error, SyntaxError) and self._is_controllers(error.filename or ""):
             place = Location(self._below_root(error.filename or ""), error.lineno, error.offset)
-            self._tell("not_importable", f"not valid Python: {error.msg}", place)
+            self._report("not_importable", f"not valid Python: {error.msg}", place)
             return
         if isinstance(error, SourceError | UnsafeRewriteError):
             # A module that it imports cannot be read or instrumented.
-            self._tell("not_importable", error.message, error.location)
+            self._report("not_importable", error.message, error.location)
             return
-        self._tell("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
+        self._report("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
         _print_traceback(error)
 
     def _not_there(self, error: ModuleNotFoundError) -> str:
@@ -159,7 +159,7 @@ class ControllerEnd:
         parent, _, _ = name.partition(".")
         if parent != name and parent in sys.modules:
             return str(error)
-        return self._missing.told(name)
+        return self._missing.sentence(name)
 
     def _python_2(self, error: BaseException) -> str | None:
         """Return the hint where a name is missing that only Python 2 has."""
@@ -172,22 +172,22 @@ class ControllerEnd:
             frame = frame.f_back
         place = None if frame is None else self._location(frame, frame.f_lineno)
         if code == 0:
-            self._tell("ended", "the controller ended by os._exit(0)", place)
+            self._report("ended", "the controller ended by os._exit(0)", place)
         else:
-            self._tell("exited", f"the controller called os._exit({code})", place)
+            self._report("exited", f"the controller called os._exit({code})", place)
 
     @contextlib.contextmanager
     def _exit_watched(self) -> Iterator[None]:
         """Make `os._exit` record where it was called before it ends the process."""
         real = os._exit
 
-        def told(status: int) -> None:
+        def notify(status: int) -> None:
             if os.getpid() == self._owner:
                 self._exited_at_once(status, sys._getframe(1))
                 self.before_exit()
             real(status)
 
-        os._exit = told  # type: ignore[assignment]
+        os._exit = notify  # type: ignore[assignment]
         try:
             yield
         finally:
@@ -198,7 +198,7 @@ class ControllerEnd:
         """Make a finding of each thread that dies of an error, with which Python goes on."""
         real = threading.excepthook
 
-        def told(failure: threading.ExceptHookArgs) -> None:
+        def notify(failure: threading.ExceptHookArgs) -> None:
             error, thread = failure.exc_value, failure.thread
             if error is not None and not isinstance(error, SystemExit | RunOver):
                 name = "" if thread is None else f" {thread.name}"
@@ -206,7 +206,7 @@ class ControllerEnd:
                 self._recorder.finding("thread_failed", message, self._place_of(error))
             real(failure)
 
-        threading.excepthook = told
+        threading.excepthook = notify
         try:
             yield
         finally:

@@ -264,8 +264,8 @@ def ended_run(
     asked = [
         name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]
     ]
-    told = recording.note(NEEDS) or {"needs": ()}
-    needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
+    unmet = recording.note(NEEDS) or {"needs": ()}
+    needs = tuple(Need(kind, name, type_name) for kind, name, type_name in unmet["needs"])
     drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
     return ControllerRun(trace, robot, request, tuple(dict.fromkeys(asked)), needs, drafted)
 
@@ -381,14 +381,14 @@ def reached_limit(
     if own is not None and own.seconds - changed_s > limits.own.value:
         return (
             "nothing has moved and no time has passed in the simulation for "
-            f"{limits.own.value:g} s of computing or sleeping; {limits.own.told}"
+            f"{limits.own.value:g} s of computing or sleeping; {limits.own.advice}"
         )
     cpu = Limit("cpu_limit_s", settings.cpu_limit_s)
     if own is not None and own.cpu_s > cpu.value:
-        return f"{cpu.value:g} s of processor time are over; {cpu.told}"
+        return f"{cpu.value:g} s of processor time are over; {cpu.advice}"
     if wall_s > limits.wall.value:
         what = "the process did not start in" if own is None else "the run is over after"
-        return f"{what} {limits.wall.value:g} s of wall time; {limits.wall.told}"
+        return f"{what} {limits.wall.value:g} s of wall time; {limits.wall.advice}"
     return None
 
 
@@ -530,13 +530,13 @@ def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settin
 
 def _run_end(recording: Recording, process: ProcessEnd, controller: Controller) -> RunEnd:
     # What comes after a limit, while the process is being ended, is no end of its own.
-    told = recording.end if process.limit is None else None
+    recorded = recording.end if process.limit is None else None
     mission_end = recording.note(MISSION_END)
-    simulated_s = (told.time_ns if told else recording.last_ns) / 1e9
+    simulated_s = (recorded.time_ns if recorded else recording.last_ns) / 1e9
     if mission_end is not None:
         simulated_s = mission_end["ns"] / 1e9
-    if told is not None:
-        end = RunEnd(told.cause, told.message, simulated_s, told.location)
+    if recorded is not None:
+        end = RunEnd(recorded.cause, recorded.message, simulated_s, recorded.location)
     elif process.limit is not None:
         end = RunEnd("wall_limit", process.limit, simulated_s, process.location)
     elif process.code < 0:

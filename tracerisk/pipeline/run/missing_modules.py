@@ -27,7 +27,7 @@ class MissingModules:
     root: Path
     provided: Collection[str]
 
-    def told(self, failed: str) -> str:
+    def sentence(self, failed: str) -> str:
         """Return what to say where the import of `failed` did: of all that would, with remedies.
 
         Python 2 has one hint of its own, and so has a module of its own that is not Python 3:
@@ -113,8 +113,8 @@ def _sentence(names: Sequence[str], provided: Collection[str]) -> str:
     if len(parts) == 1:
         group, words = parts[0]
         return f"No module named {_listed(group)}: {words}"
-    told = "; ".join(f"{_listed(group)}: {words}" for group, words in parts)
-    return f"No modules named {_listed(names)}; {told}"
+    text = "; ".join(f"{_listed(group)}: {words}" for group, words in parts)
+    return f"No modules named {_listed(names)}; {text}"
 
 
 _ENVIRONMENT = "the environment in which tracerisk runs"

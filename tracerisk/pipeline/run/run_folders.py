@@ -25,8 +25,8 @@ def run_folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
         try:
             keep.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            told = f"is not a folder that a recording can be kept in: {error.strerror}"
-            raise errors.InputError(told, Location(str(keep))) from error
+            message = f"is not a folder that a recording can be kept in: {error.strerror}"
+            raise errors.InputError(message, Location(str(keep))) from error
     top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
     recording, written = top / "recording", top / "written"
     try:
@@ -52,8 +52,8 @@ def keep_recording(recording: Path, keep: Path) -> None:
                 (keep / each.name).unlink(missing_ok=True)
                 shutil.copyfile(each, keep / each.name, follow_symlinks=False)
     except OSError as error:
-        told = f"cannot keep the recording: {error.strerror}"
-        raise errors.InputError(told, Location(str(keep))) from error
+        message = f"cannot keep the recording: {error.strerror}"
+        raise errors.InputError(message, Location(str(keep))) from error
 
 
 def _remove(folder: Path) -> None:

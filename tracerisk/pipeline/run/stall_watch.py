@@ -78,7 +78,7 @@ class StallWatch:
             self._scheduler.end(
                 "deadlock",
                 f"{thread.name} has only waited for {IDLE_S:g} s of simulated time, and nothing "
-                f"provides {self._needs.told(unmet)}",
+                f"provides {self._needs.listed(unmet)}",
                 place or unmet[0].location,
             )
 

@@ -21,7 +21,7 @@ from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
 _ASKED_AGAIN_NS = 10_000_000_000
-_TOLD = 3
+_LISTED = 3
 _DONE = frozenset({"no_motion", "ended", "duration"})
 _OF_ENTER = re.compile(r"""(''|"")(?![\w])|could not convert string|EOF""")
 # What the twin publishes once somebody listens.
@@ -102,9 +102,9 @@ class UnmetNeeds:
 
     def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
         """Return the end of a run with what it lacked, where that may be why it ended."""
-        for told, place in self._unused():
+        for text, place in self._unused():
             here = replace(place, file=Path(place.file).name)
-            self._runtime.recorder.finding("unused", f"in the scenario, but {told}", here)
+            self._runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
         shows_risk = cause in GOOD_ENDS and self._has_commanded()
         if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
             self._note_drafts()
@@ -112,7 +112,7 @@ class UnmetNeeds:
         if shows_risk:
             self._note_unmet()
             if cause in _LISTENING:
-                self._tell_unpublished()
+                self._report_unpublished()
             return plain
         found = self._led_to(cause, message)
         if not found:
@@ -120,7 +120,7 @@ class UnmetNeeds:
             return replace(plain, message=f"{message}{unheard}")
         unmet = tuple(_typed(each) for each in found)
         for before, after in zip(found, unmet, strict=True):
-            message = message.replace(f"{before.need.told},", f"{after.need.told},")
+            message = message.replace(f"{before.need.words},", f"{after.need.words},")
         plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
         # What it would wait for next is reported now, not after another run.
@@ -131,14 +131,14 @@ class UnmetNeeds:
             if (each.need.kind, each.need.name) not in names
         )
         lines = scenario_lines(drafts((*unmet, *more), self._interfaces, self._values))
-        also = f"; nor does anything provide {self.told(more, len(more))}" if more else ""
+        also = f"; nor does anything provide {self.listed(more, len(more))}" if more else ""
         if cause == "quiescent":
-            told = f"nothing was commanded, and nothing provides {self.told(unmet)}{also}"
+            text = f"nothing was commanded, and nothing provides {self.listed(unmet)}{also}"
             asked_at = self.below_root(unmet[0].location)
-            return JudgedEnd("no_motion", told, asked_at, lines, plain.needs)
+            return JudgedEnd("no_motion", text, asked_at, lines, plain.needs)
         if cause in _DONE:
-            told = f"{message}; nothing provides {self.told(unmet)}{also}"
-            return replace(plain, message=told, scenario=lines)
+            text = f"{message}; nothing provides {self.listed(unmet)}{also}"
+            return replace(plain, message=text, scenario=lines)
         return replace(plain, message=f"{message}{also}", scenario=lines)
 
     def _further(self, asked: Iterable[Missed]) -> tuple[Missed, ...]:
@@ -205,13 +205,13 @@ class UnmetNeeds:
                 if asked.need.kind == "service" and at is not None and first <= at <= last:
                     yield asked
 
-    def told(self, unmet: tuple[Missed, ...], most: int = _TOLD) -> str:
+    def listed(self, unmet: tuple[Missed, ...], most: int = _LISTED) -> str:
         """Return the needs in words, at most `most`, each with the place that asks for it."""
-        places = [(each.need.told, self.below_root(each.location)) for each in unmet[:most]]
-        told = [name + (f", asked for at {place}" if place else "") for name, place in places]
+        places = [(each.need.words, self.below_root(each.location)) for each in unmet[:most]]
+        lines = [name + (f", asked for at {place}" if place else "") for name, place in places]
         if len(unmet) > most:
-            told.append(f"{len(unmet) - most} more")
-        return "; ".join(told)
+            lines.append(f"{len(unmet) - most} more")
+        return "; ".join(lines)
 
     def below_root(self, place: Location | None) -> Location | None:
         """Return a place in the controller's source by its file's name below the root."""
@@ -222,17 +222,17 @@ class UnmetNeeds:
     def _unheard(self) -> str:
         """Return in words that what a controller publishes reaches nobody, the twin included."""
         needs = self._runtime.graph.unheard()
-        told = [f"{each.name} ({each.type_name})" for each in needs[:_TOLD]]
-        if len(needs) > _TOLD:
-            told.append(f"{len(needs) - _TOLD} more")
-        return f"; nobody receives what it publishes on {', '.join(told)}" if told else ""
+        lines = [f"{each.name} ({each.type_name})" for each in needs[:_LISTED]]
+        if len(needs) > _LISTED:
+            lines.append(f"{len(needs) - _LISTED} more")
+        return f"; nobody receives what it publishes on {', '.join(lines)}" if lines else ""
 
-    def _tell_unpublished(self) -> None:
+    def _report_unpublished(self) -> None:
         """Report topics on which nobody publishes: the run may have ended because of them."""
         for each in self._runtime.graph.unpublished():
             self._runtime.recorder.finding(
                 "unprovided",
-                f"nothing provides {each.need.told}, to which the controller listens; a scenario "
+                f"nothing provides {each.need.words}, to which the controller listens; a scenario "
                 "(--scenario) can",
                 self.below_root(each.location),
                 object_name=each.need.name,
@@ -244,7 +244,7 @@ class UnmetNeeds:
             {
                 "kind": each.need.kind,
                 "name": each.need.name,
-                "words": each.need.told,
+                "words": each.need.words,
                 "location": None if place is None else [place.file, place.line, place.column],
             }
             for each in map(_typed, self._missed())

@@ -143,10 +143,10 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
     if keep is not None:
         # What is kept is the recording of the run that is reported.
         trace = search.trace(best.entries, keep=keep)
-    return _told(controller, search, best.entries, trace)
+    return _with_drafts(controller, search, best.entries, trace)
 
 
-def _told(controller: Controller, search: Rounds, entries: Entries, trace: Trace) -> Trace:
+def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace: Trace) -> Trace:
     """Return a run on a draft, which is not a file, with the places that ask for its values."""
     assert trace.verdict is not None
     places = _Places(controller, search, entries)
@@ -208,9 +208,9 @@ class _Places:
         if is_unused or place.line in self._of_base:
             return moved
         self.drafted += 1
-        told = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)
-        told = _LINE_OF_SOURCE.sub(r"\1", told)
-        return replace(moved, words=f"{told}; nobody has confirmed it")
+        text = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)
+        text = _LINE_OF_SOURCE.sub(r"\1", text)
+        return replace(moved, words=f"{text}; nobody has confirmed it")
 
 
 def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:

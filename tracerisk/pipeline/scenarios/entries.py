@@ -39,9 +39,9 @@ class Entries:
         """The lines of each section of the scenario."""
         sections: dict[str, list[str]] = {}
         if self.robot is not None:
-            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.told}"]
+            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.remark}"]
         if self.arguments is not None:
-            sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
+            sections["arguments"] = word_lines(self.arguments.words, self.arguments.remark)
         for key, draft in self.drafts.items():
             for _ in range(self.repeats.get(key, 1)):
                 sections.setdefault(draft.section, []).extend(entry_lines(draft))

@@ -137,8 +137,8 @@ class Rounds:
         """Return whether the search, and no run of it, has taken its time."""
         return self._wall_s is not None and time.monotonic() - self._began >= self._wall_s
 
-    def _end_early(self, told: str = "") -> None:
-        self._cut = told or f"the search was ended after {self._wall_s:g} s (--search-limit)"
+    def _end_early(self, words: str = "") -> None:
+        self._cut = words or f"the search was ended after {self._wall_s:g} s (--search-limit)"
         self.is_cut_short = True
         if not self.best.is_traced:
             # What was found for the last run, though nobody knows yet how that ends.
@@ -219,7 +219,7 @@ class Rounds:
 
     def text(self, entries: Entries) -> str:
         """Return the scenario: the base with these entries."""
-        remarks = [f"# {each.need.told}: {each.words}" for each in self._cannot.values()]
+        remarks = [f"# {each.need.words}: {each.words}" for each in self._cannot.values()]
         if not remarks and not entries.sections and self.base is None:
             remarks = ["# The controller asks its world for nothing that is not there."]
         return with_entries(self.base, entries.sections, remarks)
@@ -267,13 +267,13 @@ class Rounds:
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
-        told = next((run for run in runs if run.trace is trace), runs[-1])
+        chosen = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
             # What nodes beside the controller give needs no scenario, unless it shows nothing so.
             had = entries.drafts.keys() | self._cannot.keys()
-            beside = next((run for run in reversed(runs) if is_accompanied(run)), told)
-            told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
-        return Attempt(entries, trace, useful_drafts(told.drafts, runs))
+            beside = next((run for run in reversed(runs) if is_accompanied(run)), chosen)
+            chosen = beside if any((e.section, e.key) not in had for e in beside.drafts) else chosen
+        return Attempt(entries, trace, useful_drafts(chosen.drafts, runs))
 
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
@@ -390,11 +390,11 @@ class Rounds:
 
     def read_for(self, entries: Entries) -> tuple[Path, ...]:
         """Return the files of the repository in which values of these entries are written."""
-        told = [draft.words for draft in entries.drafts.values()]
-        places = [self._read[words] for words in told if words in self._read]
+        reported = [draft.words for draft in entries.drafts.values()]
+        places = [self._read[words] for words in reported if words in self._read]
         if entries.arguments is not None:
             written = {f"as in {place}": place for _, place in self._written.arguments}
-            places += [written[each] for each in (entries.arguments.told,) if each in written]
+            places += [written[each] for each in (entries.arguments.remark,) if each in written]
         top = project_top(self._controller.root)
         return tuple(dict.fromkeys(top / place.rpartition(":")[0] for place in places))
 

@@ -39,8 +39,8 @@ def with_entries(
             end -= 1
         lines[start:end] = _section(top, name, lines[start:end], sections[name])
     absent = {name: each for name, each in sections.items() if name not in top}
-    told = [each for each in remarks if each not in lines]
-    more = sections_text(absent, told).splitlines()
+    reported = [each for each in remarks if each not in lines]
+    more = sections_text(absent, reported).splitlines()
     return newline.join([*lines, *more, ""])
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import Location
 from tracerisk.instrument.ownership import Attribution
-from tracerisk.pipeline.trace.last_run import told_contact, unexpected_contacts
+from tracerisk.pipeline.trace.last_run import contact_text, unexpected_contacts
 from tracerisk.trace import Element, Exposure, Finding, Visit
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.contact_log import read_contacts
@@ -103,7 +103,7 @@ def collisions(
     found = [
         Finding(
             UNEXPECTED_CONTACT,
-            f"unexpected contact: {told_contact(each, contacts, links)}",
+            f"unexpected contact: {contact_text(each, contacts, links)}",
             min(contact.start_s for contact in contacts),
             Location(each.function.file, lines[each.function]),
         )

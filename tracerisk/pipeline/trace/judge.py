@@ -190,9 +190,13 @@ def _of_commands(run: RecordedRun) -> Iterator[Reason]:
     for number, command in enumerate(run.commands):
         if command.outcome != "aborted" or _retry(command, run.commands[number + 1 :]):
             continue
-        told = _finding_of(command, run.findings)
-        words = told.message if told else f"a command to {', '.join(command.elements)} was aborted"
-        name = told.object if told and told.object else ", ".join(command.elements)
+        finding = _finding_of(command, run.findings)
+        words = (
+            finding.message
+            if finding
+            else f"a command to {', '.join(command.elements)} was aborted"
+        )
+        name = finding.object if finding and finding.object else ", ".join(command.elements)
         yield _command_reason("command-aborted", words, command, name)
 
 
@@ -248,7 +252,7 @@ def _of_findings(run: RecordedRun) -> Iterator[Reason]:
         code = _OF_FINDING.get(finding.kind)
         if code is None or finding.recovered_s is not None:
             continue
-        if finding.kind in _OF_COMMANDS and _is_told_by_command(finding, run.commands):
+        if finding.kind in _OF_COMMANDS and _is_reported_by_command(finding, run.commands):
             continue
         if finding.kind == "error_logged" and _is_settled(finding, settled):
             continue
@@ -265,7 +269,7 @@ def _of_findings(run: RecordedRun) -> Iterator[Reason]:
         )
 
 
-def _is_told_by_command(finding: Finding, commands: Sequence[IssuedCommand]) -> bool:
+def _is_reported_by_command(finding: Finding, commands: Sequence[IssuedCommand]) -> bool:
     """Return whether a finding is of an aborted command, or of a goal that was met later."""
     if any(_is_about(finding, each) for each in commands):
         return True
@@ -332,9 +336,9 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
 
 def _of_needs(run: RecordedRun) -> Iterator[Reason]:
     looked_up = {each.object for each in run.findings if each.kind == "lookup_failure"}
-    told = {each.object for each in run.findings if each.kind == "unprovided"}
+    unprovided = {each.object for each in run.findings if each.kind == "unprovided"}
     for need in run.unmet:
-        if (need.is_frame and need.object in looked_up) or need.object in told:
+        if (need.is_frame and need.object in looked_up) or need.object in unprovided:
             continue
         yield _reason(
             "unmet-need",

@@ -47,7 +47,7 @@ def unexpected_contacts(visits: Iterable[Visit]) -> dict[UnexpectedContact, list
     return found
 
 
-def told_contact(
+def contact_text(
     contact: UnexpectedContact, touches: Sequence[Contact], links: Container[str]
 ) -> str:
     """Return in words what touched, for how long and how hard; `links` are the arm's."""
@@ -60,9 +60,9 @@ def told_contact(
             f"{visits}; its force is not simulated"
         )
     force = max(each.force_n for each in touches)
-    told = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
+    text = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
     what = link if link in links else f"{link}, which is held,"
-    return f"{what} touches {other} in {function}: up to {told} N, {seconds:.2f} s{visits}"
+    return f"{what} touches {other} in {function}: up to {text} N, {seconds:.2f} s{visits}"
 
 
 def last_run_summary(trace: Trace) -> dict[str, Any]:

@@ -151,11 +151,11 @@ def _unconfirmed(
     root = controller.root.resolve()
     for each in entries:
         file, line, _ = each["location"].values()
-        told = f": {each['words']}" if each["words"] else ""
+        text = f": {each['words']}" if each["words"] else ""
         place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
         yield (
             each["name"],
-            f"{each['section']} {each['name']} of the scenario is assumed{told}; delete its mark "
+            f"{each['section']} {each['name']} of the scenario is assumed{text}; delete its mark "
             "to confirm it",
             place,
         )

@@ -130,7 +130,7 @@ class CommandLine:
     """Arguments with which a controller may be started, and where they are from."""
 
     words: tuple[str, ...]
-    told: str
+    remark: str
 
 
 def command_lines(controller: Controller, written: Iterable[tuple[tuple[str, ...], str]] = ()) -> (
@@ -171,8 +171,10 @@ def _of_argparse(tree: ast.AST, top: Path) -> Iterator[CommandLine]:
             words = tuple(file if each in read else each for each in needed)
             yield CommandLine(words, "what argparse demands, with a file of the repository")
         if not files:
-            told = f"a file of yours has to stand for {' and '.join(sorted(read))}: none here fits"
-            yield CommandLine(tuple(needed), f"what argparse demands; {told}")
+            remark = (
+                f"a file of yours has to stand for {' and '.join(sorted(read))}: none here fits"
+            )
+            yield CommandLine(tuple(needed), f"what argparse demands; {remark}")
         needed = [files[0] if files and each in read else each for each in needed]
     elif needed:
         yield CommandLine(tuple(needed), "what argparse demands")
@@ -261,8 +263,8 @@ def _of_argv(tree: ast.AST) -> Iterator[CommandLine]:
     first = literals.get(1) or ["1"]
     for word in dict.fromkeys(first):
         rest = [(literals.get(each) or ["1"])[0] for each in range(2, max(indices) + 1)]
-        told = "as the code compares sys.argv" if literals else "as many words as the code reads"
-        yield CommandLine((word, *rest), told)
+        remark = "as the code compares sys.argv" if literals else "as many words as the code reads"
+        yield CommandLine((word, *rest), remark)
 
 
 def _argv_index(node: ast.AST) -> int:

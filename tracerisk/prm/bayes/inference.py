@@ -54,9 +54,9 @@ def joint_probabilities(
     except pyagrum.IncompatibleEvidence:
         possible = False
     if not possible:
-        told = ", ".join(f"{name} {state}" for name, state in evidence.items())
+        text = ", ".join(f"{name} {state}" for name, state in evidence.items())
         raise ModelError(
-            f"it is impossible, or less likely than 1e-308, that {told}; correct what is known"
+            f"it is impossible, or less likely than 1e-308, that {text}; correct what is known"
         )
     if not open_conditions:
         return {tuple(domain[0] for domain in domains): 1.0}

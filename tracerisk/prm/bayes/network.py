@@ -91,7 +91,7 @@ class BayesianNetwork(Displayed):
     def __post_init__(self) -> None:
         for name, condition in self.conditions.items():
             for states, row in _rows(condition).items():
-                _check_row(f"condition '{name}'{_told(condition, states)}", row)
+                _check_row(f"condition '{name}'{_text(condition, states)}", row)
             alike = {frozenset(row) for row in _rows(condition).values()}
             if len(alike) != 1:
                 raise ModelError(
@@ -105,7 +105,7 @@ class BayesianNetwork(Displayed):
             for states, figure in event.rows().items():
                 if isinstance(figure, int | float) and not 0.0 <= figure <= 1.0:
                     raise ModelError(
-                        f"event '{name}'{_told(event, states)}: probability {figure!r} is outside "
+                        f"event '{name}'{_text(event, states)}: probability {figure!r} is outside "
                         "[0, 1]; give a number within"
                     )
         _ = self.ordered
@@ -250,7 +250,7 @@ def _rows(condition: Distribution | Given[Distribution]) -> dict[tuple[str, ...]
     return condition.rows() if isinstance(condition, Given) else {(): condition}
 
 
-def _told(given: object, states: tuple[str, ...]) -> str:
+def _text(given: object, states: tuple[str, ...]) -> str:
     """Return where in a table a row stands."""
     return f" given {', '.join(states)}" if isinstance(given, Given) else ""
 

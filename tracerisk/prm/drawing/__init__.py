@@ -40,8 +40,8 @@ def html_of(shown: object) -> str:
     """Return a model or result as HTML: its figures, or its size, and its drawing."""
     if isinstance(shown, Assessment):
         return f"<div>{assessment_html(shown)}{assessment_svg(shown)}</div>"
-    told = escape(_size_of(shown))
-    return f"<figure>{svg_of(shown)}<figcaption>{told}</figcaption></figure>"
+    text = escape(_size_of(shown))
+    return f"<figure>{svg_of(shown)}<figcaption>{text}</figcaption></figure>"
 
 
 def text_of(shown: object) -> str:

@@ -86,7 +86,7 @@ def _target(
         for sequence in rows:
             if sequence not in forking:
                 raise ModelError(
-                    f"{where}: after {_told(before)} the sequence '{forking[0]}' forks over "
+                    f"{where}: after {_text(before)} the sequence '{forking[0]}' forks over "
                     f"'{function}' and '{sequence}' does not; give '{sequence}' a state there"
                 )
         paths = []
@@ -94,18 +94,18 @@ def _target(
             following = {name: row for name, row in rows.items() if row[function] == state}
             taken = (*before, f"{function} {state}")
             if not following:
-                raise ModelError(f"{where}: the path {_told(taken)} is missing; give it a sequence")
+                raise ModelError(f"{where}: the path {_text(taken)} is missing; give it a sequence")
             target = _target(where, states, functions[rank + 1 :], following, taken)
             paths.append(Path(state, target, instructions))
         return Fork(function, tuple(paths))
     first, *more = rows
     if more:
         raise ModelError(
-            f"{where}: the sequences '{first}' and '{more[0]}' have one path, {_told(before)}; "
+            f"{where}: the sequences '{first}' and '{more[0]}' have one path, {_text(before)}; "
             "separate them at a functional event, or give them one name"
         )
     return End(first)
 
 
-def _told(states: Sequence[str]) -> str:
+def _text(states: Sequence[str]) -> str:
     return ", ".join(states) or "the start"

@@ -259,14 +259,14 @@ def _of_gates(tree: FaultTree) -> FaultTree:
         replace(gate, inputs=tuple(names.get(name, name) for name in gate.inputs))
         for gate in tree.gates
     )
-    told = tuple(HouseEvent(names.get(each.name, each.name), each.state) for each in tree.houses)
+    houses = tuple(HouseEvent(names.get(each.name, each.name), each.state) for each in tree.houses)
     if gates:
-        return replace(tree, gates=gates, houses=told)
+        return replace(tree, gates=gates, houses=houses)
     top = "top"
     while top in taken:
         top += "_"
-    inputs = (*(each.name for each in tree.events), *(each.name for each in told))
-    return FaultTree(top, (Gate(top, GateKind.OR, inputs),), tree.events, told)
+    inputs = (*(each.name for each in tree.events), *(each.name for each in houses))
+    return FaultTree(top, (Gate(top, GateKind.OR, inputs),), tree.events, houses)
 
 
 def _listed(names: list[str]) -> str:

@@ -26,8 +26,8 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
     plain = asdict(diff)
     if not diff.is_comparable:
         # Of a run that went wrong a ratio or a contribution says nothing.
-        told = replace(diff, changes=(), functions=(), interaction=None, single_points=())
-        diff, plain = told, asdict(told)
+        shown = replace(diff, changes=(), functions=(), interaction=None, single_points=())
+        diff, plain = shown, asdict(shown)
     functions = zip(plain["functions"], diff.functions, strict=True)
     changes = zip(plain["changes"], diff.changes, strict=True)
     return {

@@ -67,9 +67,9 @@ class _Names:
                 )
                 if count
             )
-            told = f"{name} ({failed})"
-            while told in self._taken:
-                told += "'"
-            self._taken.add(told)
-            self._names[key] = told
+            text = f"{name} ({failed})"
+            while text in self._taken:
+                text += "'"
+            self._taken.add(text)
+            self._names[key] = text
         return self._names[key]

@@ -31,14 +31,17 @@ def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImp
     base = _Base(solved.chain, solved.flow)
     if grouped is None:
         found = [
-            _told(each, *_effect(base, each), base.failure, base.held) for each in model.parameters
+            _ranked(each, *_effect(base, each), base.failure, base.held)
+            for each in model.parameters
         ]
     else:
         own = [_Base(*each) for each in zip(grouped.own, grouped.own_flows, strict=True)]
         failure, found = solved.failure.p, []
         for each in model.parameters:
             parts = [own[group] for group in grouped.groups_with.get(each.name, ())]
-            found.append(_told(each, *_sum_of_groups(failure, base, parts, each), failure, failure))
+            found.append(
+                _ranked(each, *_sum_of_groups(failure, base, parts, each), failure, failure)
+            )
     return tuple(sorted(found, key=lambda i: (-i.fussell_vesely, -i.criticality, i.name)))
 
 
@@ -142,7 +145,7 @@ def _sum_of_groups(
     )
 
 
-def _told(
+def _ranked(
     parameter: Parameter, slopes: _Slopes, change: _Change, failure: float, held: float
 ) -> ComponentImportance:
     birnbaum = math.fsum(slope for _, _, slope in slopes)

@@ -97,24 +97,24 @@ def top_event(state: FunctionState) -> Probability:
 def _assumptions(
     model: HybridModel, solved: SolvedMission, mission: MissionFigures
 ) -> tuple[str, ...]:
-    told = []
+    assumptions = []
     gates = [gate for state in model.states for gate in state.tree.gates]
     latent = set(model.latent)
     # What of a group is left to a gate without latent units is renewed at each visit.
     if any(gate.threshold > 1 and not latent.issuperset(gate.inputs) for gate in gates):
-        told.append(RENEWED_REDUNDANCY)
+        assumptions.append(RENEWED_REDUNDANCY)
     if any(is_spare_group(event) for state in model.states for event in state.tree.events):
-        told.append(RENEWED_SPARES)
+        assumptions.append(RENEWED_SPARES)
     if any(function.parts for function in solved.states.functions):
-        told.append(HIDDEN_FAILURES)
+        assumptions.append(HIDDEN_FAILURES)
     if solved.grouped is not None:
         _, bound = held_bound(model, solved)
-        told.append(grouped(len(solved.grouped.groups), bound.least, bound.outcome.p))
+        assumptions.append(grouped(len(solved.grouped.groups), bound.least, bound.outcome.p))
     elif solved.states.most is not None:
-        told.append(bounded(solved.states.most, solved.least, solved.failure.p))
+        assumptions.append(bounded(solved.states.most, solved.least, solved.failure.p))
     if model.has_cycle:
-        told.append(GEOMETRIC_CYCLES if mission.reading == GEOMETRIC else FIXED_CYCLES)
-    return tuple(told)
+        assumptions.append(GEOMETRIC_CYCLES if mission.reading == GEOMETRIC else FIXED_CYCLES)
+    return tuple(assumptions)
 
 
 def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateAssessment]:

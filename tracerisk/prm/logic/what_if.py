@@ -101,12 +101,12 @@ def propagate(
     *,
     samples: int = SAMPLES,
     seed: int = 0,
-    tell: Callable[[str], None] = lambda text: None,  # noqa: ARG005
+    note: Callable[[str], None] = lambda text: None,  # noqa: ARG005
 ) -> Uncertainty:
     """Draw the deviates of the model and return the spread of a top's probability.
 
     Inputs are the parameters and events whose own expression holds a deviate. Probabilities above
-    one are taken as one; where they are no input's own, `tell` is called with a note of it.
+    one are taken as one; where they are no input's own, `note` is called with a note of it.
     Raises ModelError when nothing is uncertain, `samples` is below 2, or a factor of a common
     cause group is drawn: the events of a group follow from the point values of its factors.
     """
@@ -147,7 +147,7 @@ def propagate(
         )
     for name, count in cut.items():
         if count and name not in own and name not in shared:
-            tell(f"{name}: {count} of {samples} samples above 1 were taken as 1")
+            note(f"{name}: {count} of {samples} samples above 1 were taken as 1")
     results = _tops(tree, drawn, samples)
     shares = first_order_shares(np.column_stack(list(inputs.values())), results)
     evaluation = Evaluation(names, mission_time_h)

@@ -185,13 +185,13 @@ def _component_summary(group: Sequence[ComponentItem]) -> str:
             return f"{lead}: left out by hand"
         case "component_restored":
             return f"{lead}: no longer left out"
-    told = f"{lead}: {', '.join(map(_values, first.fields))}"
+    text = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
-        return told
+        return text
     if first.ratio is None or first.ratio in (0.0, float("inf")):
-        return told if len(group) == 1 else f"{lead}: {one.key}, to or from 0"
+        return text if len(group) == 1 else f"{lead}: {one.key}, to or from 0"
     if len(group) == 1:
-        return f"{told} (x{first.ratio:.4g})"
+        return f"{text} (x{first.ratio:.4g})"
     return f"{lead}: {one.key} x{first.ratio:.4g}"
 
 
@@ -214,10 +214,10 @@ def _flow_part(group: Sequence[FlowItem], marks: _Marks) -> _Part:
 
 
 def _flow_summaries(group: Sequence[FlowItem]) -> Iterator[str]:
-    for mark, told in (("new_state", "new state"), ("lost_state", "state gone:")):
+    for mark, words in (("new_state", "new state"), ("lost_state", "state gone:")):
         names = [item.field.function for item in group if item.mark == mark]
         if names:
-            yield f"{told}{'s' if len(names) > 1 and mark == 'new_state' else ''} {_listed(names)}"
+            yield f"{words}{'s' if len(names) > 1 and mark == 'new_state' else ''} {_listed(names)}"
     following = [item.field for item in group if item.field.key == NEXT.key]
     if len(following) == 1:
         one = following[0]

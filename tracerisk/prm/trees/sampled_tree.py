@@ -66,8 +66,8 @@ def samples_of(
             )
     counts = {name: array.size for name, array in arrays.items() if array.ndim}
     if len(set(counts.values())) > 1:
-        told = ", ".join(f"{name} {count}" for name, count in counts.items())
-        raise ModelError(f"arrays of different lengths ({told}); give each the same")
+        text = ", ".join(f"{name} {count}" for name, count in counts.items())
+        raise ModelError(f"arrays of different lengths ({text}); give each the same")
     return arrays, next(iter(counts.values()), 1)
 
 

@@ -91,8 +91,8 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         if len(diff.changes) > MOST_CHANGES:
             rows.append(("", f"and {len(diff.changes) - MOST_CHANGES} more changes", "", ""))
         if diff.interaction is not None:
-            told = "what they do only together, and noise"
-            rows.append((sentences.difference(diff.interaction), told, "", ""))
+            text = "what they do only together, and noise"
+            rows.append((sentences.difference(diff.interaction), text, "", ""))
         yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
     functions = [each for each in diff.functions if each.status != "unchanged"]
     if functions and diff.is_comparable:
@@ -113,8 +113,8 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
         yield f"- {_escaped(sentences.pin(pin))} ({_escaped(place)})"
-    for told in (*diff.of_run, *diff.inputs):
-        yield f"- {_escaped(told)}"
+    for text in (*diff.of_run, *diff.inputs):
+        yield f"- {_escaped(text)}"
     if diff.within_noise:
         yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
     if diff.single_points or diff.pins or diff.of_run or diff.inputs or diff.within_noise:

@@ -97,19 +97,19 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
     old = verdicts.before.kind if verdicts.before else "unknown"
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
-        told = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
+        text = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
     elif new in ("faulted", "stuck"):
         first = next(
             iter(verdicts.broke or (verdicts.after.open_reasons if verdicts.after else ()))
         )
         was = f"was {old}, " if verdicts.in_before and old != new else ""
-        told = f"{diff.name} {was}is {new}: {first}"
+        text = f"{diff.name} {was}is {new}: {first}"
     elif verdicts.before is None:
-        told = f"{diff.name} is {new}; the verdict of its run before is unknown"
+        text = f"{diff.name} is {new}; the verdict of its run before is unknown"
     else:
         first = next(iter(verdicts.repaired or verdicts.before.open_reasons))
-        told = f"{diff.name} is {new}, was {old}; repaired: {first}"
-    return f"{told}; the two runs cannot be compared"
+        text = f"{diff.name} is {new}, was {old}; repaired: {first}"
+    return f"{text}; the two runs cannot be compared"
 
 
 def sentence(diff: RiskDiff) -> str:
@@ -125,21 +125,21 @@ def sentence(diff: RiskDiff) -> str:
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
     old, new = diff.before.failure_probability, diff.after.failure_probability
     if diff.is_unchanged:
-        told = f"{diff.name}: mission failure is unchanged at {probability(new)}"
-        return f"{told}, yet {_structural(diff)}" if _structural(diff) else told
+        text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
+        return f"{text}, yet {_structural(diff)}" if _structural(diff) else text
     verb = "rises" if new > old else "falls"
-    told = (
+    text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)})"
     )
     # What works against the change is not what made it.
     alike = [each for each in diff.causes if (each.contribution or 0.0) * diff.increase > 0.0]
     if alike:
-        told += f", mostly through {alike[0].summary}{_because(alike[0])}"
+        text += f", mostly through {alike[0].summary}{_because(alike[0])}"
         share = _share(alike[0], diff)
         if len(diff.causes) > 1 or share != "100 %":
-            told += f", {share} of the {'rise' if new > old else 'fall'}"
-    return told + _per_cycle(diff)
+            text += f", {share} of the {'rise' if new > old else 'fall'}"
+    return text + _per_cycle(diff)
 
 
 def _because(cause: CauseShare) -> str:
@@ -183,14 +183,14 @@ def _per_cycle(diff: RiskDiff) -> str:
 
 def _structural(diff: RiskDiff) -> str:
     """Return what a reviewer must see although the figure stays."""
-    told = []
+    reported = []
     if any("lost_redundancy" in change.marks for change in diff.changes):
-        told.append("redundancy is lost")
+        reported.append("redundancy is lost")
     old = [point.component for point in diff.single_points if not point.is_new]
     if old:
         verb = "are single points" if len(old) > 1 else "is a single point"
-        told.append(f"{', '.join(old)} {verb} of failure now")
-    return " and ".join(told)
+        reported.append(f"{', '.join(old)} {verb} of failure now")
+    return " and ".join(reported)
 
 
 def probability(value: float) -> str:
@@ -242,17 +242,17 @@ def pin(change: PinChange) -> str:
     """Return what became of a pin."""
     match change.kind:
         case "new":
-            told = f"new pin {change.path} := {change.after}"
+            text = f"new pin {change.path} := {change.after}"
         case "removed":
             return f"pin {change.path} := {change.before} is gone"
         case "changed":
-            told = f"pin {change.path} := {change.before} -> {change.after}"
+            text = f"pin {change.path} := {change.before} -> {change.after}"
         case "drifted":
-            told = f"pin {change.path} := {change.after} stays, computed {change.computed_before}"
-            return f"{told} -> {change.computed_after}{_reason(change)}"
+            text = f"pin {change.path} := {change.after} stays, computed {change.computed_before}"
+            return f"{text} -> {change.computed_after}{_reason(change)}"
     if change.computed_after is not None:
-        told += f" (computed {change.computed_after})"
-    return told + _reason(change)
+        text += f" (computed {change.computed_after})"
+    return text + _reason(change)
 
 
 def _reason(change: PinChange) -> str:

@@ -56,8 +56,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
             if change not in small:
                 yield from _change(review, change, room)
         if small:
-            told = f"and {len(small)} more, each below a thousandth of the first; --json has them"
-            yield from _wrapped(" " * (_ALONE + 4) + told, room, hanging=_ALONE + 4)
+            text = f"and {len(small)} more, each below a thousandth of the first; --json has them"
+            yield from _wrapped(" " * (_ALONE + 4) + text, room, hanging=_ALONE + 4)
         if diff.interaction is not None:
             rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
@@ -108,15 +108,15 @@ def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
     hanging = _ALONE + 4
     yield from _wrapped(lead + change.summary, room, hanging=hanging)
     why = [sentences.marks(change), sentences.causes(change), sentences.places(review, change)]
-    told = "; ".join(part for part in why if part)
-    yield from _wrapped(" " * hanging + told, room, hanging=hanging)
+    text = "; ".join(part for part in why if part)
+    yield from _wrapped(" " * hanging + text, room, hanging=hanging)
 
 
 def _functions(functions: Sequence[FunctionChange], room: int) -> Iterator[str]:
-    told = [each for each in functions if each.status != "unchanged"]
-    if told:
+    reported = [each for each in functions if each.status != "unchanged"]
+    if reported:
         yield from _row("  Functions, a visit", ("before", "after", "ratio"), room)
-        for each in told:
+        for each in reported:
             tops = [None if it is None else it.top_event for it in (each.before, each.after)]
             yield from _row(f"    {_name(each)}", _cells(*tops), room)
             yield from _wrapped(f"      {_visits(each)}", room, hanging=6)
@@ -135,8 +135,8 @@ def _visits(function: FunctionChange) -> str:
     found = [each.expected_visits for each in (before, after) if each is not None]
     if len(found) == 2 and is_noise(*found):
         found = found[1:]
-    told = " -> ".join(map(sentences.count, found))
-    return f"{told} visit" if told == "1" else f"{told} visits"
+    text = " -> ".join(map(sentences.count, found))
+    return f"{text} visit" if text == "1" else f"{text} visits"
 
 
 def _cells(

@@ -106,9 +106,9 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
         for change in diff.changes
     ]
     if diff.interaction is not None:
-        told = "what they do only together, and noise"
+        text = "what they do only together, and noise"
         rows.append(
-            Row((Cell(told), Cell(sentences.difference(diff.interaction)), Cell(""), Cell("")))
+            Row((Cell(text), Cell(sentences.difference(diff.interaction)), Cell(""), Cell("")))
         )
     columns = (
         Column("change"),

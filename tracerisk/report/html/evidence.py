@@ -94,10 +94,10 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
 
 def _delays(cells: Sequence[Cell]) -> object:
     """Return a drawing of when the controller was notified of each failure, a row for each mode."""
-    told = [each for each in cells if each.told_after_s is not None]
-    if not told:
+    notified = [each for each in cells if each.told_after_s is not None]
+    if not notified:
         return ""
-    most = max(each.told_after_s or 0.0 for each in told) or 1.0
+    most = max(each.told_after_s or 0.0 for each in notified) or 1.0
     kinds = _ordered((each.component, each.mode) for each in cells)
     drawing = Drawing(
         "evidence-delays",
@@ -183,7 +183,7 @@ def _table(found: Evidence, pages: Pages) -> Table:
                     TableCell(f"{row.component} {row.mode.replace('_', ' ')}"),
                     TableCell(row.function),
                     TableCell(end_effect(row.cells), link=next(shown, ""), note=row.hardest),
-                    TableCell(row.told),
+                    TableCell(row.notified),
                     TableCell(row.detection),
                     TableCell(f"{row.failed} of {len(row.cells)}"),
                     TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),

@@ -36,9 +36,9 @@ def _sentence(report: ReportInput) -> str:
     risk = report.assessment.mission.failure_probability
     if risk == 0.0:
         return f"No hardware failure that is modelled can end a mission of {report.model.name}."
-    told = f"Probability that a hardware failure ends a mission of {report.model.name}: "
+    text = f"Probability that a hardware failure ends a mission of {report.model.name}: "
     often = figures.one_in(risk)
-    return f"{told}{figures.powered(risk)}{f', {often}' if often else ''}."
+    return f"{text}{figures.powered(risk)}{f', {often}' if often else ''}."
 
 
 def _cause(report: ReportInput) -> str:
@@ -47,11 +47,11 @@ def _cause(report: ReportInput) -> str:
     if not assessment.components or not assessment.mission.failure_probability:
         return ""
     first = assessment.components[0]
-    told = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
-    told += "probability would be gone"
+    text = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
+    text += "probability would be gone"
     riskiest = max(assessment.states, key=lambda each: each.absorption_probability)
     share = riskiest.absorption_probability / assessment.mission.geometric_cycles
-    return f"{told}; {figures.percent(share)} of it falls in {riskiest.name}."
+    return f"{text}; {figures.percent(share)} of it falls in {riskiest.name}."
 
 
 def _assumed(report: ReportInput) -> str:
@@ -60,11 +60,11 @@ def _assumed(report: ReportInput) -> str:
         return ""
     found = report.figures.assumed
     first = found[0]
-    told = (
+    text = (
         f"Figures without a source that could be read, assumed ones, are behind {first.component}"
     )
-    told += f" ({figures.percent(first.fussell_vesely)} of that probability)"
-    return f"{told}{'' if len(found) == 1 else f' and {len(found) - 1} more'}."
+    text += f" ({figures.percent(first.fussell_vesely)} of that probability)"
+    return f"{text}{'' if len(found) == 1 else f' and {len(found) - 1} more'}."
 
 
 def _context(report: ReportInput) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ def word(parent: Element, x: float, y: float, text: str, kind: str, anchor: str 
         SubElement(element, "title").text = text
 
 
-def tell(parent: Element, text: str) -> None:
+def add_title(parent: Element, text: str) -> None:
     """Give a group a tooltip, which is read out where drawings are."""
     title = Element("title")
     title.text = text

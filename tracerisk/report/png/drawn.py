@@ -78,10 +78,10 @@ def _written(data: dict[str, object], names: Sequence[str], limits: Limits) -> t
             done = _run(request, folder, backend, limits)
             if done.returncode == 0:
                 return tuple((Path(folder) / name).read_bytes() for name in names)
-        told = _last_line(done.stderr.decode("utf-8", "replace"))
+        message = _last_line(done.stderr.decode("utf-8", "replace"))
         if done.stdout.startswith(_READY.encode()):
-            raise RuntimeError(f"the pictures could not be drawn with {backend}: {told}")
-        reasons.append(f"{backend}: {told}")
+            raise RuntimeError(f"the pictures could not be drawn with {backend}: {message}")
+        reasons.append(f"{backend}: {message}")
     raise RenderError(
         "pictures need OpenGL that works without a screen, and there is none "
         f"({'; '.join(reasons)}); install libegl1, libgl1 and libgl1-mesa-dri, or libosmesa6 "

@@ -35,7 +35,7 @@ _CAMERA_EVERY = 2
 """Of so many frames one is enough to know what the camera must see."""
 _STEP_S = 0.002
 """The run ends within a step of the physics [s]: its last frame belongs to its last visit."""
-_TOLD: tuple[State, ...] = ("moving", "holding", "grasping")
+_NAMED: tuple[State, ...] = ("moving", "holding", "grasping")
 
 
 def make_film(trace: Trace, run: RecordedRun) -> tuple[Picture, ...]:
@@ -49,7 +49,7 @@ def make_film(trace: Trace, run: RecordedRun) -> tuple[Picture, ...]:
     end_s = trace.end.simulated_s or replay.frames.count * every_s
     count = max(1, min(MOST_FRAMES - 1, math.ceil(end_s / FRAME_S)))
     speed = end_s / count / FRAME_S
-    told = f", {speed:.3g} times as fast" if speed > 1.05 else ""
+    speed_text = f", {speed:.3g} times as fast" if speed > 1.05 else ""
     counts = FrameCounts(replay.activity, replay.frames.count, every_s, replay.step_s)
     times = [number * end_s / count for number in range(count + 1)]
     at = [min(round(time / every_s), counts.n_frames - 1) for time in times]
@@ -63,7 +63,7 @@ def make_film(trace: Trace, run: RecordedRun) -> tuple[Picture, ...]:
         function = _function_at(trace, time, end_s)
         title = "no function" if function is None else printable(names[function])
         moment = Moment(trace.functions[0].ref, 1, 1, time, frame, seen)
-        rows = (CaptionRow(f"{time:.1f} of {end_s:.1f} s{told}"), *_rows(seen))
+        rows = (CaptionRow(f"{time:.1f} of {end_s:.1f} s{speed_text}"), *_rows(seen))
         solids = tuple(solids_of(replay.bodies, place, moment))
         found.append(Picture("", title, rows, camera, solids, {}))
     return tuple(found)
@@ -87,5 +87,5 @@ def _rows(states: Mapping[str, tuple[State, ...]]) -> tuple[CaptionRow, ...]:
             f"{state} {sum(1 for each in states.values() if each[0] == state)}",
             STATE_COLOURS[state],
         )
-        for state in _TOLD
+        for state in _NAMED
     )

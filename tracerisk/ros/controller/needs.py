@@ -31,7 +31,7 @@ class Need:
     parent: str = ""
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The need in words: `service /add (pkg/Add)`."""
         what = {
             "topic": "messages on",
@@ -91,7 +91,7 @@ class NeedLedger:
         """Note that something that was asked for is there."""
         self._missed.pop((need.kind, need.name), None)
 
-    def tell_type(self, kind: NeedKind, name: str, type_name: str) -> None:
+    def note_type(self, kind: NeedKind, name: str, type_name: str) -> None:
         """Note of which type a thing is that the controller may ask for by its name alone."""
         self._types[kind, name] = type_name
         known = self._missed.get((kind, name))

@@ -187,13 +187,13 @@ def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         return (
             need.name,
             {**entry, "rate": 10.0, "until": 60.0, "message": message},
-            _told(need.type_name, compared.values, values),
+            _typed_text(need.type_name, compared.values, values),
         )
     entry = {**entry, "after": 1.0, "message": message}
-    return need.name, entry, _told(need.type_name, compared.values, values)
+    return need.name, entry, _typed_text(need.type_name, compared.values, values)
 
 
-def _told(type_name: str, compared: Any, values: UsableValues) -> str:
+def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
     name = values.robot.name
     if re.search(r"Joint", type_name):
         return f"joints of {name}, a little away from where it begins"

@@ -102,7 +102,7 @@ class GazeboServices:
                 message.model_name, message_pose(message.pose), message.reference_frame
             )
         except ModelRefusedError as refusal:
-            self._tell(f"a message on {publication.topic} moved no model: {refusal}")
+            self._report(f"a message on {publication.topic} moved no model: {refusal}")
 
     def _schedule(self, publication: Publication) -> None:
         period_ns = round(1e9 / _HZ)
@@ -172,8 +172,8 @@ class GazeboServices:
             self._messages.stamp(answer.header, self._scheduler.now_ns)
 
         self._scheduler.touch()
-        told = f"GetModelState of '{request.model_name}'"
-        return self._done(answer, told, read, "GetModelState: got properties")
+        request_text = f"GetModelState of '{request.model_name}'"
+        return self._done(answer, request_text, read, "GetModelState: got properties")
 
     def _get_entity_state(self, request: Any) -> Any:
         answer = self._answer("GetEntityState")
@@ -200,8 +200,8 @@ class GazeboServices:
             answer.link_state.reference_frame = request.reference_frame
 
         self._scheduler.touch()
-        told = f"GetLinkState of '{request.link_name}'"
-        return self._done(answer, told, read, "GetLinkState: got state")
+        request_text = f"GetLinkState of '{request.link_name}'"
+        return self._done(answer, request_text, read, "GetLinkState: got state")
 
     def _get_world(self, request: Any) -> Any:
         del request
@@ -209,8 +209,8 @@ class GazeboServices:
         answer.model_names = list(self._world.names)
         answer.sim_time = self._scheduler.now_ns * 1e-9
         answer.rendering_enabled = False
-        told = "GetWorldProperties"
-        return self._done(answer, told, lambda: None, f"{told}: got properties")
+        request_text = "GetWorldProperties"
+        return self._done(answer, request_text, lambda: None, f"{request_text}: got properties")
 
     def _get_list(self, request: Any) -> Any:
         del request
@@ -233,8 +233,8 @@ class GazeboServices:
             else:
                 answer.body_names, answer.canonical_body_name = ["link"], "link"
 
-        told = f"GetModelProperties of '{request.model_name}'"
-        return self._done(answer, told, read, "GetModelProperties: got properties")
+        request_text = f"GetModelProperties of '{request.model_name}'"
+        return self._done(answer, request_text, read, "GetModelProperties: got properties")
 
     # Welds
 
@@ -261,22 +261,22 @@ class GazeboServices:
             getattr(request, each.format(i)) for i in (1, 2) for each in (model, link)
         )
         change = self._world.attach if is_on else self._world.detach
-        told = f"{'attach' if is_on else 'detach'} of '{one}' and '{two}'"
+        request_text = f"{'attach' if is_on else 'detach'} of '{one}' and '{two}'"
         try:
             change((one, one_link, two, two_link))
         except ModelRefusedError as refusal:
-            self._tell(f"{told} was refused: {refusal}")
+            self._report(f"{request_text} was refused: {refusal}")
             return False, str(refusal)
-        return True, f"{told}: done"
+        return True, f"{request_text}: done"
 
     # How
 
-    def _done(self, answer: Any, told: str, act: Callable[[], None], message: str) -> Any:
+    def _done(self, answer: Any, request_text: str, act: Callable[[], None], message: str) -> Any:
         try:
             act()
         except ModelRefusedError as refusal:
-            self._tell(f"{told} was refused: {refusal}")
-            answer.success, message = False, f"{told.split(' ')[0]}: {refusal}"
+            self._report(f"{request_text} was refused: {refusal}")
+            answer.success, message = False, f"{request_text.split(' ')[0]}: {refusal}"
         else:
             answer.success = True
         if hasattr(answer, "status_message"):
@@ -298,7 +298,9 @@ class GazeboServices:
         def answer(request: Any) -> Any:
             del request
             if name != "unpause_physics":
-                self._tell(f"{name} changed nothing: the twin's time goes on with the controller's")
+                self._report(
+                    f"{name} changed nothing: the twin's time goes on with the controller's"
+                )
             return self._messages.response("std_srvs/Empty")
 
         return answer
@@ -316,5 +318,5 @@ class GazeboServices:
     def _answer(self, kind: str) -> Any:
         return self._messages.response(f"{_PACKAGE}/{kind}")
 
-    def _tell(self, message: str) -> None:
-        self._commands.tell("simulator", message, self._commands.stack())
+    def _report(self, message: str) -> None:
+        self._commands.report("simulator", message, self._commands.stack())

@@ -183,8 +183,8 @@ class GazeboWorld:
         """Return a pose that is given in a frame as one in the robot's base frame."""
         placed = compose(inverse(self._base), compose(self.frame(frame), pose))
         if not all(abs(each) <= _FARTHEST_M for each in placed.position):
-            told = ", ".join(f"{each:g}" for each in pose.position)
-            raise ModelRefusedError(f"({told}) m is not within {_FARTHEST_M:g} m of the robot")
+            text = ", ".join(f"{each:g}" for each in pose.position)
+            raise ModelRefusedError(f"({text}) m is not within {_FARTHEST_M:g} m of the robot")
         return placed
 
     def _put(self, body: SceneBody) -> None:

@@ -96,8 +96,8 @@ _ROS2_STATUS = {
 }
 
 
-def _ignore(*told: Any) -> None:
-    del told
+def _ignore(*_message: Any) -> None:
+    del _message
 
 
 class GoalStateError(Exception):
@@ -201,7 +201,7 @@ class ActionGoal:
         """Send feedback to the client."""
         copied = self._copied(feedback)
         self.on_feedback(self, copied)
-        self._tell("feedback", copied)
+        self._report("feedback", copied)
 
     # The client's side
 
@@ -231,14 +231,14 @@ class ActionGoal:
             if self.server is not None:
                 self.server.forget(self)
         self.on_change(self)
-        self._tell("state", None)
+        self._report("state", None)
 
     def _copied(self, message: Any) -> Any:
         return message if self.server is None else self.server.copy(message)
 
-    def _tell(self, what: Literal["feedback", "state"], message: Any) -> None:
+    def _report(self, what: Literal["feedback", "state"], message: Any) -> None:
         if self.server is not None:
-            self.server.on_told(self, what, message)
+            self.server.on_message(self, what, message)
 
 
 _PURSUED = (GoalState.ACCEPTED, GoalState.ACTIVE, GoalState.PREEMPTING)
@@ -251,7 +251,7 @@ class ActionServerEnd:
 
     `copy` makes what is sent of a result or a feedback. `by_controller` is False for the twin's
     own servers and for those that a scenario plays. `goals` are those that are not over, in the
-    order of their sending. `on_told` is called after a goal's client got a `state` or a
+    order of their sending. `on_message` is called after a goal's client got a `state` or a
     `feedback`.
     """
 
@@ -266,7 +266,7 @@ class ActionServerEnd:
     is_scenario: bool = False
     place: Location | None = None
     is_called: bool = False
-    on_told: Callable[[ActionGoal, str, Any], None] = _ignore
+    on_message: Callable[[ActionGoal, str, Any], None] = _ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
 
@@ -453,7 +453,7 @@ class Actions:
         )
         server.place = asking_place() if by_controller else None
         self._servers.setdefault(name, []).append(server)
-        self._tell("served", name, type_name)
+        self._report("served", name, type_name)
         return server
 
     def client(
@@ -467,7 +467,7 @@ class Actions:
         """Become a client of an action; the twin serves it then, if its type is one of its own."""
         client = ActionClientEnd(self, name, type_name, node, copy)
         self._clients.setdefault(name, []).append(client)
-        self._tell("client", name, type_name)
+        self._report("client", name, type_name)
         return client
 
     def server(self, name: str, type_name: str) -> ActionServerEnd | None:
@@ -538,12 +538,12 @@ class Actions:
 
     def _remove_server(self, server: ActionServerEnd) -> None:
         self._servers[server.name].remove(server)
-        self._tell("unserved", server.name, server.type_name)
+        self._report("unserved", server.name, server.type_name)
 
     def _remove_client(self, client: ActionClientEnd) -> None:
         self._clients[client.name].remove(client)
-        self._tell("client_gone", client.name, client.type_name)
+        self._report("client_gone", client.name, client.type_name)
 
-    def _tell(self, change: ActionChange, name: str, type_name: str) -> None:
+    def _report(self, change: ActionChange, name: str, type_name: str) -> None:
         for watcher in tuple(self._watchers):
             watcher(change, name, type_name)

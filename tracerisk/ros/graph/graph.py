@@ -31,7 +31,7 @@ _SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
 
 
-def _tell_on_stderr(message: str) -> None:
+def _report_on_stderr(message: str) -> None:
     sys.stderr.write(f"[ERROR] {message}\n")
 
 
@@ -137,8 +137,8 @@ class Subscription:
             senders = self.publications
             self.closed = True
             self.graph._remove_subscription(self, senders)
-            for told in self.on_close:
-                told()
+            for notify in self.on_close:
+                notify()
 
 
 @dataclass(slots=True, eq=False)
@@ -186,7 +186,7 @@ class Graph:
         scheduler: Scheduler,
         tracer: CallTracer | None = None,
         *,
-        warn: Callable[[str], None] = _tell_on_stderr,
+        warn: Callable[[str], None] = _report_on_stderr,
     ) -> None:
         self.scheduler = scheduler
         self.tracer = tracer
@@ -253,7 +253,7 @@ class Graph:
         for other in entry.subscriptions:
             self._warn_of_types(topic, type_name, other.type_name)
         entry.publications.append(publication)
-        self._tell("advertised", topic, type_name)
+        self._report("advertised", topic, type_name)
         if on_connect is not None:
             for subscription in publication.subscriptions:
                 on_connect(subscription)
@@ -285,7 +285,7 @@ class Graph:
         for other in entry.publications:
             self._warn_of_types(topic, other.type_name, type_name)
         entry.subscriptions.append(subscription)
-        self._tell("subscribed", topic, type_name)
+        self._report("subscribed", topic, type_name)
         for publication in subscription.publications:
             if publication.on_connect is not None:
                 publication.on_connect(subscription)
@@ -354,7 +354,7 @@ class Graph:
         server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
         server.process = self.scheduler.process if is_callback else None
         self._services[name] = server
-        self._tell("served", name, type_name)
+        self._report("served", name, type_name)
         return server
 
     def offer(
@@ -435,11 +435,11 @@ class Graph:
                 service and where the controller waits.
         """
         self.service(name)
-        told = f"service {name}" + (f" ({type_name})" if type_name else "")
+        text = f"service {name}" + (f" ({type_name})" if type_name else "")
         self.scheduler.wait_until(
             lambda: name in self._services or unless(),
             timeout_ns=timeout_ns,
-            reason=told,
+            reason=text,
             kind="unmet",
             need=Need("service", name, type_name or ""),
         )
@@ -490,7 +490,7 @@ class Graph:
         for receiver in receivers:
             if receiver.on_disconnect is not None:
                 receiver.on_disconnect(publication)
-        self._tell("unadvertised", publication.topic, publication.type_name)
+        self._report("unadvertised", publication.topic, publication.type_name)
 
     def _remove_subscription(
         self, subscription: Subscription, senders: tuple[Publication, ...]
@@ -499,14 +499,14 @@ class Graph:
         for sender in senders:
             if sender.on_disconnect is not None:
                 sender.on_disconnect(subscription)
-        self._tell("unsubscribed", subscription.topic, subscription.type_name)
+        self._report("unsubscribed", subscription.topic, subscription.type_name)
 
     def _remove_service(self, server: ServiceServer) -> None:
         if self._services.get(server.name) is server:
             del self._services[server.name]
-            self._tell("unserved", server.name, server.type_name)
+            self._report("unserved", server.name, server.type_name)
 
-    def _tell(self, change: Change, name: str, type_name: str) -> None:
+    def _report(self, change: Change, name: str, type_name: str) -> None:
         for watcher in tuple(self._watchers):
             watcher(change, name, type_name)
 

@@ -71,7 +71,7 @@ class SensorReading:
             self._kinds[kinds] = tuple(each.name for each in self._sensors if each.kind in kinds)
         return self._kinds[kinds]
 
-    def tells(self, publication: Publication, sensors: Sequence[str], hz: float | None) -> None:
+    def reports(self, publication: Publication, sensors: Sequence[str], hz: float | None) -> None:
         """Take what controllers receive of a publication for readings of sensors, by name.
 
         `hz` is its rate [Hz]; without one it is read until the subscription ends.
@@ -90,9 +90,9 @@ class SensorReading:
 
         publication.on_received = on_received
 
-    def tells_joints(self, publication: Publication, hz: float) -> None:
+    def reports_joints(self, publication: Publication, hz: float) -> None:
         """Take a publication for one that reports what encoders and torque sensors measure."""
-        self.tells(publication, self.named("encoder", "torque"), hz)
+        self.reports(publication, self.named("encoder", "torque"), hz)
 
     def asked(self, *kinds: SensorKind, joints: Iterable[str] | None = None) -> None:
         """Note that the controller asks now for what sensors of some kinds measure.

@@ -44,14 +44,16 @@ class _CompiledLoader(Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         name = module.__name__
-        told = f"module '{name}' is compiled from {self._file.name}, and it is not built here"
+        message = f"module '{name}' is compiled from {self._file.name}, and it is not built here"
         remedy = "build it in place: python setup.py build_ext --inplace"
         current().recorder.finding(
-            "unprovided", f"{told}: what it defines raises when called; {remedy}", object_name=name
+            "unprovided",
+            f"{message}: what it defines raises when called; {remedy}",
+            object_name=name,
         )
         text = self._file.read_text(encoding="utf-8", errors="replace")
         for each in _DEFINED.findall(text):
-            vars(module)[each] = _raising(f"{told}: {each} cannot be called; {remedy}")
+            vars(module)[each] = _raising(f"{message}: {each} cannot be called; {remedy}")
 
 
 def _raising(message: str) -> Callable[..., NoReturn]:

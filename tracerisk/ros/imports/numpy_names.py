@@ -61,10 +61,10 @@ def removed_numpy_names() -> Iterator[None]:
         # A library in the environment asks which NumPy it has.
         if is_library(asker.f_code.co_filename) or not (name in _BUILTINS or renamed in names):
             return own(name)
-        told = f"numpy.{renamed}" if renamed else f"the builtin {_BUILTINS[name].__name__}"
+        text = f"numpy.{renamed}" if renamed else f"the builtin {_BUILTINS[name].__name__}"
         current().recorder.finding(
             "removed_name",
-            f"numpy.{name} is gone from the NumPy that is installed here; {told} stands for it, as "
+            f"numpy.{name} is gone from the NumPy that is installed here; {text} stands for it, as "
             f"in the NumPy of older ROS",
             Location(asker.f_code.co_filename, asker.f_lineno),
             object_name=f"numpy.{name}",

@@ -50,8 +50,8 @@ def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
 class Bridge:
     """Passes on topics, services and parameters between a graph and a relay in real ROS.
 
-    `message` and `service` classes come from `interfaces`. `told` gets the words for what cannot be
-    passed on, `acts` the number of the controller's thread that has sent what comes next.
+    `message` and `service` classes come from `interfaces`. `report` gets the words for what cannot
+    be passed on, `acts` the number of the controller's thread that has sent what comes next.
     """
 
     def __init__(
@@ -59,14 +59,14 @@ class Bridge:
         runtime: Runtime,
         interfaces: Interfaces,
         relay: Link,
-        told: Callable[[str], None],
+        report: Callable[[str], None],
         acts: Callable[[int], None],
     ) -> None:
         self._runtime = runtime
         self._graph = runtime.graph
         self._interfaces = interfaces
         self._relay = relay
-        self._told = told
+        self._report = report
         self._acts = acts
         self._making = False
         self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
@@ -328,7 +328,7 @@ class Bridge:
     def _say_once(self, name: str, message: str) -> None:
         if name not in self._silent:
             self._silent.add(name)
-            self._told(message)
+            self._report(message)
 
 
 def _bytes(message: Any) -> bytes:

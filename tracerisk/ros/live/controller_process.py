@@ -32,24 +32,24 @@ def main() -> None:
     """Run the controller that the command line describes in JSON, and report how it ended."""
     asked = json.loads(sys.argv[1])
     link = Link(socket.socket(fileno=asked["descriptor"]))
-    tracer = Tracer(lambda ref, line: tell(_ran(ref, line)))
+    tracer = Tracer(lambda ref, line: report(_ran(ref, line)))
 
-    def tell(header: dict[str, Any]) -> None:
+    def report(header: dict[str, Any]) -> None:
         try:
             link.send(header)
         except OSError:
             # The twin's side is gone: the run is over.
             os._exit(1)
 
-    tracer.on_source = lambda file, source: tell(
+    tracer.on_source = lambda file, source: report(
         {"is": "source", "file": file, "latin1": source.decode("latin-1")}
     )
-    tracer.on_iteration = lambda file, line: tell(
+    tracer.on_iteration = lambda file, line: report(
         {"is": "looped", "file": file, "line": line, "thread": threading.get_ident()}
     )
     threading.Thread(target=_ends_with, args=(link,), daemon=True).start()
     rospy: Any = importlib.import_module("rospy")
-    install(tracer, tell, asked["private"])
+    install(tracer, report, asked["private"])
     sys.path += asked["paths"]
     sys.dont_write_bytecode = True
     script, root = Path(asked["script"]), Path(asked["root"])
@@ -61,21 +61,21 @@ def main() -> None:
             script, tracer, asked["argv"], root=root, entry=asked["entry"]
         )
         with prepared as run, controller_imports(finder):
-            tell({"is": "begins", "thread": threading.get_ident()})
-            code = _run(run, tracer, tell, rospy)
+            report({"is": "begins", "thread": threading.get_ident()})
+            code = _run(run, tracer, report, rospy)
     except TraceRiskError as error:
         place = error.location
         data = None if place is None else [place.file, place.line, place.column]
         name = type(error).__name__
-        tell({"is": "refused", "error": name, "message": error.message, "location": data})
+        report({"is": "refused", "error": name, "message": error.message, "location": data})
         code = int(error.exit_code)
     sys.exit(code)
 
 
-def _run(run: Any, tracer: Tracer, tell: Any, rospy: Any) -> int:
+def _run(run: Any, tracer: Tracer, report: Any, rospy: Any) -> int:
     def end(cause: str, message: str, place: Location | None = None) -> None:
         data = None if place is None else [place.file, place.line, place.column]
-        tell({"is": "end", "cause": cause, "message": message, "location": data})
+        report({"is": "end", "cause": cause, "message": message, "location": data})
 
     try:
         run()
@@ -84,16 +84,16 @@ def _run(run: Any, tracer: Tracer, tell: Any, rospy: Any) -> int:
         end("exited" if code else "ended", f"the controller exited with {error.code}")
         return code
     except BaseException as error:  # noqa: BLE001 - the controller's own, reported as it is
-        told = "".join(traceback.format_exception_only(error)).strip()
+        words = "".join(traceback.format_exception_only(error)).strip()
         traceback.print_exception(error)
         missing = isinstance(error, ImportError | SyntaxError)
-        end("not_importable" if missing else "raised", told, tracer.where_failed(error))
+        end("not_importable" if missing else "raised", words, tracer.where_failed(error))
         return 1
     # A real process lasts as long as threads that are no daemons; what was published goes out.
     for thread in threading.enumerate():
         if thread is not threading.current_thread() and not thread.daemon:
             # As a main thread that spins: actionlib's servers wait for goals in such threads.
-            tell({"is": "spins"})
+            report({"is": "spins"})
             thread.join()
     end("ended", "the controller ended")
     if rospy.core.is_initialized():

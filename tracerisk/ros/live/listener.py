@@ -57,13 +57,13 @@ def main() -> None:
 
 
 def _passing_on(link: Link, topic: str) -> Any:
-    told: set[str] = set()
+    reported: set[str] = set()
 
     def received(message: Any) -> None:
         header = message._connection_header
         at = {"is": "message", "topic": topic, "ns": time.time_ns()}
-        if header["type"] not in told:
-            told.add(header["type"])
+        if header["type"] not in reported:
+            reported.add(header["type"])
             at |= {"type": header["type"], "definition": header["message_definition"]}
         try:
             link.send(at, message._buff)

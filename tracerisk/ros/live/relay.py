@@ -44,7 +44,7 @@ class Relay:
         self._link.send({**header, "number": number}, body)
         return answer
 
-    def tell(self, header: dict[str, Any], body: bytes = b"") -> None:
+    def send(self, header: dict[str, Any], body: bytes = b"") -> None:
         """Send a frame to the twin's side."""
         self._link.send(header, body)
 
@@ -96,7 +96,7 @@ class Relay:
     def _received(self, message: Any, topic: str) -> None:
         caller = message._connection_header["callerid"]
         if caller != NODE:
-            self.tell({"is": "message", "topic": topic, "caller": caller}, message._buff)
+            self.send({"is": "message", "topic": topic, "caller": caller}, message._buff)
 
     def _serve(self, header: dict[str, Any]) -> None:
         name = header["name"]
@@ -137,27 +137,27 @@ class _Answer:
 def _watched(base: Any, relay: list[Relay]) -> Any:
     """Return the class of a master that reports what nodes register and ask for."""
 
-    def tell(what: str, caller: str, name: str, kind: str = "") -> None:
+    def report(what: str, caller: str, name: str, kind: str = "") -> None:
         if relay and caller != NODE:
-            relay[0].tell({"is": what, "caller": caller, "name": name, "type": kind})
+            relay[0].send({"is": what, "caller": caller, "name": name, "type": kind})
 
     class Master(base):  # type: ignore[misc]
         def registerPublisher(self, caller_id: str, topic: str, topic_type: str, api: str) -> Any:
             done = base.registerPublisher(self, caller_id, topic, topic_type, api)
-            tell("publisher", caller_id, topic, topic_type)
+            report("publisher", caller_id, topic, topic_type)
             return done
 
         def unregisterPublisher(self, caller_id: str, topic: str, api: str) -> Any:
-            tell("no_publisher", caller_id, topic)
+            report("no_publisher", caller_id, topic)
             return base.unregisterPublisher(self, caller_id, topic, api)
 
         def registerSubscriber(self, caller_id: str, topic: str, topic_type: str, api: str) -> Any:
             done = base.registerSubscriber(self, caller_id, topic, topic_type, api)
-            tell("subscriber", caller_id, topic, topic_type)
+            report("subscriber", caller_id, topic, topic_type)
             return done
 
         def unregisterSubscriber(self, caller_id: str, topic: str, api: str) -> Any:
-            tell("no_subscriber", caller_id, topic)
+            report("no_subscriber", caller_id, topic)
             return base.unregisterSubscriber(self, caller_id, topic, api)
 
         def lookupService(self, caller_id: str, service: str) -> Any:
@@ -169,7 +169,7 @@ def _watched(base: Any, relay: list[Relay]) -> Any:
         def setParam(self, caller_id: str, key: str, value: Any) -> Any:
             done = base.setParam(self, caller_id, key, value)
             if relay and caller_id != NODE:
-                relay[0].tell({"is": "parameter", "name": key, "value": value})
+                relay[0].send({"is": "parameter", "name": key, "value": value})
             return done
 
     return Master
@@ -191,7 +191,7 @@ def main() -> None:
     rospy.init_node(NODE.strip("/"), disable_rosout=True, disable_signals=True)
     relay.append(Relay(link))
     master.setParam(NODE, "/use_sim_time", True)
-    relay[0].tell({"is": "ready", "uri": node.uri})
+    relay[0].send({"is": "ready", "uri": node.uri})
     try:
         relay[0].run(master)
     except BaseException:

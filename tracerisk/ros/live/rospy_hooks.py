@@ -21,7 +21,7 @@ from tracerisk.instrument.tracer import Frame, Tracer
 _CLOCK_S = 10.0
 _LOOK_S = 0.005
 
-Tell = Callable[[dict[str, Any]], None]
+Report = Callable[[dict[str, Any]], None]
 """Passes a header on to the twin's side."""
 
 
@@ -41,16 +41,16 @@ def frames_data(stack: tuple[Frame, ...]) -> list[list[Any]]:
     ]
 
 
-def install(tracer: Tracer, tell: Tell, private: Mapping[str, Any]) -> None:
-    """Hook rospy and threads, so that `tell` is called with each message before it is sent.
+def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
+    """Hook rospy and threads, so that `report` is called with each message before it is sent.
 
     `private` are parameters that the node finds under its own name, where it has none of the name.
     """
     _threads_inherit(tracer)
-    _publishers_tell(tracer, tell)
-    _calls_tell(tracer, tell)
+    _report_publishers(tracer, report)
+    _report_calls(tracer, report)
     _callbacks_are_roots(tracer)
-    _spins_tell(tell)
+    _report_spins(report)
     _nodes_begin_with_the_clock(private)
 
 
@@ -74,7 +74,7 @@ def _threads_inherit(tracer: Tracer) -> None:
     threading.Thread.start = start  # type: ignore[method-assign]
 
 
-def _publishers_tell(tracer: Tracer, tell: Tell) -> None:
+def _report_publishers(tracer: Tracer, report: Report) -> None:
     topics: Any = importlib.import_module("rospy.topics")
     kind = topics._PublisherImpl
     real_publish, real_serialize = kind.publish, topics.serialize_message
@@ -100,7 +100,7 @@ def _publishers_tell(tracer: Tracer, tell: Tell) -> None:
         stack = getattr(sending, "stack", None)
         if stack is not None:
             body = buffer.getvalue()[start + 4 :]
-            tell(
+            report(
                 {
                     "is": "sent",
                     "digest": digest(body),
@@ -112,7 +112,7 @@ def _publishers_tell(tracer: Tracer, tell: Tell) -> None:
     kind.publish, topics.serialize_message = publish, serialize_message
 
 
-def _calls_tell(tracer: Tracer, tell: Tell) -> None:
+def _report_calls(tracer: Tracer, report: Report) -> None:
     services: Any = importlib.import_module("rospy.impl.tcpros_service")
     msg: Any = importlib.import_module("rospy.msg")
     kind = services.ServiceProxy
@@ -121,7 +121,7 @@ def _calls_tell(tracer: Tracer, tell: Tell) -> None:
     @hide
     def init(self: Any, name: str, service_class: Any, *args: Any, **kwargs: Any) -> None:
         real_init(self, name, service_class, *args, **kwargs)
-        tell({"is": "service_client", "name": self.resolved_name, "type": service_class._type})
+        report({"is": "service_client", "name": self.resolved_name, "type": service_class._type})
 
     @hide
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
@@ -131,7 +131,7 @@ def _calls_tell(tracer: Tracer, tell: Tell) -> None:
             request.serialize(buffer)
         except Exception:  # noqa: BLE001 - rospy's own call says what is wrong with it
             return real_call(self, request)
-        tell(
+        report(
             {
                 "is": "sent",
                 "digest": digest(buffer.getvalue()),
@@ -232,7 +232,7 @@ def _replace(real: Any, ours: Any, name: str) -> None:
             setattr(module, name, ours)
 
 
-def _spins_tell(tell: Tell) -> None:
+def _report_spins(report: Report) -> None:
     client: Any = importlib.import_module("rospy.client")
     real = client.spin
 
@@ -240,7 +240,7 @@ def _spins_tell(tell: Tell) -> None:
     def spin() -> None:
         is_main = threading.current_thread() is threading.main_thread()
         if is_main:
-            tell({"is": "spins"})
+            report({"is": "spins"})
         real()
 
     _replace(real, spin, "spin")

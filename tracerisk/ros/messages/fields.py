@@ -39,7 +39,7 @@ class MessageField:
     is_ros2: bool
 
     @property
-    def told(self) -> str:
+    def type_text(self) -> str:
         """The type in words: `float64[3]`."""
         if not self.is_array:
             return self.base

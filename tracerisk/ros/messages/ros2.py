@@ -194,15 +194,15 @@ class Interfaces2:
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
         package, short = name.split("/")
-        told = "service" if kind == "srv" else "action"
+        words = "service" if kind == "srv" else "action"
         self._check_package(package)
         files = self._files(package, kind)
         if short not in files:
-            raise InputError(f"{package} has no {told} '{short}'; {one_of(sorted(files), short)}")
+            raise InputError(f"{package} has no {words} '{short}'; {one_of(sorted(files), short)}")
         path = files[short]
         body: dict[str, Any] = {
             "__module__": f"{package}.{kind}._{snake_case(short)}",
-            "__doc__": f"The {told} {name}.",
+            "__doc__": f"The {words} {name}.",
             "_ros_type": name,
         }
         parts = _PARTS[kind]
@@ -223,11 +223,11 @@ class Interfaces2:
             "service_msgs/ServiceEventInfo",
             message=self.message("service_msgs/ServiceEventInfo"),
         )
-        told = (
+        request_fields = (
             Field2(name.lower(), f"{package}/{short}_{name}", "sequence", 1, None, parts[name])
             for name in ("Request", "Response")
         )
-        return _message_class(package, "srv", f"{short}_Event", short, (info, *told), {})
+        return _message_class(package, "srv", f"{short}_Event", short, (info, *request_fields), {})
 
     def _wrappers(self, package: str, short: str, parts: Mapping[str, Any]) -> type:
         """Make what an action sends: its parts with the goal's id, status or time."""
@@ -334,8 +334,8 @@ class Interfaces2:
         try:
             found = get_types_from_msg(plain, as_message)
         except TypesysError as error:
-            told = str(error).splitlines()[-1]
-            raise InputError(f"not a message definition: {told}", Location(str(path))) from error
+            message = str(error).splitlines()[-1]
+            raise InputError(f"not a message definition: {message}", Location(str(path))) from error
         key = f"{package}/{kind}/{short}"
         self._definitions[key] = found[as_message]
         self._defaults[key] = _defaults(plain, path)
@@ -379,8 +379,8 @@ def _defaults(text: str, path: Path) -> dict[str, Any]:
         try:
             found[name] = ast.literal_eval(_WithBools().visit(ast.parse(value, mode="eval")))
         except (ValueError, SyntaxError) as error:
-            told = f"'{value}' is no default that a field can have"
-            raise InputError(told, Location(str(path), number)) from error
+            message = f"'{value}' is no default that a field can have"
+            raise InputError(message, Location(str(path), number)) from error
     return found
 
 

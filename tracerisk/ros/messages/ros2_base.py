@@ -33,8 +33,8 @@ class Message2:
         known = self._fields_and_field_types
         unknown = sorted(name for name in kwargs if name not in known)
         if unknown:
-            told = ", ".join(unknown)
-            raise AssertionError(f"Invalid arguments passed to constructor: {told}")
+            text = ", ".join(unknown)
+            raise AssertionError(f"Invalid arguments passed to constructor: {text}")
         for field in self._ros_fields:
             if field.name not in kwargs:
                 object.__setattr__(self, f"_{field.name}", field.make_default())

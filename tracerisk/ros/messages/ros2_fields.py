@@ -191,18 +191,18 @@ class Field2:
         if fits and self.base in TYPE_CODES:
             fits = all(self._in_range(item) for item in value)
         if not fits:
-            raise AssertionError(self._told_of_many())
+            raise AssertionError(self._many_text())
 
-    def _told_of_many(self) -> str:
-        told = ["a set or sequence"]
+    def _many_text(self) -> str:
+        texts = ["a set or sequence"]
         if self.size is not None:
-            told.append(f"with length {'' if self.arrangement == 'array' else '<= '}{self.size}")
+            texts.append(f"with length {'' if self.arrangement == 'array' else '<= '}{self.size}")
         if self.longest is not None:
-            told.append(f"and each string value not longer than {self.longest}")
-        told.append(f"and each value of type '{self._python_name}'")
+            texts.append(f"and each string value not longer than {self.longest}")
+        texts.append(f"and each value of type '{self._python_name}'")
         if self.base in TYPE_CODES:
-            told.append(f"and each {self._range_text(many=True)}")
-        return f"The '{self.name}' field must be {' '.join(told)}"
+            texts.append(f"and each {self._range_text(many=True)}")
+        return f"The '{self.name}' field must be {' '.join(texts)}"
 
     @property
     def _python_type(self) -> Any:
@@ -238,14 +238,14 @@ class Field2:
         if self.base in FLOAT_LIMITS:
             name = _IDL_NAMES[self.base]
             # rosidl prints the limits of a sequence's items with all of their digits.
-            told = f"{name} in [{low:f}, {high:f}]" if many else f"{name} in [{low}, {high}]"
+            text = f"{name} in [{low:f}, {high:f}]" if many else f"{name} in [{low}, {high}]"
         elif self.base in SIGNED_BITS:
-            told = f"integer in [{low}, {high}]"
+            text = f"integer in [{low}, {high}]"
         else:
-            told = f"unsigned integer in [{low}, {high}]"
+            text = f"unsigned integer in [{low}, {high}]"
         if many:
-            return told
-        return f"{'an' if told[0] in 'iu' else 'a'} {told}"
+            return text
+        return f"{'an' if text[0] in 'iu' else 'a'} {text}"
 
     @staticmethod
     def _assert(holds: bool, message: str) -> None:

@@ -106,7 +106,7 @@ class MoveGroupServer(RobotGroups):
         self.scene = PlanningScene(self.declare)
         self.models: dict[str, SceneBody] = {}
         self.changes = SceneChanges(
-            self.scene, self.robot, runtime.twin.link_pose, self._tell_scene
+            self.scene, self.robot, runtime.twin.link_pose, self._report_scene
         )
         self.execution = TrajectoryExecution(runtime)
 
@@ -241,7 +241,7 @@ class MoveGroupServer(RobotGroups):
         except PlanningError as error:
             return self._failed(group, error, _last_place(waypoints)), -1.0
         if fraction < min(least, WHOLE_PATH):
-            self.execution.tell(
+            self.execution.report(
                 "path_cut",
                 f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
                 "way",
@@ -380,7 +380,7 @@ class MoveGroupServer(RobotGroups):
 
     def _failed(self, group: str, error: PlanningError, target: Sequence[float] = ()) -> Plan:
         message = f"planning for group '{group}' failed: {error.message}"
-        self.execution.tell("planning_failure", message, object_name=group, target=target)
+        self.execution.report("planning_failure", message, object_name=group, target=target)
         return Plan(_CODE_OF[error.failure], None, error.message)
 
     # Objects
@@ -399,7 +399,7 @@ class MoveGroupServer(RobotGroups):
                     )
                 )
             except RobotError as error:
-                self._tell_scene(
+                self._report_scene(
                     f"object '{item.name}' is not a body of the simulation: {error.message}"
                 )
         return [one for one in bodies if one.is_solid]
@@ -424,10 +424,10 @@ class MoveGroupServer(RobotGroups):
             unknown = {frozenset((name,)) for name in self.models}
             self._twin.declare(bodies, self.scene.allowed | unknown)
         except RobotError as error:
-            self._tell_scene(error.message)
+            self._report_scene(error.message)
 
-    def _tell_scene(self, message: str) -> None:
-        self.execution.tell("planning_scene", message)
+    def _report_scene(self, message: str) -> None:
+        self.execution.report("planning_scene", message)
 
     @contextmanager
     def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:

@@ -100,8 +100,8 @@ class PathRule:
             return
         region = one.constraint_region
         if region.meshes:
-            told = "a position constraint has a mesh as its region, which cannot be checked"
-            yield _unknown(told)
+            message = "a position constraint has a mesh as its region, which cannot be checked"
+            yield _unknown(message)
             return
         offset = one.target_point_offset
         point = compose(

@@ -22,7 +22,7 @@ _REMOVE, _APPEND, _MOVE = 1, 2, 3
 class SceneChanges:
     """Changes one planning scene of a robot.
 
-    `link_pose` gives where a link is in the planning frame, `tell` gets the reason of what
+    `link_pose` gives where a link is in the planning frame, `report` gets the reason of what
     could not be done.
     """
 
@@ -31,12 +31,12 @@ class SceneChanges:
         scene: PlanningScene,
         robot: Robot,
         link_pose: Callable[[str], Pose],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.scene = scene
         self._robot = robot
         self._link_pose = link_pose
-        self._tell = tell
+        self._report = report
 
     # Where frames are
 
@@ -101,9 +101,9 @@ class SceneChanges:
         """Apply a CollisionObject: add, append, move or remove; return whether it was done."""
         scene, operation = self.scene, _number(message.operation)
         if operation == _REMOVE:
-            told = scene.cannot_remove(message.id)
-            if told is not None:
-                self._tell(told)
+            refusal = scene.cannot_remove(message.id)
+            if refusal is not None:
+                self._report(refusal)
             return scene.remove(message.id)
         place = self._placed(message)
         if place is None:
@@ -136,7 +136,7 @@ class SceneChanges:
         try:
             found = self.attach(item.id, message.link_name, list(message.touch_links))
         except RobotError as error:
-            self._tell(error.message)
+            self._report(error.message)
             return False
         return found or self._unknown(item.id, "attached")
 
@@ -144,7 +144,7 @@ class SceneChanges:
         name = message.header.frame_id
         frame = self.frame(name)
         if frame is None:
-            self._tell(
+            self._report(
                 f"object '{message.id}' is given in the unknown frame '{name}'; "
                 f"{one_of(self._robot.link_names, name)}"
             )
@@ -156,7 +156,7 @@ class SceneChanges:
         return compose(frame, message_pose(poses[0]) if is_empty and poses else own)
 
     def _unknown(self, name: str, what: str) -> bool:
-        self._tell(
+        self._report(
             f"object '{name}' cannot be {what}: the planning scene has no such object; "
             f"{one_of(self.scene.world, name)}"
         )

@@ -81,7 +81,7 @@ class MoveItInterfaces:
         try:
             trajectory = twin_trajectory(message, self._runtime.twin, scheduler.now_ns)
         except TrajectoryRefusedError as error:
-            self._server.execution.tell("execution_failure", f"a trajectory is none: {error}")
+            self._server.execution.report("execution_failure", f"a trajectory is none: {error}")
             self._finish(goal, result, ErrorCode.INVALID_MOTION_PLAN, str(error))
             return
         self._execute(goal, trajectory, result)
@@ -143,7 +143,7 @@ class MoveItInterfaces:
         except (RequestError, PlanningError) as error:
             code = error.code if isinstance(error, RequestError) else ErrorCode.NO_IK_SOLUTION
             answer.error_code.val = int(code)
-            self._server.execution.tell(
+            self._server.execution.report(
                 "ik_failure",
                 f"inverse kinematics of group '{asked.group_name}' failed ({code.name}, {code}): "
                 f"{error}",
@@ -166,7 +166,7 @@ class MoveItInterfaces:
         except (RequestError, RobotError) as error:
             code = error.code if isinstance(error, RequestError) else ErrorCode.INVALID_LINK_NAME
             answer.error_code.val = int(code)
-            self._server.execution.tell(
+            self._server.execution.report(
                 "fk_failure",
                 f"forward kinematics failed ({code.name}, {code}): {error}",
                 object_name=links,
@@ -203,7 +203,7 @@ class MoveItInterfaces:
                 )
         except RequestError as error:
             answer.error_code.val = int(error.code)
-            self._server.execution.tell(
+            self._server.execution.report(
                 "planning_failure",
                 f"a Cartesian path failed: {error}",
                 object_name=request.group_name,
@@ -243,7 +243,7 @@ class MoveItInterfaces:
                     request.group_name, request.goal_constraints, scaling, start
                 )
         except RequestError as error:
-            self._server.execution.tell(
+            self._server.execution.report(
                 "planning_failure", f"planning failed: {error}", object_name=request.group_name
             )
             return Plan(error.code, None, str(error))

@@ -92,7 +92,7 @@ class TrajectoryExecution:
             except PlanningError as error:
                 refusal = error.message
         if refusal is not None:
-            self.tell(
+            self.report(
                 "execution_failure",
                 f"a trajectory was not executed: {refusal}",
                 target=trajectory.position[-1] if len(trajectory.time) else (),
@@ -131,7 +131,7 @@ class TrajectoryExecution:
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
                 motion = execution.motion
-                self._tell_of(
+                self._report_of(
                     execution.stack,
                     "execution_failure",
                     message,
@@ -139,7 +139,7 @@ class TrajectoryExecution:
                     target=motion.goal,
                 )
 
-    def tell(
+    def report(
         self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
     ) -> None:
         """Record a finding where the controller stands; the same once, until a retry succeeds.
@@ -147,7 +147,7 @@ class TrajectoryExecution:
         `object_name` is what it is about, `target` the goal of what failed.
         """
         stack = self._tracer.stack()
-        self._tell_of(stack, kind, message, object_name=object_name, target=target)
+        self._report_of(stack, kind, message, object_name=object_name, target=target)
 
     def succeeded(self, kind: str, object_name: str, target: Sequence[float]) -> None:
         """Record that what failed where the controller stands has now succeeded."""
@@ -157,7 +157,7 @@ class TrajectoryExecution:
                 kind, asker=stack[-1].function, object_name=object_name, target=target
             )
 
-    def _tell_of(
+    def _report_of(
         self,
         stack: Sequence[Frame],
         kind: str,
@@ -234,9 +234,9 @@ class TrajectoryExecution:
         begin = dict(zip(trajectory.joints, trajectory.position[0].tolist(), strict=True))
         if not self._twin.begin_at(begin):
             return False
-        told = ", ".join(f"{name} {value:.4g}" for name, value in begin.items())
-        self.tell(
+        text = ", ".join(f"{name} {value:.4g}" for name, value in begin.items())
+        self.report(
             "assumed_start",
-            f"the arm is assumed to begin where its first motion was planned from: {told}",
+            f"the arm is assumed to begin where its first motion was planned from: {text}",
         )
         return True

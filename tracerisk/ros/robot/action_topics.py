@@ -44,7 +44,7 @@ class ActionTopics:
     def _on_topic(self, change: Change, name: str, type_name: str) -> None:
         action, _, leaf = name.rpartition("/")
         if change == "subscribed" and leaf == "status" and type_name == _STATUS:
-            self._tell_status(action)
+            self._report_status(action)
         if change != "advertised" or action in self._clients:
             return
         if leaf == "goal" and type_name.endswith("ActionGoal"):
@@ -82,15 +82,15 @@ class ActionTopics:
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         server = self._actions.server(name, type_name)
         if change == "served" and server is not None:
-            server.on_told = self._told
+            server.on_message = self._pass_on
             self._goals.setdefault(name, {})
             if name in self._sent_by_topic:
                 # Who sends by topic looks for their publishers before it sends.
                 self._publication(f"{name}/feedback", f"{type_name}ActionFeedback")
                 self._publication(f"{name}/result", f"{type_name}ActionResult")
-            self._tell_status(name)
+            self._report_status(name)
 
-    def _told(self, goal: ActionGoal, what: str, message: Any) -> None:
+    def _pass_on(self, goal: ActionGoal, what: str, message: Any) -> None:
         name, kind = goal.client.name, goal.client.type_name
         if what == "feedback":
             self._publish(f"{name}/feedback", f"{kind}ActionFeedback", goal, "feedback", message)
@@ -103,7 +103,7 @@ class ActionTopics:
         if self._graph.subscriptions(f"{name}/status"):
             self._publish_status(name)
 
-    def _tell_status(self, action: str) -> None:
+    def _report_status(self, action: str) -> None:
         """Publish the status of an action's goals, now and again, while somebody subscribes."""
         if action not in self._goals or action in self._ticking:
             return

@@ -64,7 +64,7 @@ class CommandStreams:
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         """Report that a message moved nothing, and why."""
-        self._commands.tell(
+        self._commands.report(
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",
             self._commands.stack() if stack is None else stack,

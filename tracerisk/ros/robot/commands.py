@@ -98,7 +98,7 @@ class TwinCommands:
                 self._recorder.command_ended(command.id, command.motion.outcome)
             command.on_end(command.motion)
 
-    def tell(
+    def report(
         self,
         kind: str,
         message: str,

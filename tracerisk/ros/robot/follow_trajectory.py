@@ -60,7 +60,7 @@ class FollowServer:
         try:
             motion = twin.follow(trajectory, goal_tolerance=limit.tolerance)
         except PlanningError as error:
-            self._tell_refused(goal, error.message)
+            self._report_refused(goal, error.message)
             goal.abort(self._result(TrajectoryCode.INVALID_GOAL, error.message), error.message)
             return
         _Pursuit(self, goal, trajectory, motion, limit)
@@ -72,12 +72,12 @@ class FollowServer:
             goal.data.cancel()
 
     def _refuse(self, goal: ActionGoal, code: TrajectoryCode, message: str) -> None:
-        self._tell_refused(goal, message)
+        self._report_refused(goal, message)
         goal.reject(message, self._result(code, message))
 
-    def _tell_refused(self, goal: ActionGoal, message: str) -> None:
+    def _report_refused(self, goal: ActionGoal, message: str) -> None:
         points = goal.message.trajectory.points
-        self._commands.tell(
+        self._commands.report(
             "goal_rejected",
             f"action {goal.client.name} refused a goal: {message}",
             goal.stack,
@@ -273,17 +273,17 @@ class _Pursuit:
             goal.succeed(result(TrajectoryCode.SUCCESSFUL, motion.message))
         elif self._violation:
             goal.abort(result(self._code, self._violation), self._violation)
-            self._tell(self._violation)
+            self._report(self._violation)
         elif motion.outcome == "aborted":
             code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
             goal.abort(result(code, motion.message), motion.message)
-            self._tell(motion.message)
+            self._report(motion.message)
         else:
-            told = "" if goal.state is GoalState.PREEMPTING else "a new command took the joints"
-            goal.cancel(result(TrajectoryCode.SUCCESSFUL, told), told)
+            text = "" if goal.state is GoalState.PREEMPTING else "a new command took the joints"
+            goal.cancel(result(TrajectoryCode.SUCCESSFUL, text), text)
 
-    def _tell(self, message: str) -> None:
-        self._commands.tell(
+    def _report(self, message: str) -> None:
+        self._commands.report(
             "execution_failure",
             f"a goal of action {self._goal.client.name} was aborted: {message}",
             self._goal.stack,

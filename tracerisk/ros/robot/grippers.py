@@ -103,7 +103,7 @@ class GripperServer:
         self._start(goal, wanted, effort, end)
 
     def _move(self, goal: ActionGoal) -> None:
-        self._start(goal, goal.message.width / 2, None, self._told(goal))
+        self._start(goal, goal.message.width / 2, None, self._ended(goal))
 
     def _grasp(self, goal: ActionGoal) -> None:
         asked = goal.message
@@ -125,7 +125,7 @@ class GripperServer:
 
     def _homing(self, goal: ActionGoal) -> None:
         gripper = gripper_of(self._commands.twin.robot, goal.client.name)
-        self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._told(goal))
+        self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._ended(goal))
 
     def _stop(self, goal: ActionGoal) -> None:
         gripper = self._gripper(goal)
@@ -138,7 +138,7 @@ class GripperServer:
         result.success = True
         goal.succeed(result)
 
-    def _told(self, goal: ActionGoal) -> Callable[[Motion, Gripper], None]:
+    def _ended(self, goal: ActionGoal) -> Callable[[Motion, Gripper], None]:
         def end(motion: Motion, gripper: Gripper) -> None:
             del gripper
             result = self._messages.part(goal.client.type_name, "Result")
@@ -162,7 +162,7 @@ class GripperServer:
         # A servo pushes on where the fingers cannot go: beyond their range is its end.
         reachable = min(max(float(position), gripper.least), gripper.opening)
         if abs(position - reachable) > _FAR_OUT * (gripper.opening - gripper.least):
-            self._commands.tell(
+            self._commands.report(
                 "foreign_gripper",
                 f"gripper '{gripper.name}' was asked for {position:g}, far past its range "
                 f"[{gripper.least:g}, {gripper.opening:g}], and went to {reachable:g}: the "
@@ -173,7 +173,7 @@ class GripperServer:
         try:
             motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
         except PlanningError as error:
-            self._tell(goal, error.message)
+            self._report(goal, error.message)
             goal.abort(None, error.message)
             return
         goal.data = motion
@@ -190,7 +190,7 @@ class GripperServer:
                 f"no gripper of robot '{robot.name}' is meant by the name {goal.client.name}; "
                 f"it has {names}, whose name or controller the action's name must contain"
             )
-            self._tell(goal, message)
+            self._report(goal, message)
             goal.reject(message)
         return gripper
 
@@ -211,8 +211,8 @@ class GripperServer:
         position = gripper.position({state.names[i]: state.position[i] for i in at})
         return position, max(abs(state.effort[i]) for i in at)
 
-    def _tell(self, goal: ActionGoal, message: str) -> None:
-        self._commands.tell(
+    def _report(self, goal: ActionGoal, message: str) -> None:
+        self._commands.report(
             "goal_rejected",
             f"action {goal.client.name} refused a goal: {message}",
             goal.stack,

@@ -214,7 +214,7 @@ class SetPoints:
             )
             return
         # The same program drives a robot that has them.
-        self._commands.tell(
+        self._commands.report(
             "unprovided",
             f"messages on {topic} moved nothing: the workspace has a controller for "
             f"{', '.join(declared)}, and robot '{robot.name}' has no such joint",
@@ -256,7 +256,7 @@ class SetPoints:
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""
         if any(each.by_controller for each in self._graph.publications(topic)):
-            self._commands.tell(
+            self._commands.report(
                 "not_simulated",
                 f"joint states published on {topic} move nothing: a driver publishes there what "
                 "it measured, and takes commands elsewhere",
@@ -264,7 +264,7 @@ class SetPoints:
             )
 
     def _refuse(self, topic: str, message: str) -> None:
-        self._commands.tell(
+        self._commands.report(
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",
             self._commands.stack(),

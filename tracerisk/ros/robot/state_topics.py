@@ -108,7 +108,7 @@ class TwinTopics:
         self._published.add(topic)
         graph = self._runtime.graph
         joints = graph.advertise(topic, JOINT_STATE_TYPE, node=_PUBLISHER, by_controller=False)
-        self._runtime.client(SensorReading).tells_joints(joints, self._rate_hz)
+        self._runtime.client(SensorReading).reports_joints(joints, self._rate_hz)
         TopicStream(
             self._runtime, joints, self._rate_hz, self._joint_state, yields=topic != JOINT_STATES
         )
@@ -119,7 +119,7 @@ class TwinTopics:
         publication = self._runtime.graph.advertise(
             topic, CONTROLLER_STATE_TYPE, node=_PUBLISHER, by_controller=False
         )
-        self._runtime.client(SensorReading).tells_joints(publication, self._rate_hz)
+        self._runtime.client(SensorReading).reports_joints(publication, self._rate_hz)
         joints = self._joints_of(controller)
         TopicStream(
             self._runtime,

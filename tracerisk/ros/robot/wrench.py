@@ -47,13 +47,13 @@ class WrenchTopics:
         if change != "subscribed" or type_name != TYPE or name in self._served:
             return
         graph = self._runtime.graph
-        telling = [each for each in self._sensors if each.tells(name)]
+        telling = [each for each in self._sensors if each.reports(name)]
         if not telling or graph.publications(name):
             return
         self._served.add(name)
         publication = graph.advertise(name, TYPE, node=_NODE)
         reading = self._runtime.client(SensorReading)
-        reading.tells(publication, [each.name for each in telling], HZ)
+        reading.reports(publication, [each.name for each in telling], HZ)
         TopicStream(self._runtime, publication, HZ, lambda: self._message(telling[0]))
 
     def _message(self, sensor: Sensor) -> Any:

@@ -24,7 +24,7 @@ def scenario_lines(drafts: Iterable[Draft]) -> str:
     cannot: list[str] = []
     for draft in drafts:
         if draft.value is None:
-            cannot.append(f"# {draft.need.told}: {draft.words}")
+            cannot.append(f"# {draft.need.words}: {draft.words}")
         else:
             sections.setdefault(draft.section, []).extend(entry_lines(draft))
     return sections_text(sections, cannot)
@@ -68,9 +68,9 @@ def plain_lines(value: Any) -> list[str]:
     return lines
 
 
-def word_lines(words: Iterable[str], told: str) -> list[str]:
+def word_lines(words: Iterable[str], remark: str) -> list[str]:
     """Return the lines of a list of words, each with the mark and what is said of it."""
-    return [f"  - {_quoted(each)}  {MARK}: {told}" for each in words]
+    return [f"  - {_quoted(each)}  {MARK}: {remark}" for each in words]
 
 
 def _block(value: Mapping[str, Any], indent: int) -> list[str]:

@@ -124,9 +124,9 @@ def _value(owner: Any, field: MessageField, written: Written, now_ns: int) -> An
     if field.is_bytes and isinstance(value, str):
         return value.encode()
     if not isinstance(value, list):
-        written.fail(f"expected a list for {field.told}, found {_kind(value)}")
+        written.fail(f"expected a list for {field.type_text}, found {_kind(value)}")
     if field.length is not None and len(value) != field.length:
-        written.fail(f"expected {field.length} values for {field.told}, found {len(value)}")
+        written.fail(f"expected {field.length} values for {field.type_text}, found {len(value)}")
     if field.longest is not None and len(value) > field.longest:
         written.fail(f"expected at most {field.longest} values, found {len(value)}")
     items = [_scalar(owner, field, written.item(i), now_ns) for i in range(len(value))]

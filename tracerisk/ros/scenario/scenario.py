@@ -367,12 +367,12 @@ def _accept(top: YamlMap) -> tuple[Acceptance, ...]:
     return () if value is None else read_acceptances(value, lambda text: top.fail("accept", text))
 
 
-def _texts(top: YamlMap, key: str, told: str) -> tuple[str, ...]:
+def _texts(top: YamlMap, key: str, texts: str) -> tuple[str, ...]:
     value = top.get(key)
     if value is None:
         return ()
     if not isinstance(value, list):
-        top.fail(key, f"expected a list, {told}")
+        top.fail(key, f"expected a list, {texts}")
     for each in value:
         if isinstance(each, bool | dict | list) or each is None:
             top.fail(key, f"expected strings or numbers, found {each!r}; put it in quotes")

@@ -18,14 +18,14 @@ WRENCH_TYPES = frozenset({"geometry_msgs/WrenchStamped"})
 _TRANSPORTS = ("compressed", "compressedDepth", "theora")
 
 
-def sensors_told(robot: Robot, published: Published) -> tuple[str, ...]:
+def reporting_sensors(robot: Robot, published: Published) -> tuple[str, ...]:
     """Return the names of the sensors that an entry of a scenario publishes; empty for none.
 
     They are those of the robot whose topic it is, else one that is named by the topic.
     """
     kinds = _kinds(published.type_name)
     own = tuple(
-        each.name for each in robot.sensors if each.kind in kinds and each.tells(published.topic)
+        each.name for each in robot.sensors if each.kind in kinds and each.reports(published.topic)
     )
     if own or not kinds:
         return own
@@ -38,7 +38,7 @@ def scenario_elements(robot: Robot, scenario: Scenario) -> tuple[Element, ...]:
     found = {
         name: Element(name, "sensor", sensor=_kinds(each.type_name)[0])
         for each in scenario.published
-        for name in sensors_told(robot, each)
+        for name in reporting_sensors(robot, each)
         if name not in own
     }
     return tuple(found[name] for name in sorted(found))

@@ -11,7 +11,7 @@ from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import Published
 from tracerisk.ros.scenario.schedule import Schedule
-from tracerisk.ros.scenario.sensor_topics import sensors_told
+from tracerisk.ros.scenario.sensor_topics import reporting_sensors
 
 NODE = "/scenario"
 
@@ -44,8 +44,8 @@ class ScenarioTopic:
         )
         robot = getattr(runtime.twin, "robot", None)
         if robot is not None:
-            runtime.client(SensorReading).tells(
-                self._publication, sensors_told(robot, entry), entry.rate
+            runtime.client(SensorReading).reports(
+                self._publication, reporting_sensors(robot, entry), entry.rate
             )
         if entry.rate is not None:
             self._begin_rate(entry.rate, entry.at[0] if entry.at else 0.0)

@@ -541,12 +541,12 @@ class Scheduler:
 
         What is in `when_alone` is called at first, and whenever a motion has ended.
         """
-        for told in self.when_alone:
-            told()
+        for notify in self.when_alone:
+            notify()
         while self.world.busy and self._now_ns < self.duration_ns:
             self._advance(self.duration_ns)
-            for told in self.when_alone:
-                told()
+            for notify in self.when_alone:
+                notify()
 
     # Ends
 

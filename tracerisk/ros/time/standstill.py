@@ -26,19 +26,19 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
     )
     for thread in waiting:
         if _kind(thread) == "unmet":
-            told = f"{_tell(thread)}, which nothing provides{_why(thread)}"
-            return _over("deadlock", thread, told)
+            text = f"{_in_words(thread)}, which nothing provides{_why(thread)}"
+            return _over("deadlock", thread, text)
     for thread in waiting:
         if circle := _circle(thread):
-            told = " and ".join(_tell(member) for member in circle)
-            return _over("deadlock", thread, f"{told}: none of them can go on")
+            text = " and ".join(_in_words(member) for member in circle)
+            return _over("deadlock", thread, f"{text}: none of them can go on")
     main = next((thread for thread in waiting if thread.is_main), None)
     if main is None:
         return RunOver("quiescent", "nothing can happen any more")
     if listens or any(_kind(thread) == "idle" for thread in waiting):
-        return _over("quiescent", main, f"nothing can happen any more: {_tell(main)}")
+        return _over("quiescent", main, f"nothing can happen any more: {_in_words(main)}")
     last = _chain(main)[-1]
-    return _over("deadlock", last, f"{_tell(last)}, which nothing can end")
+    return _over("deadlock", last, f"{_in_words(last)}, which nothing can end")
 
 
 def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
@@ -52,9 +52,9 @@ def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
         return RunOver("duration", f"the {seconds} of simulated time are over")
     is_endless = _kind(main) == "unmet" and main.wait.deadline_ns is None
     if is_endless and duration_ns - main.wait.since_ns >= min(LONG_NS, 0.9 * duration_ns):
-        told = f"{_tell(main)}, which nothing provided within {seconds}{_why(main)}"
-        return _over("deadlock", main, told)
-    return _over("duration", main, f"the {seconds} of simulated time are over: {_tell(main)}")
+        text = f"{_in_words(main)}, which nothing provided within {seconds}{_why(main)}"
+        return _over("deadlock", main, text)
+    return _over("duration", main, f"the {seconds} of simulated time are over: {_in_words(main)}")
 
 
 def _since(thread: ControllerThread) -> int:
@@ -65,7 +65,7 @@ def _kind(thread: ControllerThread) -> str | None:
     return thread.wait.kind if thread.wait is not None else None
 
 
-def _tell(thread: ControllerThread) -> str:
+def _in_words(thread: ControllerThread) -> str:
     if thread.wait is None:
         return f"{thread.name} runs"
     called = library_call(thread.wait.frame)

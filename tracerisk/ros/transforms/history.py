@@ -22,11 +22,11 @@ class Placed:
 class History:
     """What is known of one frame; of a static one, the last pose.
 
-    `tells_span`: the error for an unknown time says how far it is from known ones, as in ROS 1.
+    `names_span`: the error for an unknown time says how far it is from known ones, as in ROS 1.
     """
 
-    def __init__(self, cache_ns: int, *, is_static: bool, tells_span: bool = True) -> None:
-        self._tells_span = tells_span
+    def __init__(self, cache_ns: int, *, is_static: bool, names_span: bool = True) -> None:
+        self._names_span = names_span
         self.is_static = is_static
         self._cache_ns = cache_ns
         self._stamps: list[int] = []
@@ -97,7 +97,7 @@ class History:
         return _between(before, self._placed[index + 1], time_ns)
 
     def _span(self, span_ns: int) -> str:
-        return f"{_seconds(span_ns)}s " if self._tells_span else ""
+        return f"{_seconds(span_ns)}s " if self._names_span else ""
 
     def clear(self) -> None:
         """Forget what changes; tf2 keeps what is static."""

@@ -34,7 +34,7 @@ class FrameError(Exception):
 class TransformTree:
     """The frames that are known, and where each was.
 
-    `warn` is called with poses that are refused, in tf2's words; `tells_span` is that of `History`.
+    `warn` is called with poses that are refused, in tf2's words; `names_span` is that of `History`.
     """
 
     def __init__(
@@ -42,9 +42,9 @@ class TransformTree:
         cache_ns: int = CACHE_NS,
         *,
         warn: Callable[[str], None] = lambda _: None,
-        tells_span: bool = True,
+        names_span: bool = True,
     ) -> None:
-        self._tells_span = tells_span
+        self._names_span = names_span
         self.cache_ns = cache_ns
         self._warn = warn
         self._names: dict[str, None] = {}
@@ -74,7 +74,7 @@ class TransformTree:
         self._names.setdefault(child)
         if child not in self._histories:
             self._histories[child] = History(
-                self.cache_ns, is_static=static, tells_span=self._tells_span
+                self.cache_ns, is_static=static, names_span=self._names_span
             )
         self._names.setdefault(parent)
         refused = self._histories[child].add(Placed(stamp_ns, parent, pose))

@@ -97,10 +97,10 @@ def _compiled(text: str, meshes: dict[str, bytes], missing: set[str]) -> dict[st
     # A link between two joints may weigh nothing: what it weighs is assumed later.
     compiler.boundmass = max(float(compiler.boundmass), 1e-9)
     compiler.boundinertia = max(float(compiler.boundinertia), 1e-12)
-    return {**_told(spec.compile()), "without_mesh": without}
+    return {**_described(spec.compile()), "without_mesh": without}
 
 
-def _told(model: Any) -> dict[str, Any]:
+def _described(model: Any) -> dict[str, Any]:
     import mujoco
 
     def name(kind: Any, index: int) -> str:

@@ -263,7 +263,7 @@ def _write(element: XmlElement, lines: list[str], locations: list[Location]) -> 
     locations.append(element.location)
 
 
-def told_of_mujoco(reason: str, document: MjcfDocument, shown: str) -> RobotError:
+def error_of_mujoco(reason: str, document: MjcfDocument, shown: str) -> RobotError:
     """Return MuJoCo's refusal of a document as an error at the line of the file it came from."""
     found = re.search(r"line (\d+)", reason)
     text = re.sub(r"\s+", " ", re.sub(r"[,;]?\s*\(?line \d+(?:, column -?\d+)?\)?", "", reason))

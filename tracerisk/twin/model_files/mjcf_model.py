@@ -14,7 +14,7 @@ from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw
 from tracerisk.geometry.shapes import Shape
 from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.sandbox.limited_process import run_limited
-from tracerisk.twin.model_files.mjcf_document import MjcfDocument, told_of_mujoco
+from tracerisk.twin.model_files.mjcf_document import MjcfDocument, error_of_mujoco
 from tracerisk.twin.urdf.urdf import placed
 
 _LONGEST_REASON = 200
@@ -59,7 +59,7 @@ def compiled_mjcf(document: MjcfDocument, shown: str, limits: Limits = DEFAULT_L
         limits,
     )
     if "error" in answer:
-        raise told_of_mujoco(answer["error"], document, shown)
+        raise error_of_mujoco(answer["error"], document, shown)
     return MjcfModel(
         **{
             **{key: tuple(value) for key, value in answer.items() if isinstance(value, list)},
@@ -90,12 +90,12 @@ def mesh_shapes(
         shown,
         limits,
     )
-    return {name: shape_of(told) for name, told in answer.items() if told is not None}
+    return {name: shape_of(geom) for name, geom in answer.items() if geom is not None}
 
 
-def shape_of(told: Data) -> Shape:
+def shape_of(geom: Data) -> Shape:
     """Return a geom as a shape in the frame of its body."""
-    data = told["shape"]
+    data = geom["shape"]
     size = tuple(float(each) for each in data["size"])
     zero = (0.0, 0.0, 0.0)
     if data["kind"] == "ellipsoid":
@@ -107,8 +107,8 @@ def shape_of(told: Data) -> Shape:
             tuple(data.get("xyz", zero)),
             tuple(data.get("rpy", zero)),
         )
-    x, y, z = told["pos"]
-    return placed(shape, (x, y, z), roll_pitch_yaw(matrix_of(told["quat"])))
+    x, y, z = geom["pos"]
+    return placed(shape, (x, y, z), roll_pitch_yaw(matrix_of(geom["quat"])))
 
 
 def _around_ellipsoid(radii: tuple[float, ...]) -> Shape:

@@ -113,8 +113,8 @@ class Clearance:
             raise PlanningError("collision", f"the goal is in collision: {_touching(pair)}")
 
         for what, values in (("start", begin), ("goal", goal)):
-            if told := breach(values):
-                raise PlanningError("no_plan", f"the {what} breaks the path constraints: {told}")
+            if broken := breach(values):
+                raise PlanningError("no_plan", f"the {what} breaks the path constraints: {broken}")
 
         def is_free(values: Array) -> bool:
             return breach(values) is None and collides(values) is None

@@ -248,14 +248,14 @@ class ArmTrack:
         if self._waited * STEP_S < self.goal.settle_s:
             return False
         worst = int(np.argmax(miss))
-        told = (
+        text = (
             f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
             f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})"
         )
         pressed = measured.pressed()
         if pressed is not None:
-            told += f"; '{pressed[0]}' presses on '{pressed[1]}'"
-        self.motion.end_part("aborted", told, time_ns)
+            text += f"; '{pressed[0]}' presses on '{pressed[1]}'"
+        self.motion.end_part("aborted", text, time_ns)
         return True
 
 

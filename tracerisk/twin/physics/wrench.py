@@ -30,7 +30,7 @@ def load_on(model: Any, data: Any, link: str) -> Wrench:
     """
     mujoco.mj_rnePostConstraint(model, data)
     body = model.body(link).id
-    return _told(model, data, body, -data.cfrc_int[body])
+    return _wrench(model, data, body, -data.cfrc_int[body])
 
 
 def touch_on(model: Any, data: Any, link: str, links: Collection[str]) -> Wrench:
@@ -46,10 +46,10 @@ def touch_on(model: Any, data: Any, link: str, links: Collection[str]) -> Wrench
     for each in range(first + 1, model.nbody):
         if model.body_parentid[each] in hanging and model.body(each).name in links:
             hanging.add(each)
-    return _told(model, data, body, data.cfrc_ext[sorted(hanging)].sum(axis=0))
+    return _wrench(model, data, body, data.cfrc_ext[sorted(hanging)].sum(axis=0))
 
 
-def _told(model: Any, data: Any, body: int, spatial: Array) -> Wrench:
+def _wrench(model: Any, data: Any, body: int, spatial: Array) -> Wrench:
     """Return a spatial force, about the centre of mass of the robot's tree, at a body's frame."""
     torque, force = spatial[:3], spatial[3:]
     centre = data.subtree_com[model.body_rootid[body]]

@@ -65,13 +65,13 @@ class ContactWatch:
         self._looked_at: Array = np.full(len(robot.joints), np.inf)
         self._overlapping: list[tuple[str, str]] = []
         self._body_at: dict[int, LoggedBody] = {}
-        self._told: Touched | None = None
-        self._pairs_told: set[int] = set()
+        self._notify: Touched | None = None
+        self._pairs_reported: set[int] = set()
 
-    def tell(self, told: Touched) -> None:
-        """Call `told` for each pair of bodies, the first time from now on that they touch."""
-        self._told = told
-        self._pairs_told.clear()
+    def report(self, notify: Touched) -> None:
+        """Call `notify` for each pair of bodies, the first time from now on that they touch."""
+        self._notify = notify
+        self._pairs_reported.clear()
 
     def use(self, model: Any, declared: Declared, step: int) -> None:
         """Take `model` for what is simulated from `step` on."""
@@ -128,16 +128,16 @@ class ContactWatch:
 
     def _append(self, rows: Rows) -> None:
         self._log.append(rows)
-        told = self._told
-        if told is None:
+        notify = self._notify
+        if notify is None:
             return
         low, high = np.minimum(rows["one"], rows["two"]), np.maximum(rows["one"], rows["two"])
         pairs, first = np.unique(low.astype(np.int64) << 32 | high, return_index=True)
         for at, pair in sorted(zip(first.tolist(), pairs.tolist(), strict=True)):
-            if pair not in self._pairs_told:
-                self._pairs_told.add(pair)
+            if pair not in self._pairs_reported:
+                self._pairs_reported.add(pair)
                 one, two = self._body_at[pair >> 32], self._body_at[pair & 0xFFFFFFFF]
-                told(int(rows["step"][at]), one, two)
+                notify(int(rows["step"][at]), one, two)
 
     def posture(self, step: int, positions: Array) -> None:
         """Log which links overlap; positions: (n_joints,), of all joints in the robot's order."""

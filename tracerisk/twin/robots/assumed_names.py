@@ -18,15 +18,15 @@ _SLIP = 0.8  # how alike two names of a group are of which one is taken for a mi
 _SHARE = 0.12  # of its range, how far an assumed state is from rest at most
 
 
-def with_assumed_names(robot: Robot, tell: Callable[[str], None]) -> Robot:
+def with_assumed_names(robot: Robot, report: Callable[[str], None]) -> Robot:
     """Return a robot that assumes the groups and states asked of it, and reports each one once.
 
     A robot that does not assume names is returned as it is.
     """
     if not robot.assumes_names:
         return robot
-    groups = _AssumedGroups(robot, tell)
-    return replace(robot, groups=groups, named_states=_AssumedStates(robot, groups, tell))
+    groups = _AssumedGroups(robot, report)
+    return replace(robot, groups=groups, named_states=_AssumedStates(robot, groups, report))
 
 
 def _remedy(robot: Robot) -> str:
@@ -38,16 +38,16 @@ def _remedy(robot: Robot) -> str:
 class _AssumedGroups(Mapping[str, Group]):
     """The groups of a robot; any other name is the arm, or the gripper if it sounds like one."""
 
-    def __init__(self, robot: Robot, tell: Callable[[str], None]) -> None:
+    def __init__(self, robot: Robot, report: Callable[[str], None]) -> None:
         self._known = dict(robot.groups)
         self._robot = robot
-        self._tell = tell
+        self._report = report
 
     def __getitem__(self, name: str) -> Group:
         if name not in self._known:
             stand_in = self.stand_in(name)
             self._known[name] = self._known[stand_in]
-            self._tell(
+            self._report(
                 f"planning group '{name}' is assumed to be the {stand_in} of the {self._robot.name}"
                 f" robot, for it is not known; {_remedy(self._robot)}"
             )
@@ -85,10 +85,10 @@ class _AssumedGroups(Mapping[str, Group]):
 class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
     """For each group, named states of any name."""
 
-    def __init__(self, robot: Robot, groups: _AssumedGroups, tell: Callable[[str], None]) -> None:
+    def __init__(self, robot: Robot, groups: _AssumedGroups, report: Callable[[str], None]) -> None:
         self._robot = robot
         self._groups = groups
-        self._tell = tell
+        self._report = report
         self._states: dict[str, _StatesOfGroup] = {}
 
     def __getitem__(self, group: str) -> Mapping[str, Mapping[str, float]]:
@@ -96,7 +96,7 @@ class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
             states = self._robot.named_states
             known = states.get(group) or states.get(self._groups.stand_in(group), {})
             members = self._groups[group].joints
-            self._states[group] = _StatesOfGroup(self._robot, group, members, known, self._tell)
+            self._states[group] = _StatesOfGroup(self._robot, group, members, known, self._report)
         return self._states[group]
 
     def __contains__(self, group: object) -> bool:
@@ -116,18 +116,18 @@ class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
         group: str,
         joints: Iterable[str],
         known: Mapping[str, Mapping[str, float]],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self._robot = robot
         self._group = group
         self._joints = tuple(joints)
         self._known = dict(known)
-        self._tell = tell
+        self._report = report
 
     def __getitem__(self, name: str) -> Mapping[str, float]:
         if name not in self._known:
             self._known[name] = {joint: self._position(joint, name) for joint in self._joints}
-            self._tell(
+            self._report(
                 f"named state '{name}' of group '{self._group}' is not known: a posture is "
                 f"assumed; {_remedy(self._robot)}"
             )

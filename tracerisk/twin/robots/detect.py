@@ -86,8 +86,8 @@ def detect_robot(
     bare = [word.removeprefix(prefix) for word in words_in(given)]
     plain = [name.removeprefix(prefix) for name in listed]
     robot = _detect(bare, robots, weighed, plain, by_parts)
-    told = f"{robot.chosen_by}; its links and joints have the prefix '{prefix}'"
-    return replace(with_prefix(robot, prefix), chosen_by=told)
+    origin = f"{robot.chosen_by}; its links and joints have the prefix '{prefix}'"
+    return replace(with_prefix(robot, prefix), chosen_by=origin)
 
 
 def _assuming_groups(robot: Robot, strings: Iterable[str]) -> Robot:
@@ -137,19 +137,19 @@ def _of_certain(
     fits: Mapping[str, _Fit],
     hints: Iterable[Hint],
 ) -> Robot:
-    told = "inferred from the names in the controller's strings"
+    origin = "inferred from the names in the controller's strings"
     if len(names) == 1:
-        return _chosen(names[0], told)
+        return _chosen(names[0], origin)
     own = [name for name in names if fits[name].is_named]
     if len(own) == 1:
-        return _chosen(own[0], told)
+        return _chosen(own[0], origin)
     verdict = decide(own or names, robots, hints)
     if verdict.reason:
-        return _chosen(verdict.left[0], told, verdict.reason)
+        return _chosen(verdict.left[0], origin, verdict.reason)
     whole = [name for name in verdict.left if fits[name].is_whole]
     if len(whole) == 1:
         reason = f"of {_listed(names)} only {whole[0]} has no joint beside these"
-        return _chosen(whole[0], told, reason)
+        return _chosen(whole[0], origin, reason)
     error = SeveralRobotsError(
         f"the controller's strings fit several robots: {_listed(verdict.left)}; "
         "say which one it drives with --robot"
@@ -158,8 +158,8 @@ def _of_certain(
     raise error
 
 
-def _chosen(name: str, told: str, reason: str = "") -> Robot:
-    return replace(load_robot(name), chosen_by=f"{told}; {reason}" if reason else told)
+def _chosen(name: str, origin: str, reason: str = "") -> Robot:
+    return replace(load_robot(name), chosen_by=f"{origin}; {reason}" if reason else origin)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -149,7 +149,7 @@ def named_as_ours(robot: Robot) -> Robot:
             own = next((g for g in robot.groups if robot.groups[g].joints == group.joints), None)
             own_tip = robot.groups[own].tip_link if own is not None else None
             groups[name] = replace(group, tip_link=tip or own_tip)
-            told = robot.named_states.get(own or name, {})
+            own_states = robot.named_states.get(own or name, {})
             # The file's own states go before those of ours.
-            states[name] = MappingProxyType({**like.named_states.get(name, {}), **told})
+            states[name] = MappingProxyType({**like.named_states.get(name, {}), **own_states})
     return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))

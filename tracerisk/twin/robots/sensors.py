@@ -33,7 +33,7 @@ class Sensor:
         """What a trace calls the sensor."""
         return Element(self.name, "sensor", sensor=self.kind, part=self.part)
 
-    def tells(self, topic: str) -> bool:
+    def reports(self, topic: str) -> bool:
         """Return whether a topic is one of the sensor's."""
         return any(f"/{name.strip('/')}/" in f"/{topic.strip('/')}/" for name in self.topics)
 

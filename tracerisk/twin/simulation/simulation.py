@@ -191,10 +191,10 @@ class Simulation:
                 "robot's file is too stiff for its masses"
             )
 
-    def watch_touches(self, told: Touched) -> None:
-        """Call `told` for touches, where samples are written; see `Twin.watch_touches`."""
+    def watch_touches(self, notify: Touched) -> None:
+        """Call `notify` for touches, where samples are written; see `Twin.watch_touches`."""
         if self._watch is not None:
-            self._watch.tell(told)
+            self._watch.report(notify)
 
     def close(self) -> None:
         """Close the samples, with the pose of everything at the end."""
@@ -293,11 +293,11 @@ class Simulation:
     def _begin_faults(self, wanted: int) -> int:
         """Begin the faults that are due; return how many steps come before another one."""
         if self._faults.is_due(self._steps):
-            told = self.joint_state()
+            measured = self.joint_state()
             wrists = {each.name: each for each in self.robot.sensors if each.kind == "wrench"}
             for fault in self._faults.begin(self._steps, self._model, self._data):
                 wrist = wrists.get(fault.unit)
-                self._sensors.begin(fault, told, None if wrist is None else self.wrench(wrist))
+                self._sensors.begin(fault, measured, None if wrist is None else self.wrench(wrist))
         return self._faults.steps_before(self._steps, wanted)
 
     def _rebuild(self) -> None:

@@ -106,12 +106,12 @@ class Twin:
         """Return where all joints truly are, in the robot's order, (n_joints,) [rad or m]."""
         return self._simulation.posture()
 
-    def watch_touches(self, told: Touched) -> None:
-        """Call `told` for each pair of bodies, in the first step from now on in which they touch.
+    def watch_touches(self, notify: Touched) -> None:
+        """Call `notify` for each pair of bodies, in the first step from now on in which they touch.
 
         Pairs that do not concern the robot are looked at only while something touches it.
         """
-        self._simulation.watch_touches(told)
+        self._simulation.watch_touches(notify)
 
     # Faults
 

@@ -96,13 +96,13 @@ def expanded_xacro(
     return Expanded(text, regular_within(files, around))
 
 
-def _refusal(told: Mapping[str, Any], shown: str, path: Path) -> RobotError:
+def _refusal(answer: Mapping[str, Any], shown: str, path: Path) -> RobotError:
     """Return the error at the line of the file that names what lies outside the folders."""
-    asked, top = told["asked"], told["within"][0]
+    asked, top = answer["asked"], answer["within"][0]
     line = None
     where = shown
-    if told["by"] is not None:
-        by = Path(told["by"])
+    if answer["by"] is not None:
+        by = Path(answer["by"])
         where = shown if by == path.resolve() else str(by)
         name = asked.rpartition("/")[2].encode()
         lines = by.read_bytes().splitlines()

@@ -206,19 +206,19 @@ class _Search:
             found = self._urdf_for(file, srdf)
             if found is not None:
                 robot, urdf = found
-                told = f"{file.shown} with {urdf.shown} in the workspace ({why})"
-                return _Taken(robot, told, (file, urdf))
+                origin = f"{file.shown} with {urdf.shown} in the workspace ({why})"
+                return _Taken(robot, origin, (file, urdf))
             like = shipped_like(srdf.words)
             if len(like) > 1:
                 like = self._named_of(like, file, srdf)
             if len(like) == 1:
                 completed = with_srdf(load_robot(like[0]), srdf)
-                told = f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
-                return _Taken(completed, told, (file,))
-            told = f"several known robots have its joints: {', '.join(like)}"
+                origin = f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
+                return _Taken(completed, origin, (file,))
+            origin = f"several known robots have its joints: {', '.join(like)}"
             if not like:
-                told = "no URDF or known robot has its joints"
-            self._skip(file, f"{told}{self._absent(file)}", is_meant=bool(speaks) or starts)
+                origin = "no URDF or known robot has its joints"
+            self._skip(file, f"{origin}{self._absent(file)}", is_meant=bool(speaks) or starts)
         return None
 
     def _absent(self, srdf: DescriptionFile) -> str:
@@ -310,13 +310,13 @@ class _Search:
         taken = best[1]
         completed = named_as_ours(completed_as_ours(taken.robot))
         if taken.left_out:
-            told = f"the controller names its joints without the prefix '{taken.left_out}'"
-            completed = replace(without_prefix(completed, taken.left_out), doubt=told)
+            origin = f"the controller names its joints without the prefix '{taken.left_out}'"
+            completed = replace(without_prefix(completed, taken.left_out), doubt=origin)
         elif rivals := [*self._rivals_of(taken)]:
-            told = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
-            completed = replace(completed, doubt=told)
-        told = f"{taken.files[0].shown} in the workspace ({taken.reason})"
-        return replace(taken, robot=completed, reason=told)
+            origin = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
+            completed = replace(completed, doubt=origin)
+        origin = f"{taken.files[0].shown} in the workspace ({taken.reason})"
+        return replace(taken, robot=completed, reason=origin)
 
     def _rivals_of(self, taken: _Taken) -> Iterator[str]:
         """Yield the files of other arms with the same joints, for which as much speaks."""

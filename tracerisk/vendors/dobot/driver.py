@@ -149,13 +149,13 @@ class DobotDriver:
         return OK if request.index == 0 else self._refuse("a frame other than 0", request, answer)
 
     def _take(self, name: str, request: Any, answer: Any) -> int:
-        self._commands.tell(
+        self._commands.report(
             "not_simulated", f"{name} was taken and changes nothing", self._commands.stack()
         )
         return OK
 
     def _refuse(self, name: str, request: Any, answer: Any) -> int:
-        self._commands.tell(
+        self._commands.report(
             "not_simulated", f"{name} is not simulated: nothing moved", self._commands.stack()
         )
         return NOT_EXECUTED
@@ -181,7 +181,7 @@ class DobotDriver:
         return self._queue.add(kind, lambda: make(words))
 
     def _wrong(self, kind: str, message: str) -> int:
-        self._commands.tell(
+        self._commands.report(
             "command_ignored", f"{kind} moved nothing: {message}", self._commands.stack()
         )
         return WRONG_TYPE
@@ -272,7 +272,7 @@ class DobotDriver:
 
         code = self._queue.refused()
         if code:
-            return self._queue.tell_refused(kind, code)
+            return self._queue.report_refused(kind, code)
         try:
             found = goal()
             self._arm.check(found)

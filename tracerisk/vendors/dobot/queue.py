@@ -70,16 +70,16 @@ class DobotQueue:
         """Put a motion at the end of the queue; `make` is called at its turn."""
         code, stack = self.refused(), self._commands.stack()
         if code:
-            return self.tell_refused(kind, code)
+            return self.report_refused(kind, code)
         self.number += 1
         self._waiting.append((kind, stack, make))
         if self._motion is None:
             self._next()
         return OK
 
-    def tell_refused(self, kind: str, code: int) -> int:
+    def report_refused(self, kind: str, code: int) -> int:
         """Record that a command moved nothing, and return its code."""
-        self._commands.tell(
+        self._commands.report(
             "command_ignored",
             f"{kind} moved nothing: it returned {code}",
             self._commands.stack(),
@@ -109,7 +109,7 @@ class DobotQueue:
             try:
                 trajectory = make()
             except PlanningError as error:
-                self._commands.tell(
+                self._commands.report(
                     "command_ignored", f"{kind} moved nothing: {error.message}", stack
                 )
                 self.error = ERROR
@@ -132,7 +132,9 @@ class DobotQueue:
             return
         self.done += 1
         if motion.outcome == "aborted":
-            self._commands.tell("execution_failure", f"{kind} was aborted: {motion.message}", stack)
+            self._commands.report(
+                "execution_failure", f"{kind} was aborted: {motion.message}", stack
+            )
             self.error = COLLISION
             self._waiting.clear()
         self._next()

@@ -53,9 +53,9 @@ class DobotReports:
         """Return the handlers by the names of the services."""
         queue = self._queue
         return {
-            "RobotMode": lambda asked, answer: self._tell(answer, [queue.mode]),
-            "GetErrorID": lambda asked, answer: self._tell(answer, [queue.error]),
-            "GetCurrentCommandId": lambda asked, answer: self._tell(answer, [queue.done]),
+            "RobotMode": lambda asked, answer: self._answer(answer, [queue.mode]),
+            "GetErrorID": lambda asked, answer: self._answer(answer, [queue.error]),
+            "GetCurrentCommandId": lambda asked, answer: self._answer(answer, [queue.done]),
             "GetAngle": self._get_angle,
             "GetPose": self._get_pose,
             "PositiveKin": self._positive,
@@ -68,32 +68,32 @@ class DobotReports:
             "GetDO": partial(self._get_pin, "DO"),
         }
 
-    def _tell(self, answer: Any, values: Sequence[float]) -> int:
+    def _answer(self, answer: Any, values: Sequence[float]) -> int:
         self._scheduler.touch()
-        told = (str(each) if isinstance(each, int) else f"{each:.6f}" for each in values)
-        answer.robot_return = "{" + ",".join(told) + "}"
+        lines = (str(each) if isinstance(each, int) else f"{each:.6f}" for each in values)
+        answer.robot_return = "{" + ",".join(lines) + "}"
         return OK
 
     # Where it is
 
     def _get_angle(self, request: Any, answer: Any) -> int:
         self._reading.asked("encoder")
-        return self._tell(answer, [math.degrees(each) for each in self._arm.positions()])
+        return self._answer(answer, [math.degrees(each) for each in self._arm.positions()])
 
     def _get_pose(self, request: Any, answer: Any) -> int:
         if request.user or request.tool:
-            self._commands.tell(
+            self._commands.report(
                 "not_simulated",
                 f"GetPose in user frame {request.user}, tool frame {request.tool}; allowed: 0",
                 self._commands.stack(),
             )
             return NOT_EXECUTED
         self._reading.asked("encoder")
-        return self._tell(answer, values_of(self._arm.tool_pose()))
+        return self._answer(answer, values_of(self._arm.tool_pose()))
 
     def _positive(self, request: Any, answer: Any) -> int:
         joints = [math.radians(getattr(request, f"j{i}")) for i in range(1, 7)]
-        return self._tell(answer, values_of(self._arm.pose_at(joints)))
+        return self._answer(answer, values_of(self._arm.pose_at(joints)))
 
     def _inverse(self, request: Any, answer: Any) -> int:
         asked = (request.x, request.y, request.z, request.rx, request.ry, request.rz)
@@ -101,11 +101,11 @@ class DobotReports:
             found = self._arm.reach(pose_of(asked))
         except PlanningError:
             return NOT_EXECUTED
-        return self._tell(answer, [math.degrees(each) for each in found])
+        return self._answer(answer, [math.degrees(each) for each in found])
 
     def _set_pin(self, place: str, request: Any, answer: Any) -> int:
         self._pins[place, request.index] = int(request.status)
-        self._commands.tell(
+        self._commands.report(
             "not_simulated",
             f"{place} {request.index} was set: nothing hangs on it",
             self._commands.stack(),
@@ -113,7 +113,7 @@ class DobotReports:
         return OK
 
     def _get_pin(self, place: str, request: Any, answer: Any) -> int:
-        return self._tell(answer, [self._pins.get((place, request.index), 0)])
+        return self._answer(answer, [self._pins.get((place, request.index), 0)])
 
     # Reports
 
@@ -122,7 +122,7 @@ class DobotReports:
         if is_one and name not in self._published:
             self._published.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            self._reading.tells_joints(publication, _HZ)
+            self._reading.reports_joints(publication, _HZ)
             self._schedule(publication)
 
     def _schedule(self, publication: Publication) -> None:

@@ -128,22 +128,22 @@ class DoosanController:
             try:
                 motion = self._arm.start(f"doosan_{kind}", make(request), stack)
             except PlanningError as error:
-                self._tell(kind, error.message, stack)
+                self._report(kind, error.message, stack)
                 return False
             self._live = motion
             if _field(request, "sync_type"):
                 return True
             self._wait(request, answer)
             if motion.outcome == "aborted":
-                self._commands.tell(
+                self._commands.report(
                     "execution_failure", f"{kind} was aborted: {motion.message}", stack
                 )
             return motion.outcome == "succeeded"
 
         return move
 
-    def _tell(self, kind: str, message: str, stack: tuple[Frame, ...]) -> None:
-        self._commands.tell("command_ignored", f"{kind} moved nothing: {message}", stack)
+    def _report(self, kind: str, message: str, stack: tuple[Frame, ...]) -> None:
+        self._commands.report("command_ignored", f"{kind} moved nothing: {message}", stack)
 
     def _joint(self, asked: Any) -> JointTrajectory:
         each = [1.0] * len(self._arm.joints)
@@ -230,7 +230,7 @@ class DoosanController:
         stack, axis = self._stack(), request.jog_axis
         share = request.speed / 100.0
         if not 0 <= axis < 2 * _AXES:
-            self._tell("jog", f"axis {axis}; allowed: 0 to 11", stack)
+            self._report("jog", f"axis {axis}; allowed: 0 to 11", stack)
             return False
         if abs(share) < 1e-6:
             return self._stop(request, answer)
@@ -245,10 +245,10 @@ class DoosanController:
                 parts[axis - _AXES] = share * (0.25 if axis < _AXES + 3 else math.radians(30))
                 trajectory = self._twist(parts, request.move_reference)
         except PlanningError as error:
-            self._tell("jog", error.message, stack)
+            self._report("jog", error.message, stack)
             return False
         if trajectory is None:
-            self._tell("jog", "the joint is at its limit", stack)
+            self._report("jog", "the joint is at its limit", stack)
             return False
         self._live = self._arm.start("doosan_jog", trajectory, stack)
         return True
@@ -264,7 +264,7 @@ class DoosanController:
         try:
             self._arm.move_gripper(opened, stack)
         except PlanningError as error:
-            self._tell("gripper", error.message, stack)
+            self._report("gripper", error.message, stack)
             return False
         return True
 
@@ -282,7 +282,7 @@ class DoosanController:
             try:
                 trajectory = take(message)
             except PlanningError as error:
-                self._tell(name, error.message, stack)
+                self._report(name, error.message, stack)
                 return
             if trajectory is None:
                 self._arm.stop()

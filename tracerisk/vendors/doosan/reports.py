@@ -56,11 +56,11 @@ class DoosanReports:
             },
             "aux_control": {
                 "get_current_posx": self._posx,
-                "get_desired_posx": lambda asked, answer: _told(
+                "get_desired_posx": lambda asked, answer: _filled(
                     answer, pos=values_of(self._motion.here())
                 ),
                 "get_current_rotm": self._rotation,
-                "get_current_solution_space": lambda asked, answer: _told(
+                "get_current_solution_space": lambda asked, answer: _filled(
                     answer, sol_space=self._motion.solution_space()
                 ),
             },
@@ -68,13 +68,15 @@ class DoosanReports:
                 "config_create_tcp": self._create_tcp,
                 "config_delete_tcp": self._delete_tcp,
                 "set_current_tcp": self._set_tcp,
-                "get_current_tcp": lambda asked, answer: _told(answer, info=self._current["tcp"]),
+                "get_current_tcp": lambda asked, answer: _filled(answer, info=self._current["tcp"]),
             },
             "tool": {
                 "config_create_tool": self._create_tool,
                 "config_delete_tool": self._delete_tool,
                 "set_current_tool": self._set_tool,
-                "get_current_tool": lambda asked, answer: _told(answer, info=self._current["tool"]),
+                "get_current_tool": lambda asked, answer: _filled(
+                    answer, info=self._current["tool"]
+                ),
             },
             "io": {
                 f"{verb}_{place}": (self._set_pin if verb == "set" else self._get_pin)(place)
@@ -93,11 +95,11 @@ class DoosanReports:
 
     def _state(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
-        return _told(answer, robot_state=_MOVING if self._is_busy() else _STANDBY)
+        return _filled(answer, robot_state=_MOVING if self._is_busy() else _STANDBY)
 
     def _check(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
-        return _told(answer, status=_BUSY if self._is_busy() else _IDLE)
+        return _filled(answer, status=_BUSY if self._is_busy() else _IDLE)
 
     def _share(self, request: Any, answer: Any) -> bool:
         if not 1 <= request.speed <= 100:
@@ -112,14 +114,14 @@ class DoosanReports:
         self._reading.asked("encoder")
         is_joint = request.space_type == 0
         found = self._motion.positions() if is_joint else values_of(self._motion.here())
-        return _told(answer, pos=found)
+        return _filled(answer, pos=found)
 
     def _posx(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
         self._reading.asked("encoder")
         row = self._messages.new("std_msgs/Float64MultiArray")
         row.data = [*values_of(self._motion.here()), float(self._motion.solution_space())]
-        return _told(answer, task_pos_info=[row])
+        return _filled(answer, task_pos_info=[row])
 
     def _rotation(self, request: Any, answer: Any) -> bool:
         self._reading.asked("encoder")
@@ -128,14 +130,14 @@ class DoosanReports:
             row = self._messages.new("std_msgs/Float64MultiArray")
             row.data = list(values)
             rows.append(row)
-        return _told(answer, rot_matrix=rows)
+        return _filled(answer, rot_matrix=rows)
 
     def _forward(self, request: Any, answer: Any) -> bool:
-        return _told(answer, conv_posx=values_of(self._motion.of_joints(list(request.pos))))
+        return _filled(answer, conv_posx=values_of(self._motion.of_joints(list(request.pos))))
 
     def _inverse(self, request: Any, answer: Any) -> bool:
         try:
-            return _told(answer, conv_posj=self._motion.to_joints_of(pose_of(request.pos)))
+            return _filled(answer, conv_posj=self._motion.to_joints_of(pose_of(request.pos)))
         except PlanningError:
             return False
 
@@ -144,7 +146,7 @@ class DoosanReports:
             moved = self._motion.pose(request.delta, request.ref, 1, pose_of(request.pos))
         except PlanningError:
             return False
-        return _told(answer, trans_pos=values_of(moved))
+        return _filled(answer, trans_pos=values_of(moved))
 
     # Tools and pins
 
@@ -179,7 +181,7 @@ class DoosanReports:
 
     def _unknown(self, kind: str, name: str, known: Any) -> bool:
         names = ", ".join(sorted(each for each in known if each)) or "none"
-        self._commands.tell(
+        self._commands.report(
             "command_ignored",
             f"no {kind} '{name}' was created by the controller; known: {names}",
             self._commands.stack(),
@@ -190,7 +192,7 @@ class DoosanReports:
         def take(request: Any, answer: Any) -> bool:
             number = request.index if hasattr(request, "index") else request.channel
             self._pins[place, number] = float(request.value)
-            self._commands.tell(
+            self._commands.report(
                 "not_simulated",
                 f"{place} {number} was set: nothing hangs on it",
                 self._commands.stack(),
@@ -200,14 +202,14 @@ class DoosanReports:
         return take
 
     def _get_pin(self, place: str) -> Handler:
-        def tell(request: Any, answer: Any) -> bool:
+        def fill(request: Any, answer: Any) -> bool:
             number = request.index if hasattr(request, "index") else request.channel
-            return _told(answer, value=type(answer.value)(self._pins.get((place, number), 0.0)))
+            return _filled(answer, value=type(answer.value)(self._pins.get((place, number), 0.0)))
 
-        return tell
+        return fill
 
 
-def _told(answer: Any, **values: Any) -> bool:
+def _filled(answer: Any, **values: Any) -> bool:
     for name, value in values.items():
         setattr(answer, name, value)
     return True

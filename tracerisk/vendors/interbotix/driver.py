@@ -120,9 +120,11 @@ class InterbotixDriver:
     def _publish_states(self, topic: str) -> None:
         # The twin's own joint states need no second publisher.
         if topic not in self._publications and topic != "/joint_states":
-            told = self._graph.advertise(topic, JOINT_STATE_TYPE, node=_NODE, by_controller=False)
-            self._publications[topic] = told
-            self._reading.tells_joints(told, _HZ)
+            advertised = self._graph.advertise(
+                topic, JOINT_STATE_TYPE, node=_NODE, by_controller=False
+            )
+            self._publications[topic] = advertised
+            self._reading.reports_joints(advertised, _HZ)
             self._schedule(topic)
 
     def _schedule(self, topic: str) -> None:
@@ -180,9 +182,9 @@ class InterbotixDriver:
         raise self._refused(f"cmd_type '{request.cmd_type}'; use 'group' or 'single'", request)
 
     def _refused(self, message: str, request: Any) -> ServiceFailedError:
-        told = f"'{request.name}' of robot '{self._twin.robot.name}': {message}"
-        self._commands.tell("service_refused", told, self._commands.stack())
-        return ServiceFailedError(told)
+        text = f"'{request.name}' of robot '{self._twin.robot.name}': {message}"
+        self._commands.report("service_refused", text, self._commands.stack())
+        return ServiceFailedError(text)
 
     def _response(self, kind: str) -> Any:
         return self._messages.response(f"{PACKAGE}/{kind}")
@@ -264,7 +266,7 @@ class InterbotixDriver:
         for name in self._named(request):
             self._servos[name].torque = request.enable
         if not request.enable:
-            self._commands.tell(
+            self._commands.report(
                 "not_simulated",
                 f"'{request.name}' was torqued off: the twin's joints stay where they are, and "
                 "take no commands until they are torqued on",

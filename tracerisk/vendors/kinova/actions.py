@@ -192,20 +192,20 @@ class KortexArm:
         for number, kind in enumerate(kinds):
             waypoint = kind.angular_waypoint[0]
             if len(waypoint.angles) != len(here):
-                told = f"{len(waypoint.angles)} angles for {len(here)} joints"
-                yield WaypointError(_COUNT_MISMATCH, _UNAPPLICABLE, told, number)
+                text = f"{len(waypoint.angles)} angles for {len(here)} joints"
+                yield WaypointError(_COUNT_MISMATCH, _UNAPPLICABLE, text, number)
                 return
             goal = self.goal(waypoint.angles, here)
             for i, (joint, value) in enumerate(zip(self.arm.arm, goal, strict=True)):
                 if not joint.lower - 1e-3 <= value <= joint.upper + 1e-3:
                     at, least, most = (math.degrees(v) for v in (value, joint.lower, joint.upper))
-                    told = f"{at:.1f} degrees for '{joint.name}', outside [{least:.1f}, {most:.1f}]"
-                    yield WaypointError(_JOINT_LIMIT, _AT, told, number, i, at, least, most)
+                    text = f"{at:.1f} degrees for '{joint.name}', outside [{least:.1f}, {most:.1f}]"
+                    yield WaypointError(_JOINT_LIMIT, _AT, text, number, i, at, least, most)
             soonest = self.arm.fastest_s(here, goal)
             if waypoint.duration < soonest - 1e-6:
-                told = f"a duration of {waypoint.duration:g} s; the arm takes {soonest:.2f} s"
+                text = f"a duration of {waypoint.duration:g} s; the arm takes {soonest:.2f} s"
                 yield WaypointError(
-                    _INVALID_DURATION, _TIME, told, number, 0, waypoint.duration, soonest, math.inf
+                    _INVALID_DURATION, _TIME, text, number, 0, waypoint.duration, soonest, math.inf
                 )
             here = goal
 
@@ -214,8 +214,8 @@ class KortexArm:
         for number, kind in enumerate(kinds):
             waypoint = kind.cartesian_waypoint[0]
             if waypoint.reference_frame not in (MIXED, TOOL, BASE):
-                told = f"reference_frame {waypoint.reference_frame}"
-                yield WaypointError(_NO_SUCH_FRAME, _UNAPPLICABLE, told, number)
+                text = f"reference_frame {waypoint.reference_frame}"
+                yield WaypointError(_NO_SUCH_FRAME, _UNAPPLICABLE, text, number)
             elif waypoint.reference_frame == BASE:
                 try:
                     seed = self.arm.reach(pose_of(waypoint.pose), seed)

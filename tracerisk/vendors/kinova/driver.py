@@ -184,7 +184,7 @@ class KortexDriver:
 
             def deliver(message: Any, publication: Publication) -> None:
                 del publication
-                self._player.do(kind, message, 0, is_told=False)
+                self._player.do(kind, message, 0, is_answered=False)
 
             self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
 
@@ -280,7 +280,7 @@ class KortexDriver:
                 raise PlanningError("invalid_goal", "the trajectory is empty")
             trajectory = self._kortex.poses(goal.message.trajectory, in_degrees=False)
         except PlanningError as error:
-            self._player.tell_idle(error.message, goal.stack)
+            self._player.report_idle(error.message, goal.stack)
             goal.abort(self._result(_INVALID_GOAL, error.message), error.message)
             return
 

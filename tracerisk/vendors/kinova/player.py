@@ -114,8 +114,8 @@ class KortexPlayer:
         asked = getattr(action.oneof_action_parameters, kind)[0]
         self.do(kind, asked, action.handle.identifier)
 
-    def do(self, kind: str, asked: Any, identifier: int, *, is_told: bool = True) -> None:
-        """Play an action of a kind; what cannot move raises where the caller `is_told`."""
+    def do(self, kind: str, asked: Any, identifier: int, *, is_answered: bool = True) -> None:
+        """Play an action of a kind; what cannot move raises where the caller `is_answered`."""
         number = _OF_KIND[kind]
         if kind == "send_gripper_command":
             self._grip(asked)
@@ -130,7 +130,7 @@ class KortexPlayer:
         elif kind == "delay":
             self._delay(asked.duration, identifier)
         elif kind in ("send_joint_speeds", "send_twist_command"):
-            self._at_speed(kind, asked, is_told=is_told)
+            self._at_speed(kind, asked, is_answered=is_answered)
         else:
             make = {
                 "reach_pose": self._kortex.reach_pose,
@@ -165,13 +165,13 @@ class KortexPlayer:
         stack = self._commands.stack()
         end = self._begin(kind, identifier)
         if self.is_stopped:
-            self.tell_idle(_STOPPED, stack)
+            self.report_idle(_STOPPED, stack)
             end(_ABORT, _IN_EMERGENCY_STOP)
             return
         try:
             trajectory = make()
         except PlanningError as error:
-            self.tell_idle(error.message, stack)
+            self.report_idle(error.message, stack)
             end(_ABORT, _FAILED)
             return
 
@@ -180,22 +180,22 @@ class KortexPlayer:
                 end(_END, 0)
                 return
             if motion.outcome == "aborted":
-                self._commands.tell(
+                self._commands.report(
                     "execution_failure", f"an action was aborted: {motion.message}", stack
                 )
             end(_ABORT, _FAILED)
 
         self._arm.start("kortex_action", trajectory, stack, ended)
 
-    def _at_speed(self, kind: str, asked: Any, *, is_told: bool) -> None:
+    def _at_speed(self, kind: str, asked: Any, *, is_answered: bool) -> None:
         stack = self._commands.stack()
-        told = (kind, str(asked))
-        if self._at == told and self._arm.twin.busy:
+        key = (kind, str(asked))
+        if self._at == key and self._arm.twin.busy:
             return
         self.interrupt()
         if self.is_stopped:
-            self.tell_idle(_STOPPED, stack)
-            if is_told:
+            self.report_idle(_STOPPED, stack)
+            if is_answered:
                 raise ServiceFailedError(_STOPPED)
             return
         try:
@@ -204,11 +204,11 @@ class KortexPlayer:
             else:
                 trajectory = self._kortex.twist(asked, self.frame)
         except PlanningError as error:
-            self.tell_idle(error.message, stack)
-            if is_told:
+            self.report_idle(error.message, stack)
+            if is_answered:
                 raise ServiceFailedError(error.message) from error
             return
-        self._at = told
+        self._at = key
         if trajectory is None:
             self._arm.stop()
         else:
@@ -237,12 +237,12 @@ class KortexPlayer:
         try:
             self._arm.move_gripper(opened, stack)
         except PlanningError as error:
-            self.tell_idle(error.message, stack)
+            self.report_idle(error.message, stack)
             raise ServiceFailedError(error.message) from error
 
-    def tell_idle(self, message: str, stack: tuple[Frame, ...]) -> None:
+    def report_idle(self, message: str, stack: tuple[Frame, ...]) -> None:
         """Record that an action moved nothing."""
-        self._commands.tell("command_ignored", f"an action moved nothing: {message}", stack)
+        self._commands.report("command_ignored", f"an action moved nothing: {message}", stack)
 
     def stop(self) -> None:
         """Bring arm and fingers to rest."""
@@ -251,5 +251,5 @@ class KortexPlayer:
 
     def refused(self, message: str) -> ServiceFailedError:
         """Record that something is not simulated, and return the error that says so."""
-        self._commands.tell("not_simulated", message, self._commands.stack())
+        self._commands.report("not_simulated", message, self._commands.stack())
         return ServiceFailedError(message)

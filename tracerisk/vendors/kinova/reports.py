@@ -79,7 +79,7 @@ class KortexReports:
         if change == "subscribed" and type_name == _FEEDBACK and name not in self._published:
             self._published.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            self._reading.tells_joints(publication, _HZ)
+            self._reading.reports_joints(publication, _HZ)
             self._schedule(publication)
 
     def _schedule(self, publication: Publication) -> None:

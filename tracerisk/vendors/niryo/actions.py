@@ -65,7 +65,7 @@ class NiryoActions:
                 return
             motion = self._arm.start("niryo_move", trajectory, goal.stack, partial(self._end, goal))
         except PlanningError as error:
-            self._commands.tell(
+            self._commands.report(
                 "goal_rejected", f"a move of the arm was aborted: {error.message}", goal.stack
             )
             status = STATUS_OF[error.failure]
@@ -79,7 +79,7 @@ class NiryoActions:
         if motion.outcome == "succeeded":
             goal.succeed(self._result(ROBOT_MOVE, _SUCCESS, _DONE))
         elif motion.outcome == "aborted":
-            self._commands.tell(
+            self._commands.report(
                 "execution_failure", f"a move of the arm was aborted: {motion.message}", goal.stack
             )
             goal.abort(self._result(ROBOT_MOVE, _CONTROLLER_PROBLEMS, motion.message))
@@ -99,7 +99,7 @@ class NiryoActions:
                 )
             motion = self._arm.move_gripper(float(asked.cmd_type == _OPEN), goal.stack)
         except PlanningError as error:
-            self._commands.tell(
+            self._commands.report(
                 "goal_rejected", f"a command of the tool was aborted: {error.message}", goal.stack
             )
             goal.abort(self._result(TOOL, _TOOL_FAILURE, error.message), error.message)

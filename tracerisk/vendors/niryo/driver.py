@@ -187,7 +187,7 @@ class NiryoRobot:
             self._published.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             if type_name == _STATE:
-                self._reading.tells(publication, self._reading.named("encoder"), _HZ)
+                self._reading.reports(publication, self._reading.named("encoder"), _HZ)
             soon_ns = self._scheduler.now_ns + 1_000_000
             self._scheduler.call_at(soon_ns, lambda: self._publish(publication), background=True)
 
@@ -271,7 +271,7 @@ class NiryoRobot:
                 raise PlanningError("invalid_goal", f"{len(values)} shift values, 6 expected")
             self._arm.start("niryo_jog", self._arm.to_joints(goal), stack)
         except PlanningError as error:
-            self._commands.tell("command_ignored", f"jog moved nothing: {error.message}", stack)
+            self._commands.report("command_ignored", f"jog moved nothing: {error.message}", stack)
             return STATUS_OF[error.failure], error.message
         return _SUCCESS, "Success"
 
@@ -317,14 +317,14 @@ class NiryoRobot:
         return _SUCCESS, "Success"
 
     def _shown(self, request: Any, answer: Any) -> tuple[int, str]:
-        self._commands.tell(
+        self._commands.report(
             "not_simulated", "lights and sounds change nothing on the twin", self._commands.stack()
         )
         return _SUCCESS, "Success"
 
     def _refuse(self, request: Any, answer: Any) -> tuple[int, str]:
         message = "stored and computed trajectories are not simulated: nothing moved"
-        self._commands.tell("not_simulated", message, self._commands.stack())
+        self._commands.report("not_simulated", message, self._commands.stack())
         return _NOT_IMPLEMENTED, message
 
 

@@ -114,7 +114,7 @@ class BaxterDriver:
             self._ticking.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             if type_name in _OF_JOINTS:
-                self._reading.tells_joints(publication, _HZ)
+                self._reading.reports_joints(publication, _HZ)
             self._schedule(publication, self._tellers[type_name])
 
     def _schedule(self, publication: Publication, make: Callable[[str], Any]) -> None:
@@ -161,17 +161,17 @@ class BaxterDriver:
         asked = dict(zip(message.names, map(float, message.command), strict=False))
         known = {joint.name: joint for joint in self._twin.robot.joints}
         unknown = [name for name in asked if name not in known]
-        told = ""
+        fault = ""
         if not self._enabled:
-            told = "the robot is not enabled"
+            fault = "the robot is not enabled"
         elif unknown or not asked:
-            told = f"no joint '{next(iter(unknown), '')}'; {one_of(known)}"
+            fault = f"no joint '{next(iter(unknown), '')}'; {one_of(known)}"
         elif not np.isfinite(list(asked.values())).all():
-            told = "a command is not finite"
+            fault = "a command is not finite"
         elif message.mode == _TORQUE:
-            told = "commands of torque are not simulated, only positions and velocities"
-        if told:
-            self._streams.refuse(topic, told)
+            fault = "commands of torque are not simulated, only positions and velocities"
+        if fault:
+            self._streams.refuse(topic, fault)
         elif message.mode == _VELOCITY:
             moving = self._velocities.next(
                 asked, self._scheduler.now_ns, self._timeout_s.get(_side(topic), _TIMEOUT_S)
@@ -247,11 +247,11 @@ class BaxterDriver:
         message = self._messages.new("sensor_msgs/JointState")
         self._messages.stamp(message.header, self._scheduler.now_ns)
         state = self._twin.joint_state()
-        told = [i for i, name in enumerate(state.names) if name not in state.absent]
-        message.name = [state.names[i] for i in told]
-        message.position = [state.position[i] for i in told]
-        message.velocity = [state.velocity[i] for i in told]
-        message.effort = [state.effort[i] for i in told]
+        present = [i for i, name in enumerate(state.names) if name not in state.absent]
+        message.name = [state.names[i] for i in present]
+        message.position = [state.position[i] for i in present]
+        message.velocity = [state.velocity[i] for i in present]
+        message.effort = [state.effort[i] for i in present]
         return message
 
     def _endpoint(self, topic: str) -> Any:

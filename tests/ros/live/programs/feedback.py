@@ -23,12 +23,12 @@ def turned(angle):
 
 class Watcher:
     def __init__(self):
-        self.told = 0
+        self.heard = 0
         self.names = None
         self.events = []
 
     def feedback(self, feedback):
-        self.told += 1
+        self.heard += 1
         self.names = feedback.joint_names
 
     def active(self):
@@ -55,7 +55,7 @@ def main():
     watcher = Watcher()
     move(client, watcher)
     print("> events", watcher.events)
-    print("> names", watcher.names == JOINTS, watcher.told > 10)
+    print("> names", watcher.names == JOINTS, watcher.heard > 10)
 
 
 if __name__ == "__main__":

@@ -55,22 +55,22 @@ def syntax_error(found: UnexpectedToken, source: SourceText) -> HardwareError:
     before = _token_before(source, at)
     if _is_word(token) and "NAME" in expected and "KIND" not in expected:
         return HardwareError(
-            f"'{_word(token)}' is a word of SysML v2; expected {_told(expected)}; as a name it has "
+            f"'{_word(token)}' is a word of SysML v2; expected {_text(expected)}; as a name it has "
             "to stand in single quotes",
             source.location(at),
         )
     if token.type == "$END":
         end = len(source.text.rstrip())
         return HardwareError(
-            f"the file ends too early; expected {_told(expected)}", source.location(end)
+            f"the file ends too early; expected {_text(expected)}", source.location(end)
         )
     if "_SEMICOLON" in expected and before is not None and "\n" in source.text[before:at]:
         return HardwareError(
-            f"expected {_told(expected)} at the end of this line, before {_found(token)}",
+            f"expected {_text(expected)} at the end of this line, before {_found(token)}",
             source.location(before),
         )
     return HardwareError(
-        f"expected {_told(expected)}, found {_found(token)}{_advice(token, expected, source)}",
+        f"expected {_text(expected)}, found {_found(token)}{_advice(token, expected, source)}",
         source.location(at),
     )
 
@@ -109,22 +109,22 @@ def _found(token: Token) -> str:
     return f"'{text}'" if not text.startswith("'") else f"the name {text}"
 
 
-def _told(expected: Iterable[str]) -> str:
+def _text(expected: Iterable[str]) -> str:
     """Return what may stand here: a value, an element, or the signs and words themselves."""
     names = set(expected)
-    told: list[str] = []
+    words: list[str] = []
     if names >= _MEMBER:
-        told.append("an element such as 'part', 'attribute', 'metadata' or '@'")
+        words.append("an element such as 'part', 'attribute', 'metadata' or '@'")
         if "_CLOSE" in names:
-            told.append("'}'")
+            words.append("'}'")
         if "$END" in names:
-            told.append("the end of the file")
-        return _joined(told)
+            words.append("the end of the file")
+        return _joined(words)
     if names >= _VALUE:
-        told.append("a value: a number, a text in double quotes, true, false or a name")
+        words.append("a value: a number, a text in double quotes, true, false or a name")
         if "_CLOSE_ROUND" in names:
-            told.append("')'")
-        return _joined(told)
+            words.append("')'")
+        return _joined(words)
     plain = sorted(_PLAIN[each] for each in names - _SILENT if each in _PLAIN)
     if "NUMBER" in names:
         plain.insert(0, "a number")
@@ -134,8 +134,8 @@ def _told(expected: Iterable[str]) -> str:
     return _joined(plain) if plain else "something else"
 
 
-def _joined(told: list[str]) -> str:
-    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} or {told[-1]}"
+def _joined(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
 
 
 def _token_before(source: SourceText, at: int) -> int | None:

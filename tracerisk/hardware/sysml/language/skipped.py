@@ -14,7 +14,7 @@ def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
 
     Raises HardwareError at one that holds our metadata, which would be lost.
     """
-    told = []
+    warnings = []
     for top in files:
         counts: dict[str, list[int]] = {}
         for scope, node in _skipped(top):
@@ -28,11 +28,11 @@ def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
             counts.setdefault(node.word, []).append(node.at)
         for word, offsets in counts.items():
             number = f"{len(offsets)} elements are" if len(offsets) > 1 else "an element is"
-            told.append(
+            warnings.append(
                 f"{top.location(offsets[0])}: '{word}': {number} skipped; what a system does, "
                 "requires or connects is not part of the hardware description"
             )
-    return tuple(told)
+    return tuple(warnings)
 
 
 def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:

@@ -52,7 +52,7 @@ class FateWatch:
             link for each in robot.grippers for link in hand_links(robot, each.name)[1]
         )
         self._from_ns = 0
-        self._told_ns: int | None = None
+        self._notified_ns: int | None = None
         self._failed_ns: int | None = None
         self._end_ns: int | None = None
 
@@ -70,16 +70,16 @@ class FateWatch:
     def _recorded(self, event: str, time_ns: int, data: Mapping[str, Any]) -> None:
         if time_ns < self._from_ns:
             return
-        if event == "finding" and self._told_ns is None and data["kind"] in REPORTED:
+        if event == "finding" and self._notified_ns is None and data["kind"] in REPORTED:
             if (data["kind"], data["message"], data["object"]) not in self._reports:
-                self._told_ns = time_ns
+                self._notified_ns = time_ns
                 self._decide()
         elif event == "command" and self._shows_in(data["id"]):
             self._fail(time_ns)
 
     def _shows_in(self, command: int) -> bool:
         """Return whether it shows where a command is issued that the mission has failed."""
-        if self._only_touches or self._told_ns is not None:
+        if self._only_touches or self._notified_ns is not None:
             return not self._only_touches
         expected = self._arrivals.get(command)
         return expected is not None and bool(np.abs(self._twin.posture() - expected).max() > OFF)
@@ -101,8 +101,8 @@ class FateWatch:
         if self._failed_ns is None:
             return
         end_ns = self._failed_ns + round(UNTOLD_S * 1e9)
-        if self._told_ns is not None:
-            both_ns = max(self._failed_ns, self._told_ns) + round(TOLD_S * 1e9)
+        if self._notified_ns is not None:
+            both_ns = max(self._failed_ns, self._notified_ns) + round(TOLD_S * 1e9)
             end_ns = min(end_ns, both_ns)
         end_ns = -(-end_ns // self._twin.step_ns) * self._twin.step_ns
         if end_ns < self._scheduler.duration_ns:

@@ -159,13 +159,13 @@ class BranchPoints:
                 return
             _sleep(POLL_S / 4)
 
-    def _note(self, **told: object) -> None:
+    def _note(self, **cause: object) -> None:
         assert self._request.plan is not None
         log = os.open(
             self._request.plan.log, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644
         )
         try:
-            os.write(log, f"{json.dumps(told)}\n".encode())
+            os.write(log, f"{json.dumps(cause)}\n".encode())
         finally:
             os.close(log)
 

@@ -145,15 +145,15 @@ class BranchWatch:
             with contextlib.suppress(ValueError, TypeError, KeyError, RecursionError):
                 self._noted(json.loads(line), request, start)
 
-    def _noted(self, told: dict[str, Any], request: RunRequest, start: StartMark) -> None:
+    def _noted(self, entry: dict[str, Any], request: RunRequest, start: StartMark) -> None:
         assert request.plan is not None
-        index, known = told["index"], {each.index for each in request.plan.branches}
+        index, known = entry["index"], {each.index for each in request.plan.branches}
         if not isinstance(index, int) or index not in known:
             return
-        if "refused" in told:
-            self.refused[index] = str(told["refused"])[:500]
-        elif "process" in told and index not in self._left:
-            process = told["process"]
+        if "refused" in entry:
+            self.refused[index] = str(entry["refused"])[:500]
+        elif "process" in entry and index not in self._left:
+            process = entry["process"]
             handle, own = _of(process, start.pid), OwnTime(int(process))
             self._left.add(index)
             recording, written = request.plan.folders(index)
@@ -161,10 +161,10 @@ class BranchWatch:
             if request.written is not None:
                 moved = replace(moved, written=written)
             self._live[index] = _Live(handle, moved, own)
-        elif "code" in told and index in self._live:
+        elif "code" in entry and index in self._live:
             live = self._live.pop(index)
             live.close()
-            end = live.end or ProcessEnd(int(told["code"]))
+            end = live.end or ProcessEnd(int(entry["code"]))
             self._on_ended(index, live.request, replace(end, has_begun=True))
 
     def _look(self, live: _Live, settings: Settings) -> None:

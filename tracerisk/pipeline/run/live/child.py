@@ -160,7 +160,7 @@ class _LiveRun:
             self._recorder.note("failed", **self._refused)
             return
         self._scheduler.outlast()
-        self._tell_end(over, session.controller_code)
+        self._report_end(over, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
         self._twin.close()
         WallTime(time.perf_counter() - began, 0.0).write(self._folder)
@@ -244,7 +244,7 @@ class _LiveRun:
             parameters.set(f"/{DESCRIPTION}", parameters.get(f"/{DESCRIPTION}"))
         self._bridge.give_parameters()
 
-    def _tell_end(self, over: RunOver | None, code: int | None) -> None:
+    def _report_end(self, over: RunOver | None, code: int | None) -> None:
         if over is not None and over.cause != "ended":
             if over.cause in ("idle", "quiescent"):
                 self._recorder.note(MISSION_END, ns=self._watch.last_event_ns)

@@ -69,5 +69,5 @@ def trace_live(
     done = run_controller(
         controller, choice.robot, settings, launch, keep=keep, progress=progress, live_speed=speed
     )
-    told = (_MEASURED, *(f"{LOST} {each}" for each in _LOST))
-    return replace(done.trace, assumptions=(*told, *done.trace.assumptions))
+    assumptions = (_MEASURED, *(f"{LOST} {each}" for each in _LOST))
+    return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))

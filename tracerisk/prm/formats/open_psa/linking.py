@@ -129,7 +129,7 @@ class Linker:
                 nested, read = marked.nested, list(marked.gates)
             else:
                 nested = False
-            self._tell_duplicates(read, unresolved)
+            self._report_duplicates(read, unresolved)
             gates.append(GateDefinition(read[0], place, nested))
             if len(read) > 1:
                 inner = self._from.places.setdefault(
@@ -138,7 +138,7 @@ class Linker:
                 gates += [GateDefinition(gate, inner, nested=True) for gate in read[1:]]
         return gates
 
-    def _tell_duplicates(self, gates: list[Gate], unresolved: list[Unresolved]) -> None:
+    def _report_duplicates(self, gates: list[Gate], unresolved: list[Unresolved]) -> None:
         for gate in gates:
             if len(set(gate.inputs)) < len(gate.inputs):
                 twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)

@@ -203,7 +203,7 @@ class _Reader:
                     f"'{gate.name}' names two different gates, one at "
                     f"{self._elements['gate', gate.name].location}; rename one"
                 )
-            self._tell_duplicates(gate, place)
+            self._report_duplicates(gate, place)
 
     def _find(self, named: dict[str, str]) -> dict[str, str]:
         """Return what each name in a formula stands for: events, and tops of fault trees."""
@@ -212,7 +212,7 @@ class _Reader:
         found |= {name: name for name in self._houses}
         return found
 
-    def _tell_duplicates(self, gate: Gate, place: Element) -> None:
+    def _report_duplicates(self, gate: Gate, place: Element) -> None:
         if len(set(gate.inputs)) < len(gate.inputs):
             twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)
             self._findings.append(

@@ -14,7 +14,7 @@ from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.svg import Drawing, Point, box, number, tell, text_width, word
+from tracerisk.report.html.svg import Drawing, Point, add_title, box, number, text_width, word
 from tracerisk.report.html.tables import Cell, Column, Row, Table
 
 Edge = tuple[str, str]
@@ -36,7 +36,7 @@ class _Arrow:
     """A transition: what is written at it, whether it fails, its share of all that follows."""
 
     label: str
-    told: str
+    title: str
     fails: bool = False
 
 
@@ -80,12 +80,12 @@ def _arrows(model: HybridModel, states: dict[str, StateAssessment]) -> dict[Edge
         top = states[state.name].top_event
         for step in state.next:
             if step.weight > 0 and step.target in names:
-                told = f"{state.name} to {step.target}: {_onward(top, step.weight)}"
+                text = f"{state.name} to {step.target}: {_onward(top, step.weight)}"
                 label = f"{float(step.weight):.4g}"
-                arrows[state.name, step.target] = _Arrow(label, told)
+                arrows[state.name, step.target] = _Arrow(label, text)
         failure = states[state.name].failure_state
-        told = f"{state.name} to {failure}: {top:.6g}"
-        arrows[state.name, failure] = _Arrow(figures.probability(top), told, fails=True)
+        text = f"{state.name} to {failure}: {top:.6g}"
+        arrows[state.name, failure] = _Arrow(figures.probability(top), text, fails=True)
     return arrows
 
 
@@ -253,7 +253,7 @@ def _draw_state(drawing: Drawing, name: str, places: _Places, *, is_entry: bool)
         _draw_end(drawing, name, places, "node end")
         return
     group = drawing.group("node entry" if is_entry else "node", state=name, function=name)
-    tell(group, f"{name}, where a mission begins" if is_entry else name)
+    add_title(group, f"{name}, where a mission begins" if is_entry else name)
     centre = places.centres[name]
     box(group, centre, _width(name), _HEIGHT)
     word(group, *centre, name, "name")
@@ -272,7 +272,7 @@ def _draw_end(drawing: Drawing, name: str, places: _Places, kind: str) -> None:
 
 def _draw_label(drawing: Drawing, at: Point, arrow: _Arrow) -> None:
     group = drawing.group("label failing" if arrow.fails else "label")
-    tell(group, arrow.told)
+    add_title(group, arrow.title)
     box(group, at, text_width(arrow.label) + 8.0, _LABEL, "ground")
     word(group, *at, arrow.label, "figure")
 

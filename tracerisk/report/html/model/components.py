@@ -205,25 +205,25 @@ def _redundancy(component: Component) -> str:
     redundancy = component.redundancy
     if not redundancy:
         return "none: each is needed"
-    told = f"{redundancy.required} must work"
+    message = f"{redundancy.required} must work"
     if redundancy.has_spares:
-        told += ", spares"
+        message += ", spares"
     if redundancy.common_cause:
-        told += f", common cause {figures.percent(redundancy.common_cause)}"
-    return told
+        message += f", common cause {figures.percent(redundancy.common_cause)}"
+    return message
 
 
 def _figure(figure: FailureFigure) -> str:
-    told = f"{figure.value:.4g} per {figure.per.value}"
+    text = f"{figure.value:.4g} per {figure.per.value}"
     if figure.kind == "failure_rate":
-        told += ", a constant rate"
+        text += ", a constant rate"
     elif figure.kind == "weibull":
-        told = f"Weibull, life {figure.value:.4g} {figure.per.value}s, shape {figure.shape:.4g}"
+        text = f"Weibull, life {figure.value:.4g} {figure.per.value}s, shape {figure.shape:.4g}"
     if figure.standby:
-        told += ", in standby"
+        text += ", in standby"
     if figure.error_factor is not None:
-        told += f", error factor {figure.error_factor:.4g}"
-    return told
+        text += f", error factor {figure.error_factor:.4g}"
+    return text
 
 
 def _source(component: Component) -> str:

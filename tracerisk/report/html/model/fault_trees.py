@@ -21,7 +21,16 @@ from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.svg import Drawing, Point, box, circle, number, tell, text_width, word
+from tracerisk.report.html.svg import (
+    Drawing,
+    Point,
+    add_title,
+    box,
+    circle,
+    number,
+    text_width,
+    word,
+)
 
 MOST_NODES = 120
 """How many gates and events a drawing holds: those nearest to the top."""
@@ -81,7 +90,7 @@ def _shown(index: int, state: FunctionState, found: StateAssessment, leaves: Lea
     outline = tuple(
         _Outline(
             gate.name,
-            _told(gate),
+            _text(gate),
             ", ".join(map(leaves.label, gate.inputs)) or "nothing: it never happens",
         )
         for gate in tree.gates
@@ -113,13 +122,13 @@ def _drawn(
         for event in tree.events
     }
     houses = {house.name: house.state for house in tree.houses}
-    told = {each: figures.probability(value) for each, value in figures_of.items()}
-    told |= {each: "happens" if is_so else "never" for each, is_so in houses.items()}
+    values = {each: figures.probability(value) for each, value in figures_of.items()}
+    values |= {each: "happens" if is_so else "never" for each, is_so in houses.items()}
     widths = {
         each: _MARK
         + 14.0
         + text_width(leaves.label(each))
-        + (12.0 + text_width(told[each]) if each in told else 0.0)
+        + (12.0 + text_width(values[each]) if each in values else 0.0)
         for each in names
     }
     edges = [
@@ -150,7 +159,7 @@ def _drawn(
             _draw_gate(drawing, at, gates[each], state, hidden)
         else:
             node = drawing.group("node event", event=each, **_data(each, state))
-            _draw_event(node, at, leaves.label(each), told[each], is_house=each in houses)
+            _draw_event(node, at, leaves.label(each), values[each], is_house=each in houses)
     wide = max((lefts[each] + widths[each] for each in names), default=0.0)
     return drawing.markup(wide + 10.0, layout.width)
 
@@ -176,7 +185,7 @@ def _draw_edge(drawing: Drawing, start: Point, end: Point, edge: str) -> None:
 def _draw_gate(drawing: Drawing, at: Point, gate: Gate, state: FunctionState, hidden: int) -> None:
     x, y = at
     group = drawing.group("node gate", gate=gate.name, **_data(gate.name, state))
-    tell(group, f"{gate.name}: {_told(gate)}")
+    add_title(group, f"{gate.name}: {_text(gate)}")
     box(group, (x + _MARK / 2, y), _MARK, _ROW - 6.0)
     word(group, x + _MARK / 2, y, gate_mark(gate), "mark")
     if gate.kind in NEGATED:
@@ -185,15 +194,15 @@ def _draw_gate(drawing: Drawing, at: Point, gate: Gate, state: FunctionState, hi
     word(group, x + _MARK + 8.0, y, label, "name", "start")
 
 
-def _draw_event(group: Element, at: Point, name: str, told: str, *, is_house: bool) -> None:
+def _draw_event(group: Element, at: Point, name: str, words: str, *, is_house: bool) -> None:
     x, y = at
-    tell(group, f"{name}: {told}")
+    add_title(group, f"{name}: {words}")
     if is_house:
         box(group, (x + _MARK / 2, y), 16.0, 16.0)
     else:
         circle(group, (x + _MARK / 2, y), 8.0)
     word(group, x + _MARK + 8.0, y, name, "name", "start")
-    word(group, x + _MARK + 20.0 + text_width(name), y, told, "figure", "start")
+    word(group, x + _MARK + 20.0 + text_width(name), y, words, "figure", "start")
 
 
 def _data(name: str, state: FunctionState) -> dict[str, str]:
@@ -219,7 +228,7 @@ def _uppermost(tree: FaultTree, gates: Mapping[str, Gate]) -> dict[str, None]:
     return shown
 
 
-def _told(gate: Gate) -> str:
+def _text(gate: Gate) -> str:
     if gate.kind is GateKind.ATLEAST:
         return f"if at least {gate.k} of these fail"
     if gate.kind is GateKind.CARDINALITY:

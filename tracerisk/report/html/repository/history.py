@@ -22,13 +22,13 @@ _EARLIER = "Earlier commits that changed the risk, the oldest first"
 
 def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
     """Return the section of a history, the oldest commit first in chart and table."""
-    told = _rows(rows)
-    earlier = told[:-MOST_SHOWN] if len(told) > MOST_SHOWN + 1 else []
+    table_rows = _rows(rows)
+    earlier = table_rows[:-MOST_SHOWN] if len(table_rows) > MOST_SHOWN + 1 else []
     html = rendered(
         "history.html.j2",
         name=name,
         chart=Markup(history_svg({name: rows})),
-        table=_table("history", _LATEST if earlier else _ALL, told[len(earlier) :])
+        table=_table("history", _LATEST if earlier else _ALL, table_rows[len(earlier) :])
         if rows
         else None,
         earlier=_table("history-earlier", _EARLIER, earlier) if earlier else None,
@@ -37,11 +37,11 @@ def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
 
 
 def _rows(rows: Sequence[HistoryRow]) -> list[Row]:
-    told = []
+    found = []
     last: float | None = None
     for row in rows:
         risk = row.failure_probability
-        told.append(
+        found.append(
             Row(
                 (
                     Cell(row.name, note=row.date),
@@ -55,7 +55,7 @@ def _rows(rows: Sequence[HistoryRow]) -> list[Row]:
             )
         )
         last = risk if risk is not None else last
-    return told
+    return found
 
 
 def _table(name: str, caption: str, rows: Sequence[Row]) -> Table:

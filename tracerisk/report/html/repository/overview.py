@@ -87,7 +87,7 @@ def _row(row: OverviewRow, most: float, *, has_reports: bool) -> Row:
     risk = _risk(row)
     coverage = None if row.verdict is None else row.verdict.coverage
     folder, _, file = row.name.rpartition("/")
-    told = [
+    cells = [
         Cell(file, link=row.link, note="; ".join(each for each in (folder, row.error) if each)),
         Cell(_kind(row.verdict) if row.assessment is not None else figures.NOTHING),
         Cell(figures.NOTHING)
@@ -100,8 +100,8 @@ def _row(row: OverviewRow, most: float, *, has_reports: bool) -> Row:
         Cell(_function(row.assessment)),
     ]
     if has_reports:
-        told.append(Cell("report" if row.report else figures.NOTHING, link=row.report))
-    return Row(tuple(told))
+        cells.append(Cell("report" if row.report else figures.NOTHING, link=row.report))
+    return Row(tuple(cells))
 
 
 def _ranked(rows: Sequence[OverviewRow]) -> list[OverviewRow]:

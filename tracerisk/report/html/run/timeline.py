@@ -41,7 +41,7 @@ _REPLAY = (
     "replay_now",
     "replay",
 )
-_MOST_TOLD = 1000  # visits in the table; the chart has them all
+_MOST_LISTED = 1000  # visits in the table; the chart has them all
 _MOST_MARKS = 6  # in sight below the chart; more are folded
 _SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 
@@ -71,7 +71,7 @@ def timeline_section(
         marks=marks,
         most_marks=_MOST_MARKS,
         table=_table(trace, names),
-        left_out=max(len(trace.visits) - _MOST_TOLD, 0),
+        left_out=max(len(trace.visits) - _MOST_LISTED, 0),
     )
     scripts = ("timeline_time", *(_REPLAY if replay is not None else ()), *_CHART)
     styles = ("timeline", *(("replay",) if replay is not None else ()))
@@ -165,7 +165,7 @@ def _contact(contact: Contact) -> dict[str, Any]:
 def _table(trace: Trace, names: Mapping[FunctionRef, str]) -> Table:
     """Return the visits as a table: what the chart shows, in words."""
     rows = []
-    for number, visit in enumerate(trace.visits[:_MOST_TOLD], start=1):
+    for number, visit in enumerate(trace.visits[:_MOST_LISTED], start=1):
         name = names[visit.function]
         duration = "" if visit.duration_s is None else f"{visit.duration_s:.3f}"
         cells = (
@@ -202,5 +202,5 @@ def _spent(exposure: Exposure | None) -> str:
         ("grasping", exposure.grasping_s),
         ("reading", exposure.reading_s),
     )
-    told = [f"{word} {seconds:.2f} s" for word, seconds in times if seconds > 0.0]
-    return ", ".join([*told, *(["borderline"] if exposure.borderline else [])]) or "in use"
+    lines = [f"{word} {seconds:.2f} s" for word, seconds in times if seconds > 0.0]
+    return ", ".join([*lines, *(["borderline"] if exposure.borderline else [])]) or "in use"

@@ -308,7 +308,7 @@ class ActionClient:
         self._end.close()
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The action's name and type, for messages."""
         return f"{self._name} ({self._end.type_name})"
 

@@ -79,8 +79,8 @@ class SimpleActionClient:
         if not self.wait_for_result(execute_timeout):
             rospy.logdebug("Canceling goal")
             self.cancel_goal()
-            told = "finished within" if self.wait_for_result(preempt_timeout) else "didn't finish"
-            rospy.logdebug("Preempt %s specified preempt_timeout", told)
+            text = "finished within" if self.wait_for_result(preempt_timeout) else "didn't finish"
+            rospy.logdebug("Preempt %s specified preempt_timeout", text)
         return self.get_state()
 
     def wait_for_result(self, timeout: Any = _FOR_EVER) -> bool:
@@ -101,7 +101,7 @@ class SimpleActionClient:
         node().wait(
             lambda: self.simple_state == SimpleGoalState.DONE,
             timeout_ns if timeout_ns > 0 else None,
-            f"the result of action {self.action_client.told}",
+            f"the result of action {self.action_client.words}",
             "blocked" if served else "unmet",
         )
         return self.simple_state == SimpleGoalState.DONE
@@ -131,9 +131,9 @@ class SimpleActionClient:
     def get_goal_status_text(self) -> str:
         """Return what the server said with the goal's last state."""
         if self.gh is None:
-            told = "Called get_goal_status_text when no goal is running"
-            rospy.logerr(told)
-            return f"ERROR: {told}"
+            message = "Called get_goal_status_text when no goal is running"
+            rospy.logerr(message)
+            return f"ERROR: {message}"
         return self.gh.get_goal_status_text()
 
     def cancel_all_goals(self) -> None:

@@ -52,13 +52,13 @@ class Limb:
         )
         rospy.Subscriber(space + "endpoint_state", EndpointState, self._on_endpoint_states)
         rospy.Subscriber("robot/joint_states", JointState, self._on_joint_states)
-        told = f"{limb.capitalize()} limb init failed to get current"
+        text = f"{limb.capitalize()} limb init failed to get current"
         baxter_dataflow.wait_for(
-            lambda: self._joint_angle, timeout_msg=f"{told} joint_states from robot/joint_states"
+            lambda: self._joint_angle, timeout_msg=f"{text} joint_states from robot/joint_states"
         )
         baxter_dataflow.wait_for(
             lambda: self._cartesian_pose,
-            timeout_msg=f"{told} endpoint_state from {space}endpoint_state",
+            timeout_msg=f"{text} endpoint_state from {space}endpoint_state",
         )
 
     def _on_joint_states(self, msg: Any) -> None:

@@ -82,9 +82,9 @@ class Server:
     def _change_config(self, config: Any, level: int) -> Any:
         self.config = self.callback(config, level)
         if self.config is None:
-            told = "Reconfigure callback should return a possibly updated configuration."
-            rospy.logerr(told)
-            raise DynamicReconfigureCallbackException(told)
+            text = "Reconfigure callback should return a possibly updated configuration."
+            rospy.logerr(text)
+            raise DynamicReconfigureCallbackException(text)
         for param in self._params():
             rospy.set_param(self.ns + param["name"], self.config[param["name"]])
         self.update_topic.publish(encode_config(self.config))

@@ -32,7 +32,7 @@ def is_served(service: str, type_name: str) -> bool:
     return False
 
 
-def tell_unseen(what: str) -> None:
+def report_unseen(what: str) -> None:
     """Report what a camera would have measured, and the run goes on without."""
     current().recorder.finding(
         "unprovided", f"{what} needs a camera, and tracerisk simulates none", asking_place()

@@ -6,7 +6,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
-from ._camera import IS_ROS2, begin, tell_unseen
+from ._camera import IS_ROS2, begin, report_unseen
 from .apriltag import InterbotixAprilTagInterface
 
 __all__ = ["InterbotixArmTagInterface"]
@@ -36,7 +36,7 @@ class _ArmTag:
         del num_samples, position_only
         self.trans.header.frame_id = ref_frame or self.ref_frame
         self.trans.child_frame_id = arm_base_frame or self.arm_base_frame
-        tell_unseen(
+        report_unseen(
             "InterbotixArmTagInterface.find_ref_to_arm_base_transform leaves "
             f"'{self.trans.child_frame_id}' where it is: it"
         )

@@ -62,7 +62,7 @@ class ArmInterface(ABC):
     def _sleep(self, duration: float) -> None: ...
 
     @abstractmethod
-    def _tell(self, message: str) -> None: ...
+    def _report(self, message: str) -> None: ...
 
     @abstractmethod
     def _set_register(self, name: str, value: int) -> None: ...
@@ -173,7 +173,7 @@ class ArmInterface(ABC):
                     self._publish(found, moving_time, accel_time, blocking)
                     self.T_sb = T_sd
                 return found, True
-        self._tell("No valid pose could be found. Will not execute")
+        self._report("No valid pose could be found. Will not execute")
         return found, False
 
     def set_ee_pose_components(
@@ -222,7 +222,7 @@ class ArmInterface(ABC):
         moves, and the result is False.
         """
         if self.group_info.num_joints < 6 and (y != 0 or yaw != 0):
-            self._tell(
+            self._report(
                 "'y' and 'yaw' fields must be '0' when working with arms with fewer than 6dof."
             )
             return False
@@ -243,7 +243,7 @@ class ArmInterface(ABC):
             goal = facing @ within
             found, is_there = self.set_ee_pose_matrix(goal, path[-1], False, blocking=False)
             if not is_there:
-                self._tell(
+                self._report(
                     f"Only {index / count * 100:.2f}% of trajectory successfully planned. "
                     "Trajectory will not be executed."
                 )

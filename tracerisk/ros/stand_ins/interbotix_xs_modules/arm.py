@@ -119,7 +119,7 @@ class InterbotixArmXSInterface(ArmInterface):
     def _sleep(self, duration: float) -> None:
         rospy.sleep(duration)
 
-    def _tell(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         rospy.logwarn(message)
 
     def _set_register(self, name: str, value: int) -> None:

@@ -141,7 +141,7 @@ class GroupTargets(GroupState):
             self._server.execution.succeeded("planning_failure", self._name, place)
         except PlanningError as error:
             text = f"inverse kinematics of group '{self._name}' failed: {error.message}"
-            self._server.execution.tell(
+            self._server.execution.report(
                 "planning_failure", text, object_name=self._name, target=place
             )
             asked = "support approximate IK?" if approximate else "functional?"

@@ -334,7 +334,7 @@ class GroupPickPlace(GroupTargets):
         return PlaceLocation(place_pose=location, pre_place_approach=down, post_place_retreat=out)
 
     def _fail(self, code: ErrorCode, message: str) -> ErrorCode:
-        self._server.execution.tell("planning_failure", message)
+        self._server.execution.report("planning_failure", message)
         return code
 
     def _fail_without(self, options: Sequence[Any], message: str) -> ErrorCode:

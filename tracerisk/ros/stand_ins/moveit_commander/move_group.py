@@ -173,14 +173,14 @@ class MoveGroupCommander(GroupPickPlace):
         """
         if algorithm not in _RETIMING:
             message = f"Unknown time parameterization algorithm: {algorithm}; {one_of(_RETIMING)}"
-            self._server.execution.tell("planning_failure", message)
+            self._server.execution.report("planning_failure", message)
             return RobotTrajectory()
         scaling = Scaling(velocity_scaling_factor, acceleration_scaling_factor)
         try:
             timed = self._server.retime(conversions._twin_trajectory(traj_in), scaling)
         except PlanningError as error:
             message = f"a trajectory cannot be timed anew: {error.message}"
-            self._server.execution.tell("planning_failure", message)
+            self._server.execution.report("planning_failure", message)
             return RobotTrajectory()
         return conversions._trajectory_message(timed, self.get_planning_frame())
 
@@ -220,7 +220,7 @@ class MoveGroupCommander(GroupPickPlace):
             return False
         if not self._server.attach(object_name, link, touch_links or [link]):
             known = self._server.scene.world
-            self._server.execution.tell(
+            self._server.execution.report(
                 "attach_failure",
                 f"object '{object_name}' cannot be attached: the planning scene has no such "
                 f"object; {one_of(known, object_name)}",
@@ -262,7 +262,7 @@ class MoveGroupCommander(GroupPickPlace):
                     plan = self._server.plan_pose(self._name, goals, self._scaling, start)
         except PlanningError as error:
             text = f"planning for group '{self._name}' failed: {error.message}"
-            self._server.execution.tell("planning_failure", text, object_name=self._name)
+            self._server.execution.report("planning_failure", text, object_name=self._name)
             return Plan(ErrorCode.FRAME_TRANSFORM_FAILURE, None, error.message)
         if plan.trajectory is None:
             return plan
@@ -302,7 +302,7 @@ class MoveGroupCommander(GroupPickPlace):
             return self._pose_goal(link, self._framed(waypoint), "pose")
         except PlanningError as error:
             text = f"a waypoint: {error.message}"
-            self._server.execution.tell("planning_failure", text, object_name=self._name)
+            self._server.execution.report("planning_failure", text, object_name=self._name)
             return None
 
     def _start_message(self) -> Any:

@@ -307,13 +307,13 @@ class PlanningSceneInterface:
     def _apply(self, message: Any) -> None:
         scene = self._server.scene
         if message.operation == CollisionObject.REMOVE:
-            told = scene.cannot_remove(message.id)
-            if told is not None:
-                self._server.execution.tell("planning_scene", told, object_name=message.id)
+            refusal = scene.cannot_remove(message.id)
+            if refusal is not None:
+                self._server.execution.report("planning_scene", refusal, object_name=message.id)
             scene.remove(message.id)
         elif message.operation == CollisionObject.MOVE:
             if not scene.move(message.id, self._placed(message)):
-                self._tell_unknown(message.id, scene.world, "moved")
+                self._report_unknown(message.id, scene.world, "moved")
         elif message.operation == CollisionObject.APPEND and message.id in scene.world:
             scene.append(message.id, message)
         else:
@@ -331,7 +331,7 @@ class PlanningSceneInterface:
         elif item.id in scene.attached:
             self._server.detach(item.id)
         if not self._server.attach(item.id, message.link_name, message.touch_links):
-            self._tell_unknown(item.id, scene.world, "attached")
+            self._report_unknown(item.id, scene.world, "attached")
 
     def _placed(self, message: Any) -> Any:
         frame = self._server.frame(message.header.frame_id)
@@ -348,8 +348,8 @@ class PlanningSceneInterface:
         empty = message_pose(pose) == message_pose(type(pose)())
         return compose(frame, message_pose(poses[0] if empty and poses else pose))
 
-    def _tell_unknown(self, name: str, known: Any, what: str) -> None:
-        self._server.execution.tell(
+    def _report_unknown(self, name: str, known: Any, what: str) -> None:
+        self._server.execution.report(
             "attach_failure" if what == "attached" else "planning_scene",
             f"object '{name}' cannot be {what}: the planning scene has no such object; "
             f"{one_of(known, name)}",

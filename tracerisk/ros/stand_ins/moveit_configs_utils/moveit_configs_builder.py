@@ -29,7 +29,7 @@ class _WorkspaceFiles:
         if package in packages:
             return packages[package]
         known = ", ".join(packages) or "none"
-        self._tell(
+        self._report(
             f"package '{package}' is not in the workspace, which has {known}; its parameters are "
             "left out"
         )
@@ -43,16 +43,16 @@ class _WorkspaceFiles:
         try:
             return expand_xacro(path, current().packages, arguments=given).decode()
         except RobotError as error:
-            self._tell(f"{path.name} cannot be expanded, and is left out: {error.message}")
+            self._report(f"{path.name} cannot be expanded, and is left out: {error.message}")
             return None
 
     def left_out(self, what: str) -> dict[str, Any]:
         if not what.startswith("package "):
-            self._tell(f"{what} is not there; its parameters are left out")
+            self._report(f"{what} is not there; its parameters are left out")
         return {}
 
-    def _tell(self, message: str) -> None:
-        current().client(MoveGroupServer).execution.tell("configuration", message)
+    def _report(self, message: str) -> None:
+        current().client(MoveGroupServer).execution.report("configuration", message)
 
 
 class MoveItConfigsBuilder(ConfigsBuilder):

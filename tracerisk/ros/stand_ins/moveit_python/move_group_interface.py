@@ -58,7 +58,7 @@ class MoveGroupInterface:
         **kwargs: Any,
     ) -> Any:
         """Move to joint positions; return the MoveGroupResult, None without waiting."""
-        _tell_unknown("moveToJointPosition", kwargs, (*_TAKEN, "planning_scene_diff"))
+        _report_unknown("moveToJointPosition", kwargs, (*_TAKEN, "planning_scene_diff"))
         constraints = Constraints()
         for joint, position in zip(joints, positions, strict=False):
             constraints.joint_constraints.append(
@@ -81,7 +81,7 @@ class MoveGroupInterface:
         **kwargs: Any,
     ) -> Any:
         """Bring a link to a pose; return the MoveGroupResult, None without waiting."""
-        _tell_unknown("moveToPose", kwargs, _TAKEN)
+        _report_unknown("moveToPose", kwargs, _TAKEN)
         pose: PoseStamped = self._listener.transformPose(self._fixed_frame, pose_stamped)
         place = PositionConstraint(link_name=gripper_frame, weight=1.0)
         place.header.frame_id = self._fixed_frame
@@ -132,7 +132,7 @@ class MoveGroupInterface:
         self.planning_time = time
 
 
-def _tell_unknown(name: str, given: dict[str, Any], taken: Sequence[str]) -> None:
+def _report_unknown(name: str, given: dict[str, Any], taken: Sequence[str]) -> None:
     for argument in given:
         if argument not in taken:
             rospy.loginfo(f"{name}: unsupported argument: {argument}")

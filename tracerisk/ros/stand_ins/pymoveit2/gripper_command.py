@@ -126,8 +126,8 @@ class GripperCommand:
     def _ended(self, future: Any) -> None:
         status = future.result().status
         if status != GoalStatus.STATUS_SUCCEEDED:
-            told = enum_to_str(GoalStatus, status)
-            self._node.get_logger().error(f"The gripper's goal was unsuccessful: {told}")
+            text = enum_to_str(GoalStatus, status)
+            self._node.get_logger().error(f"The gripper's goal was unsuccessful: {text}")
         self._is_executing = False
 
     @property

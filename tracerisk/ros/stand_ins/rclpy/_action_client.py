@@ -157,9 +157,9 @@ class ActionClient(Entity):
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
         goal_id = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
-        told = f"action server {self._action_name} ({self._action_type._ros_type})"
+        text = f"action server {self._action_name} ({self._action_type._ros_type})"
         sent = _Sent(
-            goal_id, Future(waits_for=f"the answer of {told}", source=self), feedback_callback
+            goal_id, Future(waits_for=f"the answer of {text}", source=self), feedback_callback
         )
         sent.goal = self._end.send(
             goal,
@@ -224,8 +224,8 @@ class ActionClient(Entity):
         return response
 
     def _result(self, sent: _Sent) -> Future:
-        told = f"the result of a goal of {self._action_name} ({self._action_type._ros_type})"
-        future = Future(waits_for=told, source=self)
+        text = f"the result of a goal of {self._action_name} ({self._action_type._ros_type})"
+        future = Future(waits_for=text, source=self)
         goal = sent.goal
         if goal is None or goal.state is GoalState.REJECTED:
             # A server knows nothing of a goal that it refused.

@@ -92,8 +92,8 @@ class ActionServices:
                     )
                 )
         for server in servers:
-            if getattr(server.on_told, "__self__", None) is not self:
-                server.on_told = _Both(self, server.on_told)
+            if getattr(server.on_message, "__self__", None) is not self:
+                server.on_message = _Both(self, server.on_message)
 
     # What is called
 
@@ -177,7 +177,7 @@ class ActionServices:
                 by_controller=False,
             )
 
-    def told(self, goal: ActionGoal, what: str, message: Any) -> None:
+    def publish(self, goal: ActionGoal, what: str, message: Any) -> None:
         """Publish what a server has reported of a goal."""
         action, number = goal.client.name, _number(goal)
         self._goals_of(action)[number] = goal
@@ -219,7 +219,7 @@ class _Both:
 
     def __call__(self, goal: ActionGoal, what: str, message: Any) -> None:
         self._other(goal, what, message)
-        self._services.told(goal, what, message)
+        self._services.publish(goal, what, message)
 
 
 def _number(goal: ActionGoal) -> bytes:

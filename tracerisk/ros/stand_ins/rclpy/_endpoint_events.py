@@ -46,7 +46,7 @@ class EndpointEvents:
         """Note that somebody of the topic has a profile that does not fit in a policy."""
         self._misfits += 1
         info = QoSRequestedIncompatibleQoSInfo(self._misfits, 1, policy)
-        self._tell(_MISFITS, info)
+        self._report(_MISFITS, info)
 
     def watch(self, topic: str, peers: Callable[[], list[Any]]) -> None:
         """Look whenever somebody comes to the topic or leaves it, where a handler wants to know.
@@ -68,9 +68,9 @@ class EndpointEvents:
             return
         self._matched = now
         self._total += come
-        self._tell(_MATCHES, QoSSubscriptionMatchedInfo(self._total, come, len(now), come - gone))
+        self._report(_MATCHES, QoSSubscriptionMatchedInfo(self._total, come, len(now), come - gone))
 
-    def _tell(self, kinds: tuple[Any, ...], info: Any) -> None:
+    def _report(self, kinds: tuple[Any, ...], info: Any) -> None:
         for handler in self._handlers:
             if any(handler.event_type is kind for kind in kinds):
                 handler._note(info)

@@ -172,7 +172,7 @@ def _passes(place: _Place) -> bool:
     filters = place.filters
     if "throttle_duration_sec" in filters:
         clock = filters["throttle_time_source_type"]
-        now_ns = EPOCH_NS + run().scheduler.now_ns if clock is None else clock._told_ns
+        now_ns = EPOCH_NS + run().scheduler.now_ns if clock is None else clock._reported_ns
         if now_ns < place.throttled_ns + filters["throttle_duration_sec"] * 1e9:
             return False
         place.throttled_ns = now_ns

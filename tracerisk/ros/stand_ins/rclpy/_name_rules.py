@@ -20,8 +20,8 @@ def node_name_fault(name: str) -> Fault | None:
         return "node name must not be empty", 0
     odd = re.search(r"\W", name, re.ASCII)
     if odd is not None:
-        told = "node name must not contain characters other than alphanumerics or '_'"
-        return told, odd.start()
+        message = "node name must not contain characters other than alphanumerics or '_'"
+        return message, odd.start()
     if name[0].isdigit():
         return "node name must not start with a number", 0
     if len(name) > _LONGEST_NODE_NAME:
@@ -50,11 +50,11 @@ def topic_name_fault(name: str) -> Fault | None:
         return "topic name must not end with a forward slash", len(name) - 1
     odd = re.search(r"[^\w/~{}]", name, re.ASCII)
     if odd is not None:
-        told = (
+        message = (
             "topic name must not contain characters other than alphanumerics, '_', '/', '~', '{' "
             "or '}'"
         )
-        return told, odd.start()
+        return message, odd.start()
     tilde = name.find("~", 1)
     if tilde > 0:
         return "topic name must not have a tilde (~) elsewhere than at its start", tilde
@@ -67,8 +67,10 @@ def _substitution_fault(name: str) -> Fault | None:
     for match in _SUBSTITUTION.finditer(name):
         inner = match[1]
         if not inner or re.search(r"\W", inner, re.ASCII):
-            told = "substitution name must not contain characters other than alphanumerics or '_'"
-            return told, match.start(1)
+            message = (
+                "substitution name must not contain characters other than alphanumerics or '_'"
+            )
+            return message, match.start(1)
         if inner[0].isdigit():
             return "substitution name must not start with a number", match.start(1)
     rest = _SUBSTITUTION.sub(lambda match: "_" * len(match[0]), name)
@@ -85,8 +87,8 @@ def _absolute_fault(what: str, name: str) -> Fault | None:
         return f"{what} must not end with a '/'", len(name) - 1
     odd = re.search(r"[^\w/]", name, re.ASCII)
     if odd is not None:
-        told = f"{what} must not contain characters other than alphanumerics, '_' or '/'"
-        return told, odd.start()
+        message = f"{what} must not contain characters other than alphanumerics, '_' or '/'"
+        return message, odd.start()
     if len(name) > _LONGEST_FULL_NAME:
         return f"{what} must not be longer than {_LONGEST_FULL_NAME}", _LONGEST_FULL_NAME
     return _token_fault(what, name)

@@ -364,8 +364,8 @@ class NodeParameters:
         for parameter in wanted:
             self._store(parameter, descriptors, keeps_unset, event)
         self._publish_event(event)
-        for told in self._post_set_parameters_callbacks:
-            told(wanted)
+        for notify in self._post_set_parameters_callbacks:
+            notify(wanted)
         return SetParametersResult(successful=True)
 
     def _store(

@@ -63,7 +63,7 @@ class Client(Entity):
         came = run().scheduler.wait_until(
             lambda: future._done,
             timeout_ns=None if timeout_sec is None else round(timeout_sec * 1e9),
-            reason=self._told,
+            reason=self._text,
             kind=self._meaning_of_answer,
         )
         if not came:
@@ -78,13 +78,13 @@ class Client(Entity):
             AssertionError: a field holds what does not fit.
         """
         self._check(request)
-        future = Future(waits_for=self._told, source=self)
+        future = Future(waits_for=self._text, source=self)
         self._pending.append(future)
         future.add_done_callback(self.remove_pending_request)
         sent = copy_message(request)
         self._n_calls += 1
         number = self._n_calls
-        self._introspection.tell("REQUEST_SENT", number, request=sent)
+        self._introspection.report("REQUEST_SENT", number, request=sent)
         server = self._server()
         if server is None:
             run().scheduler.miss(self._need)
@@ -157,7 +157,7 @@ class Client(Entity):
         self._introspection.configure(service_event_qos_profile, introspection_state)
 
     @property
-    def _told(self) -> str:
+    def _text(self) -> str:
         return f"the response of service {self.srv_name} ({self.srv_type._ros_type})"
 
     @property
@@ -183,7 +183,7 @@ class Client(Entity):
         if not self._responses:
             return None
         future, response, number = self._responses.popleft()
-        self._introspection.tell("RESPONSE_RECEIVED", number, response=response)
+        self._introspection.report("RESPONSE_RECEIVED", number, response=response)
 
         async def call() -> None:
             if future in self._pending:

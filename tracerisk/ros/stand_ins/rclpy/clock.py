@@ -144,10 +144,10 @@ class Clock:
     def now(self) -> Time:
         """Return the time; a second reading at one instant is 1 ms later."""
         run().scheduler.touch()
-        return Time(nanoseconds=self._told_ns, clock_type=self._clock_type)
+        return Time(nanoseconds=self._reported_ns, clock_type=self._clock_type)
 
     @property
-    def _told_ns(self) -> int:
+    def _reported_ns(self) -> int:
         """What the clock shows [ns]; asking for it moves nothing."""
         start_ns = MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
         return start_ns + run().scheduler.now_ns
@@ -250,18 +250,18 @@ class ROSClock(Clock):
 
     @contextmanager
     def _jumping(self, jump: TimeJump) -> Iterator[None]:
-        told = [each for each in self._jump_handles if each._is_about(jump)]
-        for each in told:
+        concerned = [each for each in self._jump_handles if each._is_about(jump)]
+        for each in concerned:
             if each._pre_callback is not None:
                 each._pre_callback()
         yield
-        for each in told:
+        for each in concerned:
             if each._post_callback is not None:
                 each._post_callback(jump)
 
     @property
-    def _told_ns(self) -> int:
-        return self._set_ns if self._is_set else super()._told_ns
+    def _reported_ns(self) -> int:
+        return self._set_ns if self._is_set else super()._reported_ns
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Sleep until a time; False also where ROS time becomes active or inactive meanwhile."""

@@ -140,7 +140,7 @@ class _EventCallbacks:
     """What is called on the events of an endpoint; None where nothing is."""
 
     _kinds: ClassVar[dict[str, IntEnum]]
-    _told: ClassVar[dict[str, str]]
+    _text: ClassVar[dict[str, str]]
     use_default_callbacks: bool
 
     def _handlers(
@@ -148,8 +148,8 @@ class _EventCallbacks:
     ) -> Iterator[EventHandler]:
         for name, kind in self._kinds.items():
             callback = getattr(self, name)
-            if callback is None and self.use_default_callbacks and name in self._told:
-                callback = _warning(endpoint, self._told[name], topic_name)
+            if callback is None and self.use_default_callbacks and name in self._text:
+                callback = _warning(endpoint, self._text[name], topic_name)
             if callback is not None:
                 yield EventHandler(
                     callback_group=callback_group,
@@ -181,7 +181,7 @@ class SubscriptionEventCallbacks(_EventCallbacks):
         "incompatible_type": QoSSubscriptionEventType.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE,
         "matched": QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED,
     }
-    _told: ClassVar[dict[str, str]] = {
+    _text: ClassVar[dict[str, str]] = {
         "incompatible_qos": (
             "New publisher discovered on topic '{topic}', offering incompatible QoS. "
             "No messages will be received from it. Last incompatible policy: {policy}"
@@ -227,7 +227,7 @@ class PublisherEventCallbacks(_EventCallbacks):
         "incompatible_type": QoSPublisherEventType.RCL_PUBLISHER_INCOMPATIBLE_TYPE,
         "matched": QoSPublisherEventType.RCL_PUBLISHER_MATCHED,
     }
-    _told: ClassVar[dict[str, str]] = {
+    _text: ClassVar[dict[str, str]] = {
         "incompatible_qos": (
             "New subscription discovered on topic '{topic}', requesting incompatible QoS. "
             "No messages will be sent to it. Last incompatible policy: {policy}"

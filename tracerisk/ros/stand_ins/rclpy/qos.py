@@ -200,8 +200,8 @@ class QoSProfile:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}={getattr(self, name)}" for name in _DEFAULTS)
-        return f"{type(self).__name__}({told})"
+        text = ", ".join(f"{name}={getattr(self, name)}" for name in _DEFAULTS)
+        return f"{type(self).__name__}({text})"
 
     @property
     def is_latching(self) -> bool:

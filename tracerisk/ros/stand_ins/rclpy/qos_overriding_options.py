@@ -70,13 +70,13 @@ def _declare_qos_parameters(
         raise TypeError("Argument `entity_type` should be a subclass of Publisher or Subscription")
     kind = "publisher" if issubclass(entity_type, Publisher) else "subscription"
     suffix = "" if options.entity_id is None else f"_{options.entity_id}"
-    told = f"for {kind} `{topic_name}` with id `{options.entity_id}`"
+    text = f"for {kind} `{topic_name}` with id `{options.entity_id}`"
     for policy in options.policy_kinds:
         if kind == "subscription" and policy is QoSPolicyKind.LIFESPAN:
             continue
         name = f"qos_overrides.{topic_name}.{kind}{suffix}.{policy.name.lower()}"
         descriptor = ParameterDescriptor(
-            description=f"{policy.name.lower()} {told}", read_only=True
+            description=f"{policy.name.lower()} {text}", read_only=True
         )
         try:
             given = node.declare_parameter(name, _get_qos_policy_parameter(qos, policy), descriptor)
@@ -87,7 +87,7 @@ def _declare_qos_parameters(
         result = options.callback(qos)
         if not result.successful:
             raise InvalidQosOverridesError(
-                f"Provided QoS overrides {told}, are not valid: {result.reason}"
+                f"Provided QoS overrides {text}, are not valid: {result.reason}"
             )
 
 

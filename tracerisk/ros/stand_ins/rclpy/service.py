@@ -93,14 +93,14 @@ class Service(Entity):
         if not self._queue:
             return None
         request, reply, number = self._queue.popleft()
-        self._introspection.tell("REQUEST_RECEIVED", number, request=request)
+        self._introspection.report("REQUEST_RECEIVED", number, request=request)
 
         async def call() -> None:
             response = self.callback(request, self.srv_type.Response())
             if inspect.isawaitable(response):
                 response = await response
             self.send_response(response, reply)
-            self._introspection.tell("RESPONSE_SENT", number, response=response)
+            self._introspection.report("RESPONSE_SENT", number, response=response)
 
         return call
 

@@ -39,7 +39,7 @@ class Introspection:
                 self._srv_type.Event, self._topic, qos_profile
             )
 
-    def tell(self, kind: str, number: int, **said: Any) -> None:
+    def report(self, kind: str, number: int, **said: Any) -> None:
         """Publish a step of a call: `REQUEST_SENT` and the like of ServiceEventInfo."""
         if self._publisher is None:
             return

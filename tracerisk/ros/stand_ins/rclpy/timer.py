@@ -146,11 +146,11 @@ class Timer(Entity):
         async def call() -> None:
             if self.callback is None:
                 return
-            told = dict.fromkeys(self._info_names(), info)
+            given = dict.fromkeys(self._info_names(), info)
             if inspect.iscoroutinefunction(self.callback):
-                await self.callback(**told)
+                await self.callback(**given)
             else:
-                self.callback(**told)
+                self.callback(**given)
 
         return call
 

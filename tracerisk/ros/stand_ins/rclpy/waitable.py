@@ -43,8 +43,8 @@ class NumberOfEntities:
         )
 
     def __repr__(self) -> str:
-        told = ", ".join(str(getattr(self, name)) for name in self.__slots__)
-        return f"{type(self).__name__}({told})"
+        text = ", ".join(str(getattr(self, name)) for name in self.__slots__)
+        return f"{type(self).__name__}({text})"
 
 
 class Waitable(Entity):

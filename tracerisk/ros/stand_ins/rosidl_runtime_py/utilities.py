@@ -50,10 +50,10 @@ def is_action(interface: Any) -> bool:
     return all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 
-def _of_kind(identifier: str, space: str, told: str, is_kind: Any) -> Any:
+def _of_kind(identifier: str, space: str, text: str, is_kind: Any) -> Any:
     found = _find(identifier, space)
     if not is_kind(found):
-        raise ValueError(f"Expected the full name of {told}, got '{identifier}'")
+        raise ValueError(f"Expected the full name of {text}, got '{identifier}'")
     return found
 
 

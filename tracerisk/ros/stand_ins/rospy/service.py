@@ -137,8 +137,8 @@ def convert_return_to_response(response: Any, response_class: Any) -> Any:
     except AttributeError as error:
         raise ServiceException(f"handler returned invalid value: {error}") from error
     except TypeError as error:
-        told = "wrong number of values" if isinstance(response, list | tuple) else "invalid value"
-        raise ServiceException(f"handler returned {told}: {error}") from error
+        text = "wrong number of values" if isinstance(response, list | tuple) else "invalid value"
+        raise ServiceException(f"handler returned {text}: {error}") from error
 
 
 class ServiceProxy(_Service):
@@ -155,7 +155,7 @@ class ServiceProxy(_Service):
         self.persistent = persistent
         self.headers = headers
         self.seq = 0
-        node().scheduler.needs.tell_type("service", self.resolved_name, service_class._type)
+        node().scheduler.needs.note_type("service", self.resolved_name, service_class._type)
         node().graph.become_caller(self.resolved_name, service_class._type)
 
     def wait_for_service(self, timeout: float | Duration | None = None) -> None:
@@ -197,9 +197,9 @@ class ServiceProxy(_Service):
         try:
             response = state.graph.call(server, sent)
         except ServiceFailedError as error:
-            told = str(error).encode()
+            message = str(error).encode()
             raise ServiceException(
-                f"service [{self.resolved_name}] responded with an error: {told!r}"
+                f"service [{self.resolved_name}] responded with an error: {message!r}"
             ) from error
         if response is None:
             if state.is_shutdown:

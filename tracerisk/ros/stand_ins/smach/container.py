@@ -155,10 +155,10 @@ class Container(State):
         """Call who wants to know of the end."""
         self._call("termination", terminal_states, outcome)
 
-    def _call(self, kind: str, *told: Any) -> None:
+    def _call(self, kind: str, *data: Any) -> None:
         for callback, args in self._callbacks[kind]:
             try:
-                callback(self.userdata, *told, *args)
+                callback(self.userdata, *data, *args)
             except Exception as error:
                 log.logerr(f"a {kind} callback raised {error}")
                 raise InvalidUserCodeError(f"a {kind} callback raised {error}") from error

@@ -95,8 +95,8 @@ class Transformer:
         """
         self._check_thread()
         target, source = _stripped(target_frame, source_frame)
-        told = self._buffer.can_transform(target, source, time, timeout, return_debug_tuple=True)
-        _raise_unless(told, target_frame, source_frame)
+        answer = self._buffer.can_transform(target, source, time, timeout, return_debug_tuple=True)
+        _raise_unless(answer, target_frame, source_frame)
 
     def waitForTransformFull(
         self,
@@ -115,10 +115,10 @@ class Transformer:
         """
         self._check_thread()
         target, source, fixed = _stripped(target_frame, source_frame, fixed_frame)
-        told = self._buffer.can_transform_full(
+        answer = self._buffer.can_transform_full(
             target, target_time, source, source_time, fixed, timeout, return_debug_tuple=True
         )
-        _raise_unless(told, target_frame, source_frame)
+        _raise_unless(answer, target_frame, source_frame)
 
     def chain(
         self,
@@ -315,8 +315,8 @@ def _stripped(*frames: str) -> tuple[str, ...]:
     return tuple(strip_leading_slash(frame) for frame in frames)
 
 
-def _raise_unless(told: tuple[bool, str], target: str, source: str) -> None:
-    can_transform, reason = told
+def _raise_unless(answer: tuple[bool, str], target: str, source: str) -> None:
+    can_transform, reason = answer
     if can_transform:
         lookup_succeeded((source, target))
     else:

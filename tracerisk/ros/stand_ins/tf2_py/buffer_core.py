@@ -42,7 +42,7 @@ class BufferCore:
 
     def __init__(self, cache_time: Any = None) -> None:
         cache_ns = CACHE_NS if cache_time is None else nanoseconds(cache_time)
-        self._tree = TransformTree(cache_ns, warn=_warn, tells_span=not is_ros2(TransformStamped))
+        self._tree = TransformTree(cache_ns, warn=_warn, names_span=not is_ros2(TransformStamped))
 
     def set_transform(self, transform: Any, authority: str) -> None:
         """Note a TransformStamped; one that makes no sense is reported and dropped."""
@@ -207,22 +207,22 @@ class BufferCore:
         try:
             found = ask()
         except FrameError as error:
-            self._tell_failed(names, error.failure, str(error))
+            self._report_failed(names, error.failure, str(error))
             raise _EXCEPTIONS[error.failure](str(error)) from None
         lookup_succeeded(names)
         return found
 
-    def _tell_failed(self, names: tuple[str, ...], failure: str, message: str) -> None:
+    def _report_failed(self, names: tuple[str, ...], failure: str, message: str) -> None:
         """Record a look-up in vain under the frame that is missing, else under the source."""
         known = self._tree.frames
         missing = [name for name in names[::-1] if name not in known]
         if missing:
-            told = " and ".join(f"'{name}'" for name in sorted(missing))
-            lookup_failed(f"tf look-up of frame {told} failed", missing[0])
+            text = " and ".join(f"'{name}'" for name in sorted(missing))
+            lookup_failed(f"tf look-up of frame {text} failed", missing[0])
             return
         why = {"connectivity": "nothing connects them", "extrapolation": "not at that time"}
-        told = f"tf look-up of frame '{names[1]}' in '{names[0]}' failed"
-        lookup_failed(f"{told}: {why.get(failure, message)}", names[1])
+        text = f"tf look-up of frame '{names[1]}' in '{names[0]}' failed"
+        lookup_failed(f"{text}: {why.get(failure, message)}", names[1])
 
 
 def _client_time(time_ns: int) -> Any:

@@ -61,12 +61,12 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
     def set_transform(self, transform: Any, authority: str) -> None:
         """Note a TransformStamped; those who wait for it hear of it."""
         super().set_transform(transform, authority)
-        self._tell_of_new_data()
+        self._announce_new_data()
 
     def set_transform_static(self, transform: Any, authority: str) -> None:
         """Note a TransformStamped that holds for all times."""
         super().set_transform_static(transform, authority)
-        self._tell_of_new_data()
+        self._announce_new_data()
 
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = None
@@ -114,8 +114,8 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
             timeout,
             f"the transform from {source_frame} to {target_frame}",
         )
-        told = self.can_transform_core(target_frame, source_frame, time)
-        return told if return_debug_tuple else told[0]
+        answer = self.can_transform_core(target_frame, source_frame, time)
+        return answer if return_debug_tuple else answer[0]
 
     def can_transform_full(
         self,
@@ -136,10 +136,10 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
             timeout,
             f"the transform from {source_frame} over {fixed_frame} to {target_frame}",
         )
-        told = self.can_transform_full_core(
+        answer = self.can_transform_full_core(
             target_frame, target_time, source_frame, source_time, fixed_frame
         )
-        return told if return_debug_tuple else told[0]
+        return answer if return_debug_tuple else answer[0]
 
     async def lookup_transform_async(self, target_frame: str, source_frame: str, time: Any) -> Any:
         """Return the transform as soon as there is one (ROS 2)."""
@@ -202,7 +202,7 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
         future.add_done_callback(lambda _: self._new_data_callbacks.remove(on_new_data))
         return future
 
-    def _tell_of_new_data(self) -> None:
+    def _announce_new_data(self) -> None:
         for callback in tuple(self._new_data_callbacks):
             callback()
 

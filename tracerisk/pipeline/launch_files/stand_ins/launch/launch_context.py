@@ -126,7 +126,7 @@ class LaunchContext:
     def problem(self, entity: Any, error: Exception) -> None:
         """Note what could not be evaluated, once."""
         name = entity.describe()
-        reason = str(error) if isinstance(error, AbsentError) else f"{_told(error)}"
+        reason = str(error) if isinstance(error, AbsentError) else f"{_text(error)}"
         line = f"{name}: {reason}"
         if line not in self.reading.problems:
             self.reading.problems.append(line)
@@ -162,6 +162,6 @@ class LaunchContext:
                     self.walk(entity)
 
 
-def _told(error: Exception) -> str:
+def _text(error: Exception) -> str:
     text = str(error).strip().splitlines()
     return f"{type(error).__name__}: {text[0]}" if text else type(error).__name__

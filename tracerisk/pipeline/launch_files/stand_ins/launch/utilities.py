@@ -20,7 +20,7 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     from tracerisk.pipeline.launch_files.stand_ins.launch.substitutions import TextSubstitution
 
     if isinstance(subs, Absent):
-        raise AbsentError(f"{subs.told} is not here")
+        raise AbsentError(f"{subs.words} is not here")
     if isinstance(subs, Substitution):
         return [subs]
     if isinstance(subs, str):

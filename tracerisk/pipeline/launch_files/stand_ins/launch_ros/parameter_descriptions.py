@@ -69,13 +69,13 @@ def evaluate_parameters(context: Any, given: Any) -> Found:
     """Return what the `parameters` of a node come to."""
     found: Found = ([], [])
     if isinstance(given, Absent):
-        found[1].append(("*", f"{given.told} is not here"))
+        found[1].append(("*", f"{given.words} is not here"))
         return found
     if isinstance(given, Mapping | str | Substitution):
         given = [given]
     for each in given or ():
         if isinstance(each, Absent):
-            found[1].append(("*", f"{each.told} is not here"))
+            found[1].append(("*", f"{each.words} is not here"))
         elif isinstance(each, Mapping):
             _of_mapping(context, each, "", found)
         elif isinstance(each, Parameter):
@@ -108,7 +108,7 @@ def _put(context: Any, name: Any, value: Any, prefix: str, found: Found) -> None
 
 def _value(context: Any, value: Any) -> Any:
     if isinstance(value, Absent):
-        raise AbsentError(f"{value.told} is not here")
+        raise AbsentError(f"{value.words} is not here")
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
     if isinstance(value, Substitution):

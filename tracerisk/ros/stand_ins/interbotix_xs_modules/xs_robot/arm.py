@@ -110,7 +110,7 @@ class InterbotixArmXSInterface(ArmInterface):
     def _sleep(self, duration: float) -> None:
         self.core.get_node().get_clock().sleep_for(Duration(nanoseconds=int(duration * 1e9)))
 
-    def _tell(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         self.core.get_node().logwarn(message)
 
     def _set_register(self, name: str, value: int) -> None:

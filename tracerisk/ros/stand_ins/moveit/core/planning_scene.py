@@ -53,7 +53,7 @@ class PlanningScene(SceneChecks):
         self._forbidden: set[frozenset[str]] = set()
         self._acm = AllowedCollisionMatrix()
         self._acm._changed = self._follow_matrix
-        self._changes = SceneChanges(objects, self._server.robot, self._link_pose, _tell)
+        self._changes = SceneChanges(objects, self._server.robot, self._link_pose, _report)
 
     def _monitored(self) -> PlanningScene:
         """Become the scene of the monitor: its objects are the twin's."""
@@ -158,7 +158,7 @@ class PlanningScene(SceneChecks):
 
     def _frame(self, name: str, state: RobotState | None) -> Pose | None:
         pose = (state or self._state)._pose
-        return SceneChanges(self._objects, self._server.robot, pose, _tell).frame(name)
+        return SceneChanges(self._objects, self._server.robot, pose, _report).frame(name)
 
     def _link_pose(self, link: str) -> Pose:
         return self._state._pose(link)
@@ -212,5 +212,5 @@ class PlanningScene(SceneChecks):
         return True
 
 
-def _tell(message: str) -> None:
-    library().server.execution.tell("planning_scene", message)
+def _report(message: str) -> None:
+    library().server.execution.report("planning_scene", message)

@@ -149,7 +149,7 @@ class RobotState(JointValues):
             found = server.solve(group, pose, tip_name, self._positions)
         except PlanningError as error:
             text = f"set_from_ik failed: {error.message}"
-            server.execution.tell("ik_failure", text, object_name=group, target=pose.position)
+            server.execution.report("ik_failure", text, object_name=group, target=pose.position)
             return False
         server.execution.succeeded("ik_failure", group, pose.position)
         self._set_positions(found)

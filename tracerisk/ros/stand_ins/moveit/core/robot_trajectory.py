@@ -152,7 +152,7 @@ class RobotTrajectory:
             timed = server.retime(self._to_twin(), Scaling(velocity, acceleration), **settings)
         except PlanningError as error:
             message = f"a trajectory cannot be timed anew: {error.message}"
-            server.execution.tell("planning_failure", message)
+            server.execution.report("planning_failure", message)
             return False
         self._fill(timed, self._waypoints[0])
         return True

@@ -255,7 +255,7 @@ class PlanningComponent:
                     return self._line(scaling, start)
                 return self._reader.plan(self._name, self._goals, scaling, start)
         except RequestError as error:
-            self._tell(str(error))
+            self._report(str(error))
             return Plan(error.code, None, str(error))
 
     def _line(self, scaling: Scaling, start: Mapping[str, float] | None) -> Plan:
@@ -299,9 +299,9 @@ class PlanningComponent:
         message = robotStateToRobotStateMsg(state)
         return MotionPlanResponse._of(int(plan.code), trajectory, message, planner_id)
 
-    def _tell(self, reason: str) -> None:
+    def _report(self, reason: str) -> None:
         message = f"planning for group '{self._name}' failed: {reason}"
-        self._server.execution.tell("planning_failure", message, object_name=self._name)
+        self._server.execution.report("planning_failure", message, object_name=self._name)
 
     def _states(self) -> Mapping[str, Mapping[str, float]]:
         return self._server.robot.named_states.get(self._name, {})
@@ -315,7 +315,7 @@ class PlanningComponent:
                 f"'{self._name}'; {one_of(states, name)}"
             )
             log_error(message)
-            self._server.execution.tell("planning_failure", message, object_name=self._name)
+            self._server.execution.report("planning_failure", message, object_name=self._name)
             return None
         state = RobotState(self._model)
         state.set_to_default_values()

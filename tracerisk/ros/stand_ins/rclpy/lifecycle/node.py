@@ -274,8 +274,8 @@ def _state(number: int) -> Any:
 
 
 def _description(transition: Transition) -> Any:
-    told = TransitionDescription(
+    description = TransitionDescription(
         start_state=_state(transition.start), goal_state=_state(transition.goal)
     )
-    told.transition.id, told.transition.label = transition.id, transition.label
-    return told
+    description.transition.id, description.transition.label = transition.id, transition.label
+    return description

@@ -114,12 +114,12 @@ class IncludeLaunchDescription(Action):
         return [] if self.source.description is None else [self.source.description]
 
 
-def _places(path: Path, told: str) -> dict[str, str]:
-    """Return the local values that say where a launch file is: `told` where the path is no file."""
+def _places(path: Path, place: str) -> dict[str, str]:
+    """Return the local values that say where a launch file is: `place` where there is no file."""
     is_file = path.is_absolute()
     return {
-        "current_launch_file_path": str(path) if is_file else told,
-        "current_launch_file_directory": str(path.parent) if is_file else told,
+        "current_launch_file_path": str(path) if is_file else place,
+        "current_launch_file_directory": str(path.parent) if is_file else place,
     }
 
 

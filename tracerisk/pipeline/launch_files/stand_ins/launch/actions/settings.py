@@ -28,9 +28,9 @@ class DeclareLaunchArgument(Action):
         self.name = name
         self._default = default_value
         self.choices = None if choices is None else list(choices)
-        told = "no description given" if description is None else description
+        message = "no description given" if description is None else description
         valid = "" if self.choices is None else f" Valid choices are: {self.choices}"
-        self.description = told + valid
+        self.description = message + valid
         self._conditionally_included = False
 
     @property
