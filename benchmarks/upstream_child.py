@@ -184,7 +184,7 @@ def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], N
     started = job["started"]
     if started is not None and started["beside"]:
         from tracerisk.instrument.recording import Recorder
-        from tracerisk.pipeline.run.companion_run import Companions
+        from tracerisk.pipeline.run.companions.companion_run import Companions
         from tracerisk.pipeline.trace.run_files import Companion
 
         companions = tuple(Companion.from_json(each) for each in started["beside"])

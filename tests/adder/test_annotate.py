@@ -12,7 +12,8 @@ from tracerisk.adder.annotate import (
     Unchanged,
     annotate_sources,
 )
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.insert import strip_blocks
 from tracerisk.adder.sources.read import read_blocks

@@ -13,11 +13,10 @@ from tracerisk.adder.lock.lock import (
     WrittenBlock,
     WrittenComponent,
     as_written,
-    loads,
     lock_key,
-    read_lock,
     written_block,
 )
+from tracerisk.adder.lock.reading import loads, read_lock
 from tracerisk.adder.merge.merge import MergePolicy, merge
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import ExitCode

@@ -21,7 +21,8 @@ from tracerisk.adder.annotate import (
     annotate_sources,
 )
 from tracerisk.adder.blocks.grammar import print_block
-from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.lock.lock import Lock
+from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError

@@ -193,7 +193,8 @@ def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
 
 def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
     from tracerisk import pipeline, trace_json
-    from tracerisk.adder.lock.lock import ControllerLock, Lock, read_lock
+    from tracerisk.adder.lock.lock import ControllerLock, Lock
+    from tracerisk.adder.lock.reading import read_lock
 
     path = example.write("controller.py", two_steps)
     assert example.run("trace", "controller.py", "-o", "trace.json").code == 0

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import tracerisk
 from tracerisk import config, trace_json
-from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.lock.lock import Lock
+from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.shared.model_format import ModelFormat

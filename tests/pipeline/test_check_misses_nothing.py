@@ -18,7 +18,8 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.adder.lock.digest import digest_of
-from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.lock.lock import Lock
+from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import read_settings

@@ -7,7 +7,7 @@ import pytest
 from tracerisk import trace_json
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import run_inputs, stale_reasons
-from tracerisk.pipeline.run.companions import find_companions
+from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.ros.controller.needs import Need
 

@@ -6,7 +6,7 @@ import pytest
 
 from tracerisk.errors import InputError, RobotError, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording
-from tracerisk.pipeline.run.controller_run import _raise_failure
+from tracerisk.pipeline.run.ended_run import _raise_failure
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.graph.actions import Actions, GoalState, GoalStateError
+from tracerisk.ros.graph.action_goal import GoalState, GoalStateError
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.time.scheduler import RunOver
 

@@ -36,8 +36,9 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"expected three locks, BASE OURS THEIRS, and not {len(options.files)}; or --install"
         )
-    from tracerisk.adder.lock.lock import Lock, read_lock
+    from tracerisk.adder.lock.lock import Lock
     from tracerisk.adder.lock.merge_driver import merge_locks
+    from tracerisk.adder.lock.reading import read_lock
     from tracerisk.adder.sources.write import atomic_write
 
     paths = [Path(file) for file in options.files]

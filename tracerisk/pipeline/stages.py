@@ -16,7 +16,8 @@ from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceB
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks

@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.ros.gazebo.services import GazeboServices
-from tracerisk.ros.graph.actions import ActionChange, ActionGoal, Actions
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
 from tracerisk.ros.moveit.scene_services import SceneInterfaces

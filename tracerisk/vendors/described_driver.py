@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.ros.controller.thread import undisturbed
-from tracerisk.ros.graph.actions import ActionChange, ActionGoal, Actions
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.command_streams import CommandStreams

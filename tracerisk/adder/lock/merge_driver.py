@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tracerisk.adder.lock.lock import ControllerLock, Lock, joined_entry
+from tracerisk.adder.lock.lock import ControllerLock, Lock
+from tracerisk.adder.lock.reading import joined_entry
 
 
 def merge_locks(base: Lock, ours: Lock, theirs: Lock) -> Lock:

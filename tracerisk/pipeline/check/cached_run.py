@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.check.check import given_options

@@ -19,7 +19,8 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
-from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames

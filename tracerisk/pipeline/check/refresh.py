@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.lock.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.config import SANDBOX_SETTINGS, read_settings
 from tracerisk.errors import ControllerFailedError, Location

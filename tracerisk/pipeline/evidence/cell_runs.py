@@ -28,7 +28,8 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
-from tracerisk.pipeline.run.controller_run import ControllerRun, run_again
+from tracerisk.pipeline.run.controller_run import run_again
+from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, GRAPH_USE, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller

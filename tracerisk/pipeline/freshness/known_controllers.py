@@ -9,7 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location

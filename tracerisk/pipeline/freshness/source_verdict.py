@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
+from tracerisk.adder.lock.reading import read_lock
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.lock.digest import vouched_part
-from tracerisk.adder.lock.lock import LOCK_NAME, LockError, WrittenBlock, loads
+from tracerisk.adder.lock.lock import LOCK_NAME, LockError, WrittenBlock
+from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.history.repository import Repository

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import Protocol
 
-from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, loads
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
+from tracerisk.adder.lock.reading import loads
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.evidence.cells import EVIDENCE_NAME, Evidence
 from tracerisk.evidence.file import loads_evidence

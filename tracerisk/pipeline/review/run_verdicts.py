@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
-from tracerisk.adder.lock.lock import LOCK_NAME, loads, lock_key
+from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
+from tracerisk.adder.lock.reading import loads
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.history.repository import Repository

@@ -13,8 +13,9 @@ from tracerisk.hardware.binding import bind
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
-from tracerisk.pipeline.run.companions import find_companions
-from tracerisk.pipeline.run.controller_run import ControllerRun, Progress, run_controller
+from tracerisk.pipeline.run.companions.find import find_companions
+from tracerisk.pipeline.run.controller_run import Progress, run_controller
+from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.trace.run_files import Companion, DraftsNoted
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller

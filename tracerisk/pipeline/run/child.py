@@ -28,7 +28,7 @@ from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.branching.points import BranchPoints
-from tracerisk.pipeline.run.companion_run import Companions
+from tracerisk.pipeline.run.companions.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.preparation import leave_out_other_ros, prepare

@@ -8,43 +8,31 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tracerisk import dependencies, errors
+from tracerisk import errors
 from tracerisk.config import Settings
-from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import Note, Recording, read_recording
+from tracerisk.errors import Location
+from tracerisk.instrument.recording import Recording
 from tracerisk.limits import Limit, Sandbox
-from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run.child_output import PassingOn
-from tracerisk.pipeline.run.run_folders import check_left, run_folders
+from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, ended_run
+from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
-    AROUND,
-    DRAFTS,
     EVENTS,
-    JOINTS_ASKED,
-    LAUNCH,
-    MISSION_END,
     MOST_TEXT,
-    NEEDS,
     ROBOT,
-    SCENARIO,
     STACKS,
-    STARTED,
     TEMPORARY,
     Companion,
     DraftsNoted,
     RunRequest,
     WallTime,
 )
-from tracerisk.pipeline.trace.run_trace import make_trace
-from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
-from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.draft import Draft, drafts_of
 from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.sandbox.process import (
     OF_FORKED,
@@ -52,10 +40,8 @@ from tracerisk.sandbox.process import (
     is_contained,
     passed_environment,
     read_regular,
-    regular_within,
 )
 from tracerisk.sandbox.process import start as start_process
-from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch.choose import LaunchChoice
@@ -72,40 +58,10 @@ _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 
-@dataclass(frozen=True, slots=True)
-class ProcessEnd:
-    """How the process ended: its return code, or the limit that was reached and where.
-
-    `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
-    """
-
-    code: int
-    limit: str | None = None
-    location: Location | None = None
-    has_begun: bool = False
-    last_line: str = ""
-
-
 Watch = Callable[
     ["subprocess.Popen[bytes]", StartMark, RunRequest, Settings, "Progress | None"], ProcessEnd
 ]
 """Waits for the end of the process of a run, whose work begins at a mark."""
-
-
-@dataclass(frozen=True, slots=True)
-class ControllerRun:
-    """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`.
-
-    `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
-    `request` are what it ran with: enough to run it once more.
-    """
-
-    trace: Trace
-    robot: Robot
-    request: RunRequest
-    joints_asked: tuple[str, ...] = ()
-    needs: tuple[Need, ...] = ()
-    drafts: tuple[Draft, ...] = ()
 
 
 def run_controller(
@@ -224,50 +180,6 @@ def run_request(
     process_end = _run_child(request, folder, settings, progress, watch or _watch, quiet=quiet)
     done = ended_run(controller, robot, settings, request, process_end, progress, beside=beside)
     return replace(done, request=asked_for)
-
-
-def ended_run(
-    controller: Controller,
-    robot: Robot,
-    settings: Settings,
-    request: RunRequest,
-    process_end: ProcessEnd,
-    progress: Progress | None = None,
-    *,
-    beside: Recording | None = None,
-) -> ControllerRun:
-    """Return what a run showed whose process has ended, by what it left in its folder.
-
-    Its trace is to be judged `beside` another run, as `make_trace` says.
-
-    Raises LogError or LimitError at what is no recording, and the error with which it refused.
-    """
-    folder = Path(request.folder)
-    recording = _recording(folder, request)
-    _raise_failure(recording)
-    _raise_unstarted(recording, process_end, settings)
-    ran = controller.as_ran(recording.sources)
-    end = _run_end(recording, process_end, ran)
-    if progress is not None:
-        progress("attributing", end.simulated_s or 0.0)
-    trace = make_trace(
-        ran,
-        robot,
-        request.scene,
-        settings,
-        recording,
-        folder,
-        end,
-        beside=beside,
-    )
-    trace = trace.with_lines(lines_since(recording.sources, controller))
-    asked = [
-        name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]
-    ]
-    unmet = recording.note(NEEDS) or {"needs": ()}
-    needs = tuple(Need(kind, name, type_name) for kind, name, type_name in unmet["needs"])
-    drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
-    return ControllerRun(trace, robot, request, tuple(dict.fromkeys(asked)), needs, drafted)
 
 
 def _workspace(request: RunRequest) -> tuple[str, ...]:
@@ -444,121 +356,3 @@ def place_in(stacks: Path, root: Path) -> Location | None:
                 file = Path(found["file"]).relative_to(root).as_posix()
                 return Location(file, int(found["line"]))
     return None
-
-
-def _recording(folder: Path, request: RunRequest) -> Recording:
-    """Read what the child has left; it was able to put anything there.
-
-    Raises LimitError where a file is too large, LogError where one is malformed, or speaks of
-    sources outside of the workspace.
-    """
-    check_left(folder)
-    events = folder / EVENTS
-    found = read_recording(events) if events.exists() else Recording()
-    files = {site.ref.file for site in found.functions_ran}
-    files |= {frame.function.file for each in found.commands for frame in each.stack}
-    root = Path(request.root)
-    within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
-    known = regular_within((str(root / each) for each in files), within)
-    if request.written is not None and len(known) < len(files):
-        strange = sorted(each for each in files if root / each not in known)
-        raise errors.LogError(
-            f"speaks of {strange[0]}, which is not a file of the workspace", Location(EVENTS)
-        )
-    # What it was given is not for it to say.
-    notes = tuple(note for note in found.notes if note.kind != LAUNCH)
-    lines = [*request.launch_notes, *(each.line for each in request.companions)]
-    files_read = [] if request.launch is None else list(request.launch.sources)
-    files_read += [file for each in request.companions for file in each.files]
-    for each in found.notes:
-        if each.kind == AROUND and (read := regular_within(map(str, each.data["files"]), within)):
-            given = shown(read, root)
-            line = (
-                f"launch: parameter {each.data['name']} from {given[0]}, which starts other "
-                "nodes; --no-launch leaves it out"
-            )
-            lines += [] if line in lines else [line]
-            files_read += given
-    if lines and found.note(STARTED) is not None:
-        inputs = tuple(dict.fromkeys(files_read))
-        notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
-    return replace(found, notes=notes)
-
-
-def _raise_failure(recording: Recording) -> None:
-    """Raise the error with which the child refused to run anything."""
-    failed = recording.note("failed")
-    if failed is None or recording.note(STARTED) is not None:
-        return
-    if not isinstance(failed, dict):
-        failed = {}
-    # The recording is the controller's to write as well: it names an error, and makes none.
-    kind = getattr(errors, str(failed.get("error")), None)
-    if not isinstance(kind, type) or not issubclass(kind, TraceRiskError):
-        kind = errors.InputError
-    message = str(failed.get("message", "the controller's process refused to run"))
-    match failed.get("location"):
-        case [str(file), int() | None as line, int() | None as column]:
-            raise kind(message, Location(file, line, column))
-    raise kind(message)
-
-
-def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settings) -> None:
-    """Raise what kept the process from reaching the controller's first line."""
-    if recording.note(STARTED) is not None or process.limit is not None:
-        return
-    if process.has_begun:
-        raise errors.LogError(
-            "the recording of the run is gone: the controller's process has removed it"
-        )
-    if settings.memory_limit_mb < Settings().memory_limit_mb:
-        raise errors.InputError(
-            f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "
-            f"with --memory-limit (default: {Settings().memory_limit_mb})"
-        )
-    if process.code == -signal.SIGKILL:
-        raise errors.LimitError(
-            "the process of the run was ended by SIGKILL before it began: the system may be short "
-            "of memory; free some"
-        )
-    dependencies.check(dependencies.SIMULATION)
-    said = f": {process.last_line}" if process.last_line else ""
-    raise RuntimeError(
-        f"the process of the run ended with code {process.code} before it began{said}"
-    )
-
-
-def _run_end(recording: Recording, process: ProcessEnd, controller: Controller) -> RunEnd:
-    # What comes after a limit, while the process is being ended, is no end of its own.
-    recorded = recording.end if process.limit is None else None
-    mission_end = recording.note(MISSION_END)
-    simulated_s = (recorded.time_ns if recorded else recording.last_ns) / 1e9
-    if mission_end is not None:
-        simulated_s = mission_end["ns"] / 1e9
-    if recorded is not None:
-        end = RunEnd(recorded.cause, recorded.message, simulated_s, recorded.location)
-    elif process.limit is not None:
-        end = RunEnd("wall_limit", process.limit, simulated_s, process.location)
-    elif process.code < 0:
-        name = signal.Signals(-process.code).name
-        end = RunEnd("died", f"the controller's process was ended by {name}", simulated_s)
-    else:
-        end = RunEnd(
-            "died",
-            f"the controller's process ended with code {process.code} and gave no reason",
-            simulated_s,
-        )
-    if end.location is None and not end.is_good:
-        end = RunEnd(end.cause, end.message, simulated_s, _last_place(recording, controller))
-    if end.cause == "duration" and not recording.commands:
-        end = replace(end, cause="no_motion", message=f"nothing was commanded, and {end.message}")
-    scenario = recording.note(SCENARIO)
-    return end if scenario is None else replace(end, scenario=scenario["lines"])
-
-
-def _last_place(recording: Recording, controller: Controller) -> Location:
-    """Return where the last command was issued: the nearest thing to where a dead child stood."""
-    frames: Sequence[Any] = recording.commands[-1].stack if recording.commands else ()
-    if not frames:
-        return Location(controller.file, 1)
-    return Location(frames[-1].function.file, frames[-1].site[0])

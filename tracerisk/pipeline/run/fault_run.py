@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.attempts import trace_attempts
-from tracerisk.pipeline.run.controller_run import ControllerRun, Progress, run_again
+from tracerisk.pipeline.run.controller_run import Progress, run_again
+from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import NOTES, Finding, Reason, Trace
 from tracerisk.twin.faults.fault import Fault, check_faults

@@ -18,7 +18,7 @@ from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
-from tracerisk.pipeline.run.controller_run import ControllerRun
+from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import DRAFTED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError

@@ -10,7 +10,6 @@ must not wait: a client library queues what runs code of the controller.
 
 from __future__ import annotations
 
-import enum
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,231 +17,10 @@ from typing import Any, Literal
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.graph.action_goal import ActionGoal, ignore
 from tracerisk.ros.graph.runtime import Runtime
 
 ActionChange = Literal["client", "client_gone", "served", "unserved"]
-
-
-class GoalState(enum.Enum):
-    """What a goal has come to, as its server says.
-
-    ROS 1 knows no ACCEPTED (its goals are ACTIVE at once), ROS 2 neither RECALLING nor RECALLED
-    nor LOST; REJECTED has a response but no status in ROS 2.
-    """
-
-    PENDING = "pending"
-    ACCEPTED = "accepted"
-    ACTIVE = "active"
-    RECALLING = "recalling"
-    PREEMPTING = "preempting"
-    REJECTED = "rejected"
-    RECALLED = "recalled"
-    PREEMPTED = "preempted"
-    SUCCEEDED = "succeeded"
-    ABORTED = "aborted"
-    LOST = "lost"
-
-    @property
-    def is_terminal(self) -> bool:
-        """Whether nothing follows."""
-        return self in _TERMINAL
-
-    @property
-    def ros1_status(self) -> int:
-        """The number of the state in actionlib_msgs/GoalStatus."""
-        return _ROS1_STATUS[self]
-
-    @property
-    def ros2_status(self) -> int:
-        """The number of the state in action_msgs/GoalStatus."""
-        return _ROS2_STATUS[self]
-
-
-_TERMINAL = frozenset(
-    {
-        GoalState.REJECTED,
-        GoalState.RECALLED,
-        GoalState.PREEMPTED,
-        GoalState.SUCCEEDED,
-        GoalState.ABORTED,
-        GoalState.LOST,
-    }
-)
-_ROS1_STATUS = {
-    GoalState.PENDING: 0,
-    GoalState.ACCEPTED: 1,
-    GoalState.ACTIVE: 1,
-    GoalState.PREEMPTED: 2,
-    GoalState.SUCCEEDED: 3,
-    GoalState.ABORTED: 4,
-    GoalState.REJECTED: 5,
-    GoalState.PREEMPTING: 6,
-    GoalState.RECALLING: 7,
-    GoalState.RECALLED: 8,
-    GoalState.LOST: 9,
-}
-_ROS2_STATUS = {
-    GoalState.PENDING: 0,
-    GoalState.ACCEPTED: 1,
-    GoalState.ACTIVE: 2,
-    GoalState.RECALLING: 3,
-    GoalState.PREEMPTING: 3,
-    GoalState.SUCCEEDED: 4,
-    GoalState.RECALLED: 5,
-    GoalState.PREEMPTED: 5,
-    GoalState.ABORTED: 6,
-    GoalState.REJECTED: 6,
-    GoalState.LOST: 0,
-}
-
-
-def _ignore(*_message: Any) -> None:
-    del _message
-
-
-class GoalStateError(Exception):
-    """A server asked for a step that the goal's state does not allow."""
-
-
-@dataclass(slots=True, eq=False)
-class ActionGoal:
-    """A goal from the moment it was sent.
-
-    `message` is the goal as sent, `stack` that of the code which sent it, `sent_ns` when.
-    `on_change` is called after each change of state, `on_feedback` with each feedback; a client
-    library sets both. `data` is free for the server. `result` stays None until a terminal state.
-    """
-
-    id: Any
-    client: ActionClientEnd
-    server: ActionServerEnd | None
-    message: Any
-    stack: tuple[Any, ...]
-    sent_ns: int
-    on_change: Callable[[ActionGoal], None] = _ignore
-    on_feedback: Callable[[ActionGoal, Any], None] = _ignore
-    state: GoalState = GoalState.PENDING
-    text: str = ""
-    result: Any = None
-    is_cancel_asked: bool = False
-    data: Any = None
-
-    # The server's side
-
-    def accept(self, text: str = "", *, executing: bool = True) -> None:
-        """Take the goal; it is ACTIVE, or ACCEPTED until `execute` where not `executing`.
-
-        Raises:
-            GoalStateError: the goal does not wait to be taken.
-        """
-        self._expect("accept", GoalState.PENDING, GoalState.RECALLING)
-        if self.state is GoalState.RECALLING:
-            self._become(GoalState.PREEMPTING, text)
-        else:
-            self._become(GoalState.ACTIVE if executing else GoalState.ACCEPTED, text)
-
-    def execute(self) -> None:
-        """Begin the work of an accepted goal.
-
-        Raises:
-            GoalStateError: the goal is not merely accepted.
-        """
-        self._expect("execute", GoalState.ACCEPTED)
-        self._become(GoalState.ACTIVE, self.text)
-
-    def reject(self, text: str = "", result: Any = None) -> None:
-        """Refuse the goal.
-
-        Raises:
-            GoalStateError: the goal does not wait to be taken.
-        """
-        self._expect("reject", GoalState.PENDING, GoalState.RECALLING)
-        self._become(GoalState.REJECTED, text, result)
-
-    def accept_cancel(self, text: str = "") -> None:
-        """Agree to end the goal early: RECALLING or PREEMPTING.
-
-        Raises:
-            GoalStateError: the goal is over or ends already.
-        """
-        self._expect("cancel", GoalState.PENDING, GoalState.ACCEPTED, GoalState.ACTIVE)
-        is_pending = self.state is GoalState.PENDING
-        self._become(GoalState.RECALLING if is_pending else GoalState.PREEMPTING, text)
-
-    def cancel(self, result: Any = None, text: str = "") -> None:
-        """End the goal early: RECALLED where it was not taken yet, else PREEMPTED.
-
-        Raises:
-            GoalStateError: the goal is over.
-        """
-        self._expect("set canceled", *_LIVE)
-        untaken = self.state in (GoalState.PENDING, GoalState.RECALLING)
-        self._become(GoalState.RECALLED if untaken else GoalState.PREEMPTED, text, result)
-
-    def succeed(self, result: Any = None, text: str = "") -> None:
-        """End the goal as reached.
-
-        Raises:
-            GoalStateError: the goal is not being pursued.
-        """
-        self._expect("set succeeded", *_PURSUED)
-        self._become(GoalState.SUCCEEDED, text, result)
-
-    def abort(self, result: Any = None, text: str = "") -> None:
-        """End the goal as failed.
-
-        Raises:
-            GoalStateError: the goal is not being pursued.
-        """
-        self._expect("set aborted", *_PURSUED)
-        self._become(GoalState.ABORTED, text, result)
-
-    def publish_feedback(self, feedback: Any) -> None:
-        """Send feedback to the client."""
-        copied = self._copied(feedback)
-        self.on_feedback(self, copied)
-        self._report("feedback", copied)
-
-    # The client's side
-
-    def ask_cancel(self) -> None:
-        """Ask the server to end the goal early; it decides.
-
-        A goal that is over, or ends early already, is left alone.
-        """
-        if self.state.is_terminal or self.state in (GoalState.RECALLING, GoalState.PREEMPTING):
-            return
-        self.is_cancel_asked = True
-        if self.server is not None and not self.server.closed:
-            self.server.on_cancel(self)
-
-    def _expect(self, step: str, *allowed: GoalState) -> None:
-        if self.state not in allowed:
-            names = ", ".join(state.name for state in allowed)
-            raise GoalStateError(
-                f"cannot {step} a goal of {self.client.name} that is {self.state.name}; "
-                f"the goal must be one of {names}"
-            )
-
-    def _become(self, state: GoalState, text: str, result: Any = None) -> None:
-        self.state, self.text = state, text
-        if state.is_terminal:
-            self.result = None if result is None else self._copied(result)
-            if self.server is not None:
-                self.server.forget(self)
-        self.on_change(self)
-        self._report("state", None)
-
-    def _copied(self, message: Any) -> Any:
-        return message if self.server is None else self.server.copy(message)
-
-    def _report(self, what: Literal["feedback", "state"], message: Any) -> None:
-        if self.server is not None:
-            self.server.on_message(self, what, message)
-
-
-_PURSUED = (GoalState.ACCEPTED, GoalState.ACTIVE, GoalState.PREEMPTING)
-_LIVE = (*_PURSUED, GoalState.PENDING, GoalState.RECALLING)
 
 
 @dataclass(slots=True, eq=False)
@@ -266,7 +44,7 @@ class ActionServerEnd:
     is_scenario: bool = False
     place: Location | None = None
     is_called: bool = False
-    on_message: Callable[[ActionGoal, str, Any], None] = _ignore
+    on_message: Callable[[ActionGoal, str, Any], None] = ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
 
@@ -334,8 +112,8 @@ class ActionClientEnd:
         message: Any,
         *,
         goal_id: Any = None,
-        on_change: Callable[[ActionGoal], None] = _ignore,
-        on_feedback: Callable[[ActionGoal, Any], None] = _ignore,
+        on_change: Callable[[ActionGoal], None] = ignore,
+        on_feedback: Callable[[ActionGoal, Any], None] = ignore,
         data: Any = None,
     ) -> ActionGoal:
         """Send a goal, with the stack of the running code; it stays PENDING where nobody serves.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.robot.messages import TwinMessages
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import RobotError
-from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.graph import Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, ActionGoal, Actions
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time

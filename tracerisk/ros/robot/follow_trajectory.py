@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.ros.graph.actions import ActionGoal, GoalState
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.motion.execution import Motion

@@ -8,7 +8,8 @@ from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.drafts.draft import action_parts
-from tracerisk.ros.graph.actions import ActionGoal, Actions
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import GoalScript, ServedAction

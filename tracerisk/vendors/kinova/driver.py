@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands

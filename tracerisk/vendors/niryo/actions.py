@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages

@@ -14,14 +14,8 @@ from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.branching.watch import BranchWatch
-from tracerisk.pipeline.run.controller_run import (
-    ControllerRun,
-    ProcessEnd,
-    Progress,
-    ended_run,
-    run_again,
-    run_request,
-)
+from tracerisk.pipeline.run.controller_run import Progress, run_again, run_request
+from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, ended_run
 from tracerisk.pipeline.run.fault_run import FaultRun, with_faults_named
 from tracerisk.pipeline.run.run_folders import keep_recording, run_folders
 from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest

@@ -16,13 +16,13 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.controller_run import (
-    ProcessEnd,
     Progress,
     place_in,
     reached_limit,
     simulated_so_far,
     size_of,
 )
+from tracerisk.pipeline.run.ended_run import ProcessEnd
 from tracerisk.pipeline.trace.run_files import EVENTS, STACKS, RunRequest, WallTime
 from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.sandbox.process import read_regular

@@ -13,7 +13,8 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rospy.rostime import duration_ns
 from std_msgs.msg import Header
 
-from tracerisk.ros.graph.actions import ActionGoal, Actions
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current

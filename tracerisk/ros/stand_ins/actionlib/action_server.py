@@ -10,7 +10,8 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
-from tracerisk.ros.graph.actions import ActionGoal, Actions, ActionServerEnd
+from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.actions import Actions, ActionServerEnd
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current

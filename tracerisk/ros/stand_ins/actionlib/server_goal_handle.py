@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from tracerisk.ros.graph.actions import ActionGoal, GoalState
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.time.clock import EPOCH_NS
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
-from tracerisk.ros.graph.actions import GoalState
+from tracerisk.ros.graph.action_goal import GoalState
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
 

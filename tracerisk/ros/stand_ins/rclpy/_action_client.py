@@ -15,7 +15,7 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
-from tracerisk.ros.graph.actions import ActionGoal, GoalState
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.time.clock import EPOCH_NS
 

@@ -11,7 +11,7 @@ from typing import Any
 from action_msgs.msg import GoalInfo
 from unique_identifier_msgs.msg import UUID
 
-from tracerisk.ros.graph.actions import ActionGoal, GoalState, GoalStateError
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState, GoalStateError
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.messages.ros2 import copy_message
 

@@ -13,7 +13,8 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
-from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, ActionGoal, GoalState
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
+from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd
 from tracerisk.ros.graph.graph import Publication, ServiceServer
 from tracerisk.ros.time.clock import EPOCH_NS
 

@@ -1,0 +1,196 @@
+"""What the lock says of the blocks of a controller, and what its sources hold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    FieldKind,
+    component_fields,
+)
+from tracerisk.adder.lock.digest import is_as_written
+from tracerisk.adder.lock.lock import (
+    ControllerLock,
+    WrittenBlock,
+    as_written,
+)
+from tracerisk.adder.merge.bases import bases_of, merge_with_bases
+from tracerisk.adder.sources.functions import functions_in
+from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.adder.sources.renames import base_with_names
+from tracerisk.errors import Location
+from tracerisk.instance_name import places
+from tracerisk.pipeline.check.finding import CheckFinding
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.records import dataclass
+from tracerisk.trace import QualifiedName
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.bases import SourceEvidence
+    from tracerisk.adder.merge.merge import HandEdit
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedSource:
+    """A file with blocks: the name it has in messages and the lock, and what it holds."""
+
+    file: str
+    shown: str
+    source: bytes
+    placed: tuple[PlacedBlock, ...]
+    renamed: Mapping[QualifiedName, QualifiedName]
+
+
+def blocks_against_lock(
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[CheckedSource],
+    evidence: SourceEvidence,
+) -> Iterable[CheckFinding]:
+    """Yield what the sources do not hold as it was written: blocks renamed, edited, lost, gone."""
+    for each in sources:
+        for old, new in each.renamed.items():
+            line = next(b.first_line for b in each.placed if b.function == new)
+            yield CheckFinding(
+                "orphaned",
+                f"the function of the block `{old}` is called `{new}` now",
+                Location(each.shown, line),
+                old,
+            )
+        current = {block.function: block for block in each.placed}
+        bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
+        reported = set()
+        for name, placed in current.items():
+            written = bases[0].get(name)
+            lost = () if written is None else tuple(_lost_lines(written, each, placed))
+            yield from lost
+            if lost:
+                reported.add(name)
+        yield from _edits(bases, each, current, evidence, reported)
+        yield from _missing(entry, each, current)
+    gone = set(entry.blocks) - {each.file for each in sources}
+    for file in sorted(file for file in gone if entry.blocks[file]):
+        shown = str(controller.path_of(file))
+        names = ", ".join(sorted(entry.blocks[file]))
+        yield CheckFinding(
+            "missing", f"the file is gone, and with it the blocks of {names}", Location(shown)
+        )
+
+
+def _edits(
+    bases: Sequence[Mapping[str, WrittenBlock]],
+    source: CheckedSource,
+    current: Mapping[QualifiedName, PlacedBlock],
+    evidence: SourceEvidence,
+    reported: Collection[QualifiedName],
+) -> Iterable[CheckFinding]:
+    """Yield what is not as the lock says it was written, and whose work that is.
+
+    Of the functions in `reported` it is known already that they are stale.
+    """
+    for name, placed in current.items():
+        written = bases[0].get(name)
+        is_settled = written is not None and is_as_written(placed.block, written)
+        if is_settled or placed.block.added:
+            continue
+        from tracerisk.adder.merge.merge import MergePolicy
+
+        outcome = merge_with_bases(
+            name,
+            bases,
+            placed.block,
+            None if written is None else as_written(name, written),
+            MergePolicy(),
+            lambda: evidence(source.file),
+            source.renamed,
+        )
+        place = Location(source.shown, placed.first_line)
+        for edit in outcome.edits:
+            yield _edit_finding(edit, edit.location or place)
+        if not outcome.edits and name not in reported:
+            message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
+            yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
+
+
+def _edit_finding(edit: HandEdit, place: Location) -> CheckFinding:
+    what = (
+        f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
+        if edit.kind == "changed"
+        else f"{edit.field} was {edit.kind}{' by hand' if edit.is_certain else ''}"
+    )
+    if edit.is_certain:
+        advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
+        return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+    advice = (
+        "it is unknown whether a user or another branch did that: refresh with "
+        "--discard-edits, or take the block from a version that you trust"
+    )
+    return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
+
+
+def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
+    """Return in what a block is not as it was last written, by no one's edit."""
+    if due is None:
+        return "is not of the last run"
+    if found.digest is None:
+        return "was written by an earlier version of tracerisk, without a digest"
+    return "holds values of another run or another branch"
+
+
+def _lost_lines(
+    written: WrittenBlock, source: CheckedSource, placed: PlacedBlock
+) -> Iterable[CheckFinding]:
+    """Yield what the tool wrote and is not there, or not so: `next` lines, `computed` values."""
+    name, block = placed.function, placed.block
+    if block.next is None and NEXT.key in written.values:
+        place = Location(source.shown, placed.first_line)
+        message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
+        yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
+    values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
+        (name, CALL_SEQUENCE, block.call_sequence, written.values)
+    ]
+    if block.next is not None:
+        values.append((name, NEXT, block.next, written.values))
+    for component in block.components:
+        known = written.components.get(component.name)
+        if known is not None:
+            path = f"{name}.{component.name}"
+            values += [
+                (path, kind, field, known.values) for kind, field in component_fields(component)
+            ]
+    for path, kind, field, texts in values:
+        was = texts.get(kind.key, NOTHING_COMPUTED)
+        if not _is_computed_as_written(kind, field, was):
+            message = (
+                f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
+                "`tracerisk refresh` writes it again"
+            )
+            place = field.location or Location(source.shown, placed.first_line)
+            yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
+
+
+def _is_computed_as_written(kind: FieldKind, field: Field[Any], was: str) -> bool:
+    if not field.pinned or field.computed is None or field.computed == was:
+        return True
+    if NOTHING_COMPUTED in (field.computed, was):
+        return False
+    return kind.same(kind.read(field.computed), kind.read(was))
+
+
+def _missing(
+    entry: ControllerLock, source: CheckedSource, current: Mapping[QualifiedName, PlacedBlock]
+) -> Iterable[CheckFinding]:
+    written = set(entry.blocks.get(source.file, {})) - set(source.renamed)
+    lost = sorted(written - set(current))
+    if not lost:
+        return
+    lines = functions_in(source.source, source.shown)
+    for name in lost:
+        if found := places(name, lines):
+            place = Location(source.shown, found[-1])
+            yield CheckFinding("missing", f"the risk block of {name} is gone", place, name)
