@@ -6,13 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tracerisk_probe.starting import (
-    controller_name,
-    own_code,
-    record,
-    run_module,
-    run_script,
-)
+from tracerisk_probe.starting import controller_name, own_code, record, run_module, run_script
 
 
 def main() -> None:

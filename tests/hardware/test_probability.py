@@ -6,12 +6,7 @@ import pytest
 from tracerisk.hardware.load import UnitLoad
 from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw
 from tracerisk.hardware.use import UnknownUseError, Use
-from tracerisk.quantify.probability import (
-    UnitMission,
-    failure_probability,
-    terms_of,
-    unit_hazard,
-)
+from tracerisk.quantify.probability import UnitMission, failure_probability, terms_of, unit_hazard
 from tracerisk.trace import Exposure
 
 PER_MINUTE = FailureFigure("probability", 6.674e-08, Basis.MINUTE)

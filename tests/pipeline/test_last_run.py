@@ -13,15 +13,7 @@ from tracerisk.pipeline.trace.last_run import (
     kept_uncovered,
     last_run_summary,
 )
-from tracerisk.trace import (
-    Contact,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    Uncovered,
-    Visit,
-)
+from tracerisk.trace import Contact, FunctionRef, QualifiedName, RunEnd, Trace, Uncovered, Visit
 
 
 def ref(name, file="arm.py"):

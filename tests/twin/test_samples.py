@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError
-from tracerisk.twin.recording.samples import (
-    SampleHeader,
-    SampleWriter,
-    read_samples,
-)
+from tracerisk.twin.recording.samples import SampleHeader, SampleWriter, read_samples
 
 HEADER = SampleHeader("arm", "bench", 2_000_000, ("a", "b"), ("j1",), ("p",), 3)
 

@@ -16,12 +16,7 @@ from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.lock.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
-from tracerisk.adder.merge.hand_edits import (
-    check_targets,
-    give_way,
-    is_next_by_hand,
-    ranks_by_hand,
-)
+from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.merge.merge import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks

@@ -132,11 +132,7 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
 def _init(options: argparse.Namespace) -> int:
     from tracerisk.hardware.formats import format_of_name
     from tracerisk.hardware.shipped import hardware_of
-    from tracerisk.hardware.starting_file import (
-        starting_description,
-        starting_sysml,
-        starting_yaml,
-    )
+    from tracerisk.hardware.starting_file import starting_description, starting_sysml, starting_yaml
 
     named = None if options.output is None else format_of_name(options.output)
     if named is not None and options.format not in (None, named):

@@ -22,12 +22,7 @@ from tracerisk.editor.described_files import kind_of, yaml_offers
 from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
 from tracerisk.editor.fixes import MENDED, REFRESH, fixes
 from tracerisk.editor.folding import foldings
-from tracerisk.editor.hover import (
-    component_at,
-    component_markdown,
-    function_at,
-    function_markdown,
-)
+from tracerisk.editor.hover import component_at, component_markdown, function_at, function_markdown
 from tracerisk.editor.lenses import lenses
 from tracerisk.editor.refreshing import Refreshes
 from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with

@@ -14,11 +14,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.instrument.transform import (
-    TRACER_MODULE,
-    compile_instrumented,
-    instrument_source,
-)
+from tracerisk.instrument.transform import TRACER_MODULE, compile_instrumented, instrument_source
 
 
 def compile_file(

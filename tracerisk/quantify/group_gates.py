@@ -9,15 +9,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.quantify.outcome import (
-    NEVER,
-    ONE,
-    SURELY,
-    ZERO,
-    Outcome,
-    at_least,
-    at_least_of_like,
-)
+from tracerisk.quantify.outcome import NEVER, ONE, SURELY, ZERO, Outcome, at_least, at_least_of_like
 from tracerisk.quantify.spare_units import like_spares, unlike_spares
 
 SURE = Decimal(5000)

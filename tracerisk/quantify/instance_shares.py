@@ -13,13 +13,7 @@ from decimal import Decimal
 
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.quantify.function_use import FunctionUse, mission_hazard, mission_probability
-from tracerisk.quantify.group_gates import (
-    SURE,
-    needs_all,
-    stays_hidden,
-    unlike_apart,
-    unlike_visit,
-)
+from tracerisk.quantify.group_gates import SURE, needs_all, stays_hidden, unlike_apart, unlike_visit
 from tracerisk.quantify.hidden_groups import hidden_hazards, over_mission
 from tracerisk.quantify.outcome import ZERO, with_digits
 

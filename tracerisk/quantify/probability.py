@@ -14,14 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.hardware.load import UnitLoad
-from tracerisk.hardware.model import (
-    Basis,
-    Component,
-    Demand,
-    FailureFigure,
-    FailureMode,
-    State,
-)
+from tracerisk.hardware.model import Basis, Component, Demand, FailureFigure, FailureMode, State
 from tracerisk.hardware.use import (
     DEMANDS,
     STATES,

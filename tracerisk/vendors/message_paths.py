@@ -12,14 +12,7 @@ from typing import Any
 
 from tracerisk.errors import one_of
 from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.messages.fields import (
-    DURATIONS,
-    FLOATS,
-    TIMES,
-    MessageField,
-    fields_of,
-    type_of,
-)
+from tracerisk.ros.messages.fields import DURATIONS, FLOATS, TIMES, MessageField, fields_of, type_of
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.vendors.conventions import Conventions, Quantity

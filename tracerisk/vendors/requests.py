@@ -11,14 +11,7 @@ from tracerisk.ros.transforms.poses import unit_quaternion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions, Dimension
 from tracerisk.vendors.description import UNITS, Case, Condition, Value
-from tracerisk.vendors.message_paths import (
-    SI,
-    FieldError,
-    is_message,
-    is_of_ros,
-    numbers_in,
-    read,
-)
+from tracerisk.vendors.message_paths import SI, FieldError, is_message, is_of_ros, numbers_in, read
 
 Goal = Sequence[float] | Mapping[str, float]
 """Positions or velocities: of all joints in their order, or of some by their names."""

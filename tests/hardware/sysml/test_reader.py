@@ -8,13 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.model import (
-    Basis,
-    FailureFigure,
-    FailureMode,
-    LoadLaw,
-    TwinBinding,
-)
+from tracerisk.hardware.model import Basis, FailureFigure, FailureMode, LoadLaw, TwinBinding
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.hardware.sysml.language.parsing import parse
 from tracerisk.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES

@@ -8,12 +8,7 @@ import pytest
 from tracerisk.evidence.cells import Cell
 from tracerisk.evidence.share_interval import clopper_pearson, weighted_interval
 from tracerisk.pipeline.evidence.campaign import LEAST_IN_BATCH, MOST_IN_BATCH, batch_sizes
-from tracerisk.pipeline.evidence.draw import (
-    LEAST_DRAWN,
-    LEAST_IN_TABLE,
-    Target,
-    draw_cells,
-)
+from tracerisk.pipeline.evidence.draw import LEAST_DRAWN, LEAST_IN_TABLE, Target, draw_cells
 from tracerisk.pipeline.evidence.unit_use import UnitUse
 from tracerisk.trace import Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 

@@ -21,15 +21,7 @@ from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.quantify import evidence_shares
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.mission import component_use
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 
 
 @pytest.fixture(autouse=True)

@@ -12,12 +12,7 @@ from hypothesis import strategies as st
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import MarkovChain, build_model, solve
 from tracerisk.prm.formats.expanded_chain import expanded_chain
-from tracerisk.prm.formats.explicit import (
-    Dialect,
-    read_explicit,
-    write_labels,
-    write_transitions,
-)
+from tracerisk.prm.formats.explicit import Dialect, read_explicit, write_labels, write_transitions
 from tracerisk.prm.formats.explicit_chain import ChainKind, explicit_chain
 from tracerisk.prm.formats.prism import read_prism, write_prism
 from tracerisk.prm.markov import ContinuousChain

@@ -25,12 +25,7 @@ from tracerisk.prm.event_trees.elements import (
 from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Exponential, MissionTime, Number
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa
-from tracerisk.prm.formats.openpra import (
-    dumps_openpra,
-    loads_openpra,
-    read_openpra,
-    write_openpra,
-)
+from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra, read_openpra, write_openpra
 from tracerisk.prm.logic.event_trees import solved_event_trees
 from tracerisk.prm.logic.model import (
     Alignment,

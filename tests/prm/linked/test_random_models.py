@@ -6,14 +6,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from tracerisk.prm.expressions import (
-    Call,
-    Exponential,
-    MissionTime,
-    Number,
-    Product,
-    Reference,
-)
+from tracerisk.prm.expressions import Call, Exponential, MissionTime, Number, Product, Reference
 from tracerisk.prm.linked import (
     Absorption,
     Figure,

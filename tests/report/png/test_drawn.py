@@ -14,13 +14,7 @@ from PIL import Image
 
 from tracerisk.errors import RenderError
 from tracerisk.report.png.drawn import drawn
-from tracerisk.report.png.pictures import (
-    KIND_COLOURS,
-    CaptionRow,
-    Picture,
-    Solid,
-    make_pictures,
-)
+from tracerisk.report.png.pictures import KIND_COLOURS, CaptionRow, Picture, Solid, make_pictures
 
 SIZE = (240, 160)
 COMPONENTS = {"motor": ("panda_joint2", "panda_joint4")}

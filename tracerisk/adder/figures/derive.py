@@ -13,11 +13,7 @@ from decimal import Decimal
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import computed_probability, computed_redundancy
-from tracerisk.adder.figures.computed import (
-    function_uses,
-    group_values,
-    use_of,
-)
+from tracerisk.adder.figures.computed import function_uses, group_values, use_of
 from tracerisk.adder.figures.derivation import (
     BlockValue,
     ComponentDerivation,
@@ -39,12 +35,7 @@ from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.function_use import FunctionUse, mission_probability
 from tracerisk.quantify.mission import ComponentUse, FunctionVisits, UnitUse, visits_by_function
 from tracerisk.quantify.outcome import Outcome, at_least
-from tracerisk.quantify.probability import (
-    Term,
-    failure_probability,
-    hazard_of,
-    survival_log,
-)
+from tracerisk.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.trace import FunctionRef, Trace
 
 

@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.blocks.conflicts import conflict_sides
-from tracerisk.adder.blocks.values import (
-    FieldKind,
-)
+from tracerisk.adder.blocks.values import FieldKind
 from tracerisk.adder.lock.lock import (
     COMPONENT_KEYS,
     CONTROLLER_KEYS,

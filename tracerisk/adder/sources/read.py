@@ -18,12 +18,7 @@ from tracerisk.adder.sources.definitions import (
     normal_name,
     parse_python,
 )
-from tracerisk.adder.sources.placed import (
-    MisplacedBlockError,
-    Place,
-    PlacedBlock,
-    only_one_each,
-)
+from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.records import dataclass

@@ -11,13 +11,7 @@ from tracerisk import trace_json
 from tracerisk.cli.explain import derivation_json, print_derivation
 from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
 from tracerisk.cli.shared.assessment import print_assessment, risk_exit
-from tracerisk.cli.shared.output import (
-    note,
-    print_diffs,
-    print_json,
-    terminal_width,
-    write_file,
-)
+from tracerisk.cli.shared.output import note, print_diffs, print_json, terminal_width, write_file
 from tracerisk.cli.shared.run_report import (
     blocks_line,
     failure_of,

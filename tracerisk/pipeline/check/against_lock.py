@@ -14,11 +14,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.adder.lock.digest import is_as_written
-from tracerisk.adder.lock.lock import (
-    ControllerLock,
-    WrittenBlock,
-    as_written,
-)
+from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, as_written
 from tracerisk.adder.merge.bases import bases_of, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock

@@ -8,17 +8,11 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.blocks.values import (
-    component_fields,
-    has_pins,
-)
+from tracerisk.adder.blocks.values import component_fields, has_pins
 from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.lock.digest import is_as_written
-from tracerisk.adder.lock.lock import (
-    LOCK_NAME,
-    ControllerLock,
-)
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks

@@ -19,12 +19,7 @@ from tracerisk.evidence.cells import EVIDENCE_NAME, Cell, Evidence, Stratum
 from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
 from tracerisk.evidence.share_interval import weighted_interval
 from tracerisk.hardware.model import CONTROL, POWER
-from tracerisk.pipeline.evidence.cell_runs import (
-    Nominal,
-    batches,
-    nominal_of,
-    run_batch,
-)
+from tracerisk.pipeline.evidence.cell_runs import Nominal, batches, nominal_of, run_batch
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses

@@ -220,12 +220,7 @@ def _check_pages(path: Path) -> None:
 
 
 def _typestore(topic: Topic) -> Typestore:
-    from rosbags.typesys import (
-        Stores,
-        get_types_from_idl,
-        get_types_from_msg,
-        get_typestore,
-    )
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     if not topic.definition:
         return get_typestore(Stores.ROS2_JAZZY)

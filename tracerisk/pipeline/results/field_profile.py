@@ -10,14 +10,7 @@ from tracerisk import trace_json
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import next_counts
 from tracerisk.errors import InputError, Location
-from tracerisk.field.profile import (
-    QUANTITIES,
-    Estimate,
-    FieldProfile,
-    FieldStep,
-    following,
-    ratio,
-)
+from tracerisk.field.profile import QUANTITIES, Estimate, FieldProfile, FieldStep, following, ratio
 from tracerisk.trace import FunctionRef, Trace, Visit
 from tracerisk.trace_log import read_log
 

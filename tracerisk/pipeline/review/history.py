@@ -10,11 +10,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.history.repository import Repository
-from tracerisk.pipeline.review.controllers import (
-    ControllerVersion,
-    ReviewedController,
-    version_of,
-)
+from tracerisk.pipeline.review.controllers import ControllerVersion, ReviewedController, version_of
 from tracerisk.pipeline.review.git_versions import WORKING_TREE, GitVersion
 from tracerisk.pipeline.review.review import difference
 from tracerisk.pipeline.review.run_verdicts import version_verdict

@@ -34,13 +34,7 @@ from tracerisk.pipeline.trace.run_files import (
 )
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
-from tracerisk.sandbox.process import (
-    OF_FORKED,
-    end,
-    is_contained,
-    passed_environment,
-    read_regular,
-)
+from tracerisk.sandbox.process import OF_FORKED, end, is_contained, passed_environment, read_regular
 from tracerisk.sandbox.process import start as start_process
 
 if TYPE_CHECKING:

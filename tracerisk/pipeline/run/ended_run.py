@@ -30,9 +30,7 @@ from tracerisk.pipeline.trace.run_trace import make_trace
 from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, drafts_of
-from tracerisk.sandbox.process import (
-    regular_within,
-)
+from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:

@@ -23,16 +23,7 @@ from tracerisk.pipeline.trace.sensors import elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
 from tracerisk.source.python_source import MODULE_NAME
-from tracerisk.trace import (
-    Coverage,
-    Cycle,
-    Exposure,
-    Finding,
-    ObjectOffset,
-    RunEnd,
-    Trace,
-    Visit,
-)
+from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, RunEnd, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.exposure import exposure

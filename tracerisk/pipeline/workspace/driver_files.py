@@ -69,11 +69,7 @@ def check_driver(path: Path) -> Driver:
 
 
 def _check(driver: Driver, messages: TwinMessages) -> None:
-    from tracerisk.vendors.interface_checks import (
-        check_interface,
-        types_in_use,
-        unknown_package,
-    )
+    from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
 
     for each in driver.interfaces:
         for type_name in types_in_use(driver, each, messages):

@@ -11,13 +11,7 @@ from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE
 from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.shared_tree import SharedTree
 from tracerisk.prm.cut_sets.cut_sets import CutSets
-from tracerisk.prm.cut_sets.family import (
-    Family,
-    of_conjunction,
-    of_diagram,
-    of_disjunction,
-    phases,
-)
+from tracerisk.prm.cut_sets.family import Family, of_conjunction, of_diagram, of_disjunction, phases
 from tracerisk.prm.cut_sets.primes import primes_of_diagram
 
 if TYPE_CHECKING:

@@ -7,12 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.dynamic.elements import (
-    Dependency,
-    DynamicEvent,
-    DynamicGate,
-    Restriction,
-)
+from tracerisk.prm.dynamic.elements import Dependency, DynamicEvent, DynamicGate, Restriction
 from tracerisk.prm.dynamic.exploration import explore
 from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out

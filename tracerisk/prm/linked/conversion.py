@@ -10,15 +10,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.expressions import (
-    Call,
-    Expression,
-    Negation,
-    Number,
-    Product,
-    Reference,
-    Sum,
-)
+from tracerisk.prm.expressions import Call, Expression, Negation, Number, Product, Reference, Sum
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.linked.elements import (
     Figure,

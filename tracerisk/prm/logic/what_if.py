@@ -20,12 +20,7 @@ from tracerisk.prm.expressions import (
     references,
 )
 from tracerisk.prm.logic.model import LogicModel
-from tracerisk.prm.questions.uncertainty import (
-    SAMPLES,
-    InputShare,
-    Uncertainty,
-    percentiles_of,
-)
+from tracerisk.prm.questions.uncertainty import SAMPLES, InputShare, Uncertainty, percentiles_of
 from tracerisk.prm.trees.common_cause import ShareOf
 from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree, HouseEvent
 

@@ -8,14 +8,7 @@ from itertools import pairwise
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.prism.expressions import Cursor, Expression, parse_expression
 from tracerisk.prm.formats.prism.tokens import Token, tokens_of
-from tracerisk.prm.properties.property import (
-    PATHS,
-    Asked,
-    Filter,
-    Property,
-    PropertyFile,
-    Window,
-)
+from tracerisk.prm.properties.property import PATHS, Asked, Filter, Property, PropertyFile, Window
 
 _SIGNS = ("<", "<=", ">", ">=")
 _FILTERS = ("avg", "first", "max", "min", "range", "state", "sum")

@@ -46,11 +46,7 @@ from tracerisk.ros.homogeneous.turns import (
     random_quaternion,
     random_rotation_matrix,
 )
-from tracerisk.ros.homogeneous.vectors import (
-    random_vector,
-    unit_vector,
-    vector_norm,
-)
+from tracerisk.ros.homogeneous.vectors import random_vector, unit_vector, vector_norm
 
 __all__ = [
     "Arcball",

@@ -8,28 +8,11 @@ from typing import NamedTuple
 from tracerisk.errors import one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, read_formula
-from tracerisk.prm.formats.open_psa.rewriting import (
-    NAMES_MARK,
-    NO_HOME,
-    NameForm,
-    read_name,
-)
+from tracerisk.prm.formats.open_psa.rewriting import NAMES_MARK, NO_HOME, NameForm, read_name
 from tracerisk.prm.formats.open_psa.scopes import Scope
-from tracerisk.prm.formats.open_psa.stochastic import (
-    UNITS,
-    read_bool,
-    read_expression,
-    read_float,
-)
+from tracerisk.prm.formats.open_psa.stochastic import UNITS, read_bool, read_expression, read_float
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.logic.model import (
-    Alignment,
-    Attribute,
-    Container,
-    HouseDefinition,
-    Phase,
-    Place,
-)
+from tracerisk.prm.logic.model import Alignment, Attribute, Container, HouseDefinition, Phase, Place
 from tracerisk.prm.trees.fault_tree import HouseEvent
 from tracerisk.records import dataclass, replace
 

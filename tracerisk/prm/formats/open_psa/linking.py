@@ -9,12 +9,8 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
 from tracerisk.prm.formats.open_psa.collecting import Collector, Home, Pending
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, constant, read_formula
-from tracerisk.prm.formats.open_psa.rewriting import (
-    read_mark,
-)
-from tracerisk.prm.formats.open_psa.stochastic import (
-    read_int,
-)
+from tracerisk.prm.formats.open_psa.rewriting import read_mark
+from tracerisk.prm.formats.open_psa.stochastic import read_int
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.logic.model import (
     NEVER,

@@ -7,14 +7,7 @@ from collections.abc import Callable, Sequence
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import expressions
-from tracerisk.prm.expressions.arithmetic import (
-    FUNCTIONS,
-    Call,
-    Difference,
-    Product,
-    Quotient,
-    Sum,
-)
+from tracerisk.prm.expressions.arithmetic import FUNCTIONS, Call, Difference, Product, Quotient, Sum
 from tracerisk.prm.expressions.node import Expression, MissionTime, Number, Reference
 from tracerisk.prm.formats.open_psa.xml_elements import GREATEST_DEPTH, Element
 

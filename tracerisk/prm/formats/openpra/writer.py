@@ -11,13 +11,7 @@ from tracerisk.prm.expressions import Evaluation, Expression, Number
 from tracerisk.prm.formats.open_psa.rewriting import accepted_form, form_inputs
 from tracerisk.prm.formats.openpra.event_trees import event_tree_data
 from tracerisk.prm.formats.openpra.logic import LogicWriter
-from tracerisk.prm.logic.model import (
-    ALWAYS,
-    NEVER,
-    EventDefinition,
-    HouseDefinition,
-    LogicModel,
-)
+from tracerisk.prm.logic.model import ALWAYS, NEVER, EventDefinition, HouseDefinition, LogicModel
 
 _CONSTANTS = {ALWAYS: 1.0, NEVER: 0.0}
 

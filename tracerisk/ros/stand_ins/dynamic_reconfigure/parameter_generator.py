@@ -2,12 +2,6 @@
 
 from __future__ import annotations
 
-from .parameter_generator_catkin import (
-    ParameterGenerator,
-    bool_t,
-    double_t,
-    int_t,
-    str_t,
-)
+from .parameter_generator_catkin import ParameterGenerator, bool_t, double_t, int_t, str_t
 
 __all__ = ["ParameterGenerator", "bool_t", "double_t", "int_t", "str_t"]

@@ -1,12 +1,6 @@
 """Stand-in for genpy: the base of messages, and the primitives `time` and `duration`."""
 
-from .message import (
-    DeserializationError,
-    Message,
-    MessageException,
-    SerializationError,
-    struct_I,
-)
+from .message import DeserializationError, Message, MessageException, SerializationError, struct_I
 from .rostime import Duration, Time, TVal
 
 __all__ = [

@@ -7,12 +7,7 @@ from typing import Any
 
 from geometry_msgs.msg import Pose
 from moveit_msgs.action import MoveGroup
-from moveit_msgs.msg import (
-    Constraints,
-    JointConstraint,
-    OrientationConstraint,
-    PositionConstraint,
-)
+from moveit_msgs.msg import Constraints, JointConstraint, OrientationConstraint, PositionConstraint
 from shape_msgs.msg import SolidPrimitive
 
 from ._messages import point, quaternion, stamped

@@ -12,12 +12,7 @@ from .context import Context
 from .parameter import Parameter
 from .signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from .task import Future
-from .utilities import (
-    get_default_context,
-    get_rmw_implementation_identifier,
-    ok,
-    try_shutdown,
-)
+from .utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
 from .utilities import shutdown as _shutdown
 
 __all__ = [

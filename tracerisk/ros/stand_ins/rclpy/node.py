@@ -19,11 +19,7 @@ from ._node_graph import NodeGraph
 from ._node_parameters import NodeParameters
 from ._rclpy_pybind11 import NodeNameNonExistentError
 from ._run import run
-from .callback_groups import (
-    CallbackGroup,
-    MutuallyExclusiveCallbackGroup,
-    ReentrantCallbackGroup,
-)
+from .callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from .clock import Clock, ROSClock
 from .context import Context
 from .exceptions import NotInitializedException

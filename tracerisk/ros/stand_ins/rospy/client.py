@@ -13,15 +13,7 @@ from tracerisk.ros.time.rostime import Duration
 
 from . import names
 from ._node import node
-from .core import (
-    DEBUG,
-    ERROR,
-    FATAL,
-    INFO,
-    WARN,
-    add_client_shutdown_hook,
-    signal_shutdown,
-)
+from .core import DEBUG, ERROR, FATAL, INFO, WARN, add_client_shutdown_hook, signal_shutdown
 from .exceptions import ROSException, ROSInitException, ROSInterruptException
 from .msproxy import MasterProxy
 from .rostime import duration_ns

@@ -11,14 +11,7 @@ from .exceptions import (
 )
 from .iterator import Iterator
 from .log import is_shutdown as is_shutdown
-from .log import (
-    logdebug,
-    logerr,
-    loginfo,
-    logwarn,
-    set_loggers,
-    set_shutdown_check,
-)
+from .log import logdebug, logerr, loginfo, logwarn, set_loggers, set_shutdown_check
 from .sequence import Sequence
 from .state import CBState, State, cb_interface, has_smach_interface
 from .state_machine import StateMachine
