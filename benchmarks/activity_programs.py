@@ -16,7 +16,7 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.timing import along_path, resample
 from tracerisk.twin.physics.builder import STEP_S
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import Robot, Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 Array = NDArray[np.float64]
@@ -256,8 +256,7 @@ def slow_scaling(bench: Bench) -> None:
     trajectory = bench.twin.plan_joints(
         group,
         {name: here[name] + far for name, far in by.items()},
-        velocity_scaling=0.02,
-        acceleration_scaling=0.02,
+        scaling=Scaling(0.02, 0.02),
     )
     bench.go(trajectory)
     bench.rest(1.0)
@@ -313,11 +312,7 @@ PROGRAMS = (
 def fly(bench: Bench, x: float, y: float, z: float) -> None:
     """Bring the tool centre point of a Panda to a place, pointing down, and rest."""
     pose = Pose((x, y, z), DOWN)
-    bench.go(
-        bench.twin.plan_pose(
-            "panda_manipulator", pose, velocity_scaling=0.4, acceleration_scaling=0.4
-        )
-    )
+    bench.go(bench.twin.plan_pose("panda_manipulator", pose, scaling=Scaling(0.4, 0.4)))
 
 
 def line(bench: Bench, z: float) -> None:
@@ -327,8 +322,7 @@ def line(bench: Bench, z: float) -> None:
         "panda_manipulator",
         [Pose((x, y, z), DOWN)],
         avoid_collisions=False,
-        velocity_scaling=0.4,
-        acceleration_scaling=0.4,
+        scaling=Scaling(0.4, 0.4),
     )
     bench.go(trajectory)
 

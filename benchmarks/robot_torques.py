@@ -25,7 +25,7 @@ from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import JointTrajectory
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Link, Robot, load_robot
+from tracerisk.twin.robots.robot import Link, Robot, Scaling, load_robot
 from tracerisk.twin.simulation.twin import Twin
 
 # After the builder, which says that no window is needed.
@@ -140,7 +140,7 @@ def driven(robot: Robot, moves: int, scaling: float) -> Samples:
             goal = low + (high - low) * random.uniform(0.1, 0.9, len(arm))
             rows = np.array([here, goal])
             path = JointTrajectory(names, np.array([0.0, 1.0]), rows, np.zeros_like(rows))
-            timed = twin.retime(path, velocity_scaling=scaling, acceleration_scaling=scaling)
+            timed = twin.retime(path, scaling=Scaling(scaling, scaling))
             motion = twin.follow(timed)
             while motion.outcome == "active":
                 twin.advance(twin.time_ns + STEP_NS)

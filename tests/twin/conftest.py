@@ -13,7 +13,7 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Scene, load_scene
 from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
 from tracerisk.twin.simulation.twin import Twin
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
@@ -41,9 +41,7 @@ class Operator:
     def state(self, name: str) -> Motion:
         target = self.twin.robot.named_states["panda_arm"][name]
         return self.follow(
-            self.twin.plan_joints(
-                "panda_arm", target, velocity_scaling=SCALING, acceleration_scaling=SCALING
-            )
+            self.twin.plan_joints("panda_arm", target, scaling=Scaling(SCALING, SCALING))
         )
 
     def fly(self, x: float, y: float, z: float) -> Motion:
@@ -51,8 +49,7 @@ class Operator:
             self.twin.plan_pose(
                 "panda_manipulator",
                 Pose((x, y, z), DOWN),
-                velocity_scaling=SCALING,
-                acceleration_scaling=SCALING,
+                scaling=Scaling(SCALING, SCALING),
             )
         )
 
@@ -60,8 +57,7 @@ class Operator:
         trajectory, fraction = self.twin.plan_cartesian(
             "panda_manipulator",
             [Pose((x, y, z), DOWN)],
-            velocity_scaling=SCALING,
-            acceleration_scaling=SCALING,
+            scaling=Scaling(SCALING, SCALING),
         )
         assert fraction == 1.0
         return self.follow(trajectory)

@@ -16,7 +16,7 @@ from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.physics.scene_body import HalfSpace, Hull, SceneBody
 from tracerisk.twin.recording.replay import replay
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
 from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
@@ -42,9 +42,7 @@ def _finish(twin: Twin, motion) -> None:
 
 
 def _swing(twin: Twin, angle: float) -> None:
-    plan = twin.plan_joints(
-        "panda_arm", {"panda_joint1": angle}, velocity_scaling=1.0, acceleration_scaling=1.0
-    )
+    plan = twin.plan_joints("panda_arm", {"panda_joint1": angle}, scaling=Scaling(1.0, 1.0))
     _finish(twin, twin.follow(plan))
 
 
@@ -117,7 +115,7 @@ def test_a_body_declared_where_an_object_stands_is_that_object(robot: Robot):
 def test_state_goes_on_unchanged_when_a_body_far_away_is_declared(robot: Robot):
     def swung(bodies: list[SceneBody]) -> np.ndarray:
         twin = Twin.build(robot, load_scene("empty"))
-        plan = twin.plan_joints("panda_arm", {"panda_joint1": 0.5}, velocity_scaling=1.0)
+        plan = twin.plan_joints("panda_arm", {"panda_joint1": 0.5}, scaling=Scaling(1.0, 0.1))
         twin.follow(plan)
         twin.advance(SECOND // 2)
         twin.declare(bodies)

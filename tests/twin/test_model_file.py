@@ -16,6 +16,7 @@ from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
 from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.robot import Scaling
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.twin import Twin
 
@@ -218,8 +219,7 @@ def test_the_arm_stands_still_and_reaches_a_state(arm):
     plan = twin.plan_joints(
         "arm",
         {"shoulder": 0.0, "elbow": 0.5, "twist": -0.4, "reach": 0.0},
-        velocity_scaling=0.5,
-        acceleration_scaling=0.5,
+        scaling=Scaling(0.5, 0.5),
     )
     motion = twin.follow(plan)
     while motion.outcome == "active":
@@ -420,7 +420,7 @@ def test_a_link_that_reaches_into_the_floor_is_not_held_by_it(tmp_path):
     <actuator><position joint="pan" kp="50" kv="5" forcerange="-5 5"/></actuator></mujoco>"""
     robot = read(tmp_path, text).robot
     twin = Twin.build(robot, load_scene("empty"))
-    motion = twin.follow(twin.plan_joints("arm", {"pan": 0.5}, velocity_scaling=1.0))
+    motion = twin.follow(twin.plan_joints("arm", {"pan": 0.5}, scaling=Scaling(1.0, 0.1)))
     while motion.outcome == "active":
         twin.advance(10**12)
     assert motion.outcome == "succeeded", motion.message

@@ -13,7 +13,7 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
 from tracerisk.twin.simulation.twin import Twin
 
 import mujoco  # isort: skip
@@ -31,8 +31,7 @@ def go_to_state(twin: Twin, name: str):
     plan = twin.plan_joints(
         "panda_arm",
         twin.robot.named_states["panda_arm"][name],
-        velocity_scaling=0.5,
-        acceleration_scaling=0.5,
+        scaling=Scaling(0.5, 0.5),
     )
     motion = twin.follow(plan)
     while motion.outcome == "active":
@@ -76,8 +75,7 @@ def test_a_motion_takes_as_long_as_its_trajectory(free: Twin):
     plan = free.plan_joints(
         "panda_arm",
         {"panda_joint1": 0.5},
-        velocity_scaling=0.2,
-        acceleration_scaling=0.2,
+        scaling=Scaling(0.2, 0.2),
     )
     motion = free.follow(plan)
     assert free.busy
@@ -92,8 +90,7 @@ def test_the_arm_keeps_to_its_trajectory(free: Twin):
     plan = free.plan_joints(
         "panda_arm",
         free.robot.named_states["panda_arm"]["ready"],
-        velocity_scaling=0.5,
-        acceleration_scaling=0.5,
+        scaling=Scaling(0.5, 0.5),
     )
     free.follow(plan)
     for at, wanted in list(zip(plan.time, plan.position, strict=True))[10:-10:10]:
@@ -108,8 +105,7 @@ def test_no_joint_is_driven_beyond_its_rated_speed_or_torque(free: Twin, panda: 
     plan = free.plan_joints(
         "panda_arm",
         free.robot.named_states["panda_arm"]["extended"],
-        velocity_scaling=1.0,
-        acceleration_scaling=1.0,
+        scaling=Scaling(1.0, 1.0),
     )
     motion = free.follow(plan)
     while motion.outcome == "active":
@@ -146,9 +142,7 @@ def test_a_gripper_and_an_arm_move_at_the_same_time(free: Twin):
 
 def test_stop_brings_the_arm_to_rest_without_a_jerk(free: Twin, panda: Robot):
     motion = free.follow(
-        free.plan_joints(
-            "panda_arm", {"panda_joint1": 2.0}, velocity_scaling=0.5, acceleration_scaling=1.0
-        )
+        free.plan_joints("panda_arm", {"panda_joint1": 2.0}, scaling=Scaling(0.5, 1.0))
     )
     free.advance(SECOND)
     speed = free.joint_state().velocity[0]

@@ -11,7 +11,7 @@ import pytest
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import load_robot, robot_names
+from tracerisk.twin.robots.robot import Scaling, load_robot, robot_names
 from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.
@@ -91,7 +91,7 @@ def test_the_rated_speed_of_an_arm_is_not_that_of_its_plans():
         ("joint1",), np.array([0.0, 9.0]), np.array([[-6.0], [6.0]]), np.zeros((2, 1))
     )
     twin = Twin.build(xarm, load_scene("empty"))
-    timed = twin.retime(way, velocity_scaling=1.0, acceleration_scaling=1.0)
+    timed = twin.retime(way, scaling=Scaling(1.0, 1.0))
     assert np.abs(timed.velocity).max() == pytest.approx(2.14, rel=1e-3)
 
 

@@ -23,7 +23,7 @@ from tracerisk.twin.recording.activity import element_activity
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
 from tracerisk.twin.robots import robot as robot_module
 from tracerisk.twin.robots.index import shipped_names
-from tracerisk.twin.robots.robot import Gripper, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Gripper, Robot, Scaling, load_robot, robot_names
 from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.
@@ -78,7 +78,7 @@ def straight_to(twin: Twin, target: Mapping[str, float]) -> None:
     names = tuple(target)
     rows = np.array([[here[name] for name in names], [target[name] for name in names]])
     path = JointTrajectory(names, np.array([0.0, 1.0]), rows, np.zeros_like(rows))
-    motion = twin.follow(twin.retime(path, velocity_scaling=1.0, acceleration_scaling=1.0))
+    motion = twin.follow(twin.retime(path, scaling=Scaling(1.0, 1.0)))
     limits = [twin.robot.joint(name) for name in twin.joint_state().names]
     fingers = {name for gripper in twin.robot.grippers for name in gripper.joints}
     while motion.outcome == "active":

@@ -235,8 +235,7 @@ class MoveGroupServer(RobotGroups):
                 eef_step=eef_step,
                 avoid_collisions=avoid_collisions,
                 start=start,
-                velocity_scaling=scaling.velocity,
-                acceleration_scaling=scaling.acceleration,
+                scaling=scaling,
             )
         except PlanningError as error:
             return self._failed(group, error, _last_place(waypoints)), -1.0
@@ -278,8 +277,7 @@ class MoveGroupServer(RobotGroups):
         """
         return self._twin.retime(
             trajectory,
-            velocity_scaling=scaling.velocity,
-            acceleration_scaling=scaling.acceleration,
+            scaling=scaling,
             path_tolerance=path_tolerance,
             resample_s=resample_s,
             min_angle_change=min_angle_change,
@@ -368,8 +366,7 @@ class MoveGroupServer(RobotGroups):
             group,
             target,
             start=start,
-            velocity_scaling=scaling.velocity,
-            acceleration_scaling=scaling.acceleration,
+            scaling=scaling,
         )
         return Plan(ErrorCode.SUCCESS, trajectory)
 

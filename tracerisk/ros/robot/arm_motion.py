@@ -18,6 +18,7 @@ from tracerisk.ros.robot.velocity_motion import at_velocities
 from tracerisk.ros.transforms.poses import angle_between, compose
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
@@ -218,8 +219,7 @@ class ArmMotion:
             list(poses),
             link=self.tool,
             avoid_collisions=False,
-            velocity_scaling=1.0,
-            acceleration_scaling=1.0,
+            scaling=Scaling(1.0, 1.0),
         )
         if fraction < least - 1e-6 or len(trajectory.time) < 2:
             x, y, z = poses[-1].position

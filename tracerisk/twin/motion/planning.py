@@ -17,7 +17,7 @@ from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
-from tracerisk.twin.robots.robot import Joint, Robot
+from tracerisk.twin.robots.robot import Joint, Robot, Scaling
 
 _LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
 _MAX_WAYPOINTS = 20_000  # of one Cartesian path
@@ -42,8 +42,7 @@ class Planner:
         target: Mapping[str, float],
         start: Mapping[str, float],
         *,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> JointTrajectory:
         """Return the move of `group` from `start` to `target`, straight and synchronised if free.
 
@@ -63,7 +62,7 @@ class Planner:
             [_within(joint, target.get(joint.name, start[joint.name])) for joint in members]
         )
         begin = np.array([start[name] for name in names])
-        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        limits = self._limits(members, scaling)
         path = self._clearance.way(members, start, begin, goal) or [begin, goal]
         return JointTrajectory(tuple(names), *along_path(np.array(path), *limits))
 
@@ -74,8 +73,7 @@ class Planner:
         start: Mapping[str, float],
         *,
         link: str | None = None,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> JointTrajectory:
         """Return the move of `group` that brings `link` (its tip) to `pose`.
 
@@ -86,8 +84,7 @@ class Planner:
             group,
             target,
             start,
-            velocity_scaling=velocity_scaling,
-            acceleration_scaling=acceleration_scaling,
+            scaling=scaling,
         )
 
     def reach(
@@ -175,8 +172,7 @@ class Planner:
         link: str | None = None,
         eef_step: float = 0.01,
         avoid_collisions: bool = True,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> tuple[JointTrajectory, float]:
         """Return the move of `link` in straight lines through `waypoints`, and how much of it.
 
@@ -214,7 +210,7 @@ class Planner:
             )
             path = path[:count]
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
-        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        limits = self._limits(members, scaling)
         return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
 
     def _reach(
@@ -251,8 +247,7 @@ class Planner:
         self,
         trajectory: JointTrajectory,
         *,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
         path_tolerance: float = PATH_TOLERANCE,
         resample_s: float = RESAMPLE_S,
         min_angle_change: float = MIN_ANGLE_CHANGE,
@@ -270,7 +265,7 @@ class Planner:
             if not (math.isfinite(value) and value > 0.0):
                 raise PlanningError("bad_request", f"{what} {value:g}; give a number above 0")
         members = [self._robot.joint(name) for name in trajectory.joints]
-        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        limits = self._limits(members, scaling)
         timed = along_path(
             trajectory.position,
             *limits,
@@ -284,11 +279,11 @@ class Planner:
         return [self._robot.joint(name) for name in self._robot.group(group).joints]
 
     def _limits(
-        self, joints: Sequence[Joint], velocity: float | None, acceleration: float | None
+        self, joints: Sequence[Joint], scaling: Scaling | None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        default = self._robot.default_scaling
-        v = _scaling("velocity", default.velocity if velocity is None else velocity)
-        a = _scaling("acceleration", default.acceleration if acceleration is None else acceleration)
+        scaling = scaling or self._robot.default_scaling
+        v = _fraction("velocity", scaling.velocity)
+        a = _fraction("acceleration", scaling.acceleration)
         return (
             np.array([joint.planned_velocity * v for joint in joints]),
             np.array([joint.planned_acceleration * a for joint in joints]),
@@ -309,7 +304,7 @@ def _nudged(here: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
             yield guess
 
 
-def _scaling(what: str, value: float) -> float:
+def _fraction(what: str, value: float) -> float:
     if not 0.0 < value <= 1.0:
         raise PlanningError(
             "bad_request", f"{what} scaling {value:g}; give a number above 0, at most 1"

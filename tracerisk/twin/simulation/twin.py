@@ -27,7 +27,7 @@ from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.physics.wrench import Wrench
 from tracerisk.twin.recording.contact_watch import Touched
 from tracerisk.twin.recording.samples import SampleWriter
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import Robot, Scaling
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.motion_control import MotionControl
 from tracerisk.twin.simulation.simulation import Simulation
@@ -272,16 +272,14 @@ class Twin:
         target: Mapping[str, float],
         *,
         start: Mapping[str, float] | None = None,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> JointTrajectory:
         """Return the move to joint positions, straight where that is free; see `Planner.joints`."""
         return self._planner.joints(
             group,
             target,
             self._start(start),
-            velocity_scaling=velocity_scaling,
-            acceleration_scaling=acceleration_scaling,
+            scaling=scaling,
         )
 
     def plan_pose(
@@ -291,8 +289,7 @@ class Twin:
         *,
         link: str | None = None,
         start: Mapping[str, float] | None = None,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> JointTrajectory:
         """Return the move that brings `link` to `pose`; see `Planner.pose`."""
         return self._planner.pose(
@@ -300,8 +297,7 @@ class Twin:
             pose,
             self._start(start),
             link=link,
-            velocity_scaling=velocity_scaling,
-            acceleration_scaling=acceleration_scaling,
+            scaling=scaling,
         )
 
     def plan_cartesian(
@@ -313,8 +309,7 @@ class Twin:
         eef_step: float = 0.01,
         avoid_collisions: bool = True,
         start: Mapping[str, float] | None = None,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
     ) -> tuple[JointTrajectory, float]:
         """Return the move in straight lines and the fraction achieved; see `Planner.cartesian`."""
         return self._planner.cartesian(
@@ -324,16 +319,14 @@ class Twin:
             link=link,
             eef_step=eef_step,
             avoid_collisions=avoid_collisions,
-            velocity_scaling=velocity_scaling,
-            acceleration_scaling=acceleration_scaling,
+            scaling=scaling,
         )
 
     def retime(
         self,
         trajectory: JointTrajectory,
         *,
-        velocity_scaling: float | None = None,
-        acceleration_scaling: float | None = None,
+        scaling: Scaling | None = None,
         path_tolerance: float = PATH_TOLERANCE,
         resample_s: float = RESAMPLE_S,
         min_angle_change: float = MIN_ANGLE_CHANGE,
@@ -341,8 +334,7 @@ class Twin:
         """Return the path through the same points timed anew; see `Planner.retime`."""
         return self._planner.retime(
             trajectory,
-            velocity_scaling=velocity_scaling,
-            acceleration_scaling=acceleration_scaling,
+            scaling=scaling,
             path_tolerance=path_tolerance,
             resample_s=resample_s,
             min_angle_change=min_angle_change,

@@ -22,6 +22,7 @@ from tracerisk.ros.transforms.poses import (
     rpy_from_quaternion,
 )
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.robots.robot import Scaling
 
 (JOINTS, POSE, POSITION, RPY, POSE_QUAT, LINEAR_POSE, SHIFT_POSE, SHIFT_LINEAR_POSE) = range(8)
 EXECUTE_TRAJ, DRAW_SPIRAL, DRAW_CIRCLE, EXECUTE_FULL_TRAJ, EXECUTE_RAW_TRAJ = range(8, 13)
@@ -165,8 +166,7 @@ class NiryoMotion:
         return self._arm.twin.plan_joints(
             self._group(),
             target,
-            velocity_scaling=self.velocity,
-            acceleration_scaling=self.acceleration,
+            scaling=Scaling(self.velocity, self.acceleration),
         )
 
     def _to_pose(self, pose: Pose, start: dict[str, float] | None = None) -> JointTrajectory:
@@ -175,8 +175,7 @@ class NiryoMotion:
             self._of_link(pose),
             link=self._arm.tool,
             start=start,
-            velocity_scaling=self.velocity,
-            acceleration_scaling=self.acceleration,
+            scaling=Scaling(self.velocity, self.acceleration),
         )
 
     def _through(
@@ -187,8 +186,7 @@ class NiryoMotion:
             [self._of_link(pose) for pose in poses],
             link=self._arm.tool,
             start=start,
-            velocity_scaling=self.velocity,
-            acceleration_scaling=self.acceleration,
+            scaling=Scaling(self.velocity, self.acceleration),
         )
         if fraction < 1.0 - 1e-6:
             x, y, z = poses[-1].position
