@@ -39,7 +39,10 @@ INSTEAD = {
 OPENINGS = re.compile(r"(?:Tell|Say|Have|Let)\b")
 # What a trace holds, a file names and a sensor reports is not told; who edits a block is a user.
 VAGUE = re.compile(r"\b(?:tell|tells|told|persons?)\b", re.IGNORECASE)
-VAGUE_IN = ["tracerisk/**/*.py", "probe/**/*.py", "benchmarks/*.py", "README.md", "docs/**/*.md"]
+VAGUE_IN = [
+    *("tracerisk/**/*.py", "probe/**/*.py", "benchmarks/*.py"),
+    *("README.md", "CHANGELOG.md", "docs/**/*.md"),
+]
 # Strings that stand in files of evidence and in tables for programs.
 KEPT = {"told", "told after s"}
 _CODE = re.compile(r"`[^`]*`")

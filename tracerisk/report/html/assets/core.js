@@ -124,11 +124,11 @@ const widths = new ResizeObserver((entries) => {
     const cue = next?.classList.contains("more-sideways") ? next : null;
     if (!isWide) cue?.remove();
     else if (!cue) {
-      const told = document.createElement("span");
-      told.className = "more-sideways";
-      told.setAttribute("aria-hidden", "true");
-      told.textContent = "\u2194 scroll sideways for more";
-      target.after(told);
+      const more = document.createElement("span");
+      more.className = "more-sideways";
+      more.setAttribute("aria-hidden", "true");
+      more.textContent = "\u2194 scroll sideways for more";
+      target.after(more);
     }
   }
 });
@@ -137,7 +137,7 @@ for (const each of document.querySelectorAll(".scroll")) widths.observe(each);
 const root = document.documentElement;
 const themes = ["auto", "light", "dark"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-const told = () => document.dispatchEvent(new CustomEvent("tracerisk:theme"));
+const announceTheme = () => document.dispatchEvent(new CustomEvent("tracerisk:theme"));
 
 function showTheme(theme) {
   if (theme === "auto") delete root.dataset.theme;
@@ -145,10 +145,10 @@ function showTheme(theme) {
   for (const button of document.querySelectorAll("[data-theme-choice]")) {
     button.setAttribute("aria-pressed", button.dataset.themeChoice === theme);
   }
-  told();
+  announceTheme();
 }
 
-dark.addEventListener("change", told);
+dark.addEventListener("change", announceTheme);
 document.addEventListener("click", (event) => {
   const button = event.target.closest("[data-theme-choice]");
   if (!button) return;

@@ -311,8 +311,8 @@ async function beginReplay() {
     return found;
   }, (body) => {
     const state = states.get(body.element) ?? 0;
-    const told = body.element ? `, ${body.element}: ${state ? stateWords(state) : "idle"}` : "";
-    return `${body.name}${told}`;
+    const doing = body.element ? `, ${body.element}: ${state ? stateWords(state) : "idle"}` : "";
+    return `${body.name}${doing}`;
   }, (body) => {
     const component = componentOf.get(body?.element) || null;
     tracerisk.select({ component, source: "replay" });

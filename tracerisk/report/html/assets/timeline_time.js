@@ -90,8 +90,8 @@ function activeText(time) {
         const words = stateWords(state & ~BORDERLINE);
         counts.set(words, (counts.get(words) ?? 0) + 1);
       }
-      const told = [...counts].map(([words, n]) => (elements.length > 1 ? `${n} ${words}` : words));
-      return `${component}: ${told.join(", ")}`;
+      const counted = [...counts].map(([words, n]) => (elements.length > 1 ? `${n} ${words}` : words));
+      return `${component}: ${counted.join(", ")}`;
     });
   return parts.length ? parts.join("; ") : "nothing is active";
 }

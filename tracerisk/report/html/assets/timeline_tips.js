@@ -23,9 +23,9 @@ function lineTip({ row, element, segments }, time) {
 // The marks within a few pixels of a time.
 function marksTip(time, reach) {
   const near = run.marks.filter((mark) => Math.abs(mark.time - time) <= reach);
-  const told = near.slice(0, 3).map(({ time: at, text }) => `${secondsText(at)}: ${text}`);
-  if (near.length > 3) told.push(`and ${near.length - 3} more`);
-  return told.length ? told.join("; ") : null;
+  const parts = near.slice(0, 3).map(({ time: at, text }) => `${secondsText(at)}: ${text}`);
+  if (near.length > 3) parts.push(`and ${near.length - 3} more`);
+  return parts.length ? parts.join("; ") : null;
 }
 
 function showTip(text, left = 0, top = 0) {

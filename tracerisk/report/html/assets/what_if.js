@@ -21,9 +21,9 @@ function asked() {
 function showInputs() {
   for (const input of inputs) {
     if (input.type !== "range") continue;
-    const told = `x${factorOf(input)}`;
-    input.nextElementSibling.textContent = told;
-    input.setAttribute("aria-valuetext", told);
+    const text = `x${factorOf(input)}`;
+    input.nextElementSibling.textContent = text;
+    input.setAttribute("aria-valuetext", text);
   }
 }
 
