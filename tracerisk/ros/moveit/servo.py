@@ -237,7 +237,7 @@ class Servo:
         if self.settings.command_in_type != _UNITLESS:
             return np.ones(len(scales))
         if not self.settings.is_declared:
-            self._commands.tell(
+            self._commands.report(
                 "assumed_setting",
                 "no file of the workspace gives servo its scales: a share of 1 is taken for "
                 f"{self.settings.linear:g} m/s, {self.settings.rotational:g} rad/s of the tool, "
@@ -291,7 +291,7 @@ class Servo:
         share = max(0.0, 1.0 - (condition - low) / (high - low) / (2.0 if is_leaving else 1.0))
         self._status = (_LEAVING if is_leaving else _APPROACHING) if share else _HALTED
         if share < _SLOW:
-            self._commands.tell(
+            self._commands.report(
                 "command_ignored",
                 f"servo {'slows' if share else 'stops'} the tool at a singularity: the condition "
                 f"number is {condition:.3g}, and it stops at {high:g}; the arm may have to start "
@@ -336,7 +336,7 @@ class Servo:
 
     def _drift(self, request: Any) -> dict[str, Any]:
         del request
-        self._commands.tell(
+        self._commands.report(
             "not_simulated",
             "servo is let drift in some directions: the arm holds them all the same",
             self._commands.stack(),
