@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from types import SimpleNamespace
+
 import pytest
 
 HEAD = """\
@@ -265,12 +268,40 @@ def test_a_limit_of_the_machine_ends_the_search(example):
 
 def test_a_search_that_takes_too_long_gives_the_best_so_far(example):
     example.write("c.py", ALL)
-    # Less than a run takes, and the first of them has a second at least.
+    # Less than the first of its runs takes.
     outcome = example.run("scenario", "c.py", "--write", "--search-limit", "0.01")
     assert outcome.code == 4
     assert "tracerisk: the search was ended after 0.01 s (--search-limit)" in outcome.err
-    text = example.read("c.scenario.yaml")
-    assert text == b"" or b"# " in text
+    assert b"# assumed" in example.read("c.scenario.yaml")
+
+
+def test_the_exit_code_of_a_search_cut_short_is_that_of_a_run_with_its_scenario(example):
+    example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nturn(0.1)\n")
+    outcome = example.run("scenario", "c.py", "--write", "--search-limit", "0.01", "--json")
+    assert outcome.json["cut"] == "the search was ended after 0.01 s (--search-limit)"
+    assert (outcome.code, outcome.json["verdict"]["kind"]) == (0, "partial")
+    ran = example.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
+    assert ran.json["verdict"]["kind"] == "partial"
+
+
+def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, monkeypatch):
+    from tracerisk import pipeline
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.scenarios import rounds
+
+    controller = pipeline.load_controller(example.write("c.py", ALL))
+    clock = itertools.count(step=200.0)
+    monkeypatch.setattr(rounds, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    found = rounds.draft_scenario(
+        controller,
+        Settings(wall_limit_s=1e6),
+        None,
+        hardware_of=pipeline.load_hardware,
+        own_s=100.0,
+    )
+    assert not found.cut
+    assert found.trace is not None
+    assert found.trace.is_usable
 
 
 def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):

@@ -41,7 +41,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         type=shared.positive,
         default=_SEARCH_S,
-        help=f"wall time after which the search ends with the best so far ({_SEARCH_S:g} s)",
+        help="computing time of its runs after which the search ends with the best so far "
+        f"({_SEARCH_S:g} s)",
     )
     shared.add_run_options(parser)
     shared.add_json(parser)
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     if draft.error is not None:
         raise draft.error
     if draft.trace is None:
-        note("No run with it has come to its end; a longer --search-limit may let one do so.")
+        note("No run with it has come to its end: what it shows is not known.")
     elif code:
         note("With it the run still shows no risk:", quiet=options.quiet)
         if not draft.trace.is_usable:
@@ -138,7 +139,7 @@ def _drafted(
             base,
             hardware_of=pipeline.load_hardware,
             progress=progress,
-            wall_s=options.search_limit_s,
+            own_s=options.search_limit_s,
         )
     found = (*draft.given, *draft.missing)
     asked = tuple(

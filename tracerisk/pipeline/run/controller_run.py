@@ -253,26 +253,27 @@ def _watch(
     folder = Path(request.folder)
     began = time.monotonic()
     own: OwnTime | None = None
-    changed_s = 0.0
+    own_s = changed_s = 0.0
     seen = (-1, -1)
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return ProcessEnd(child.wait(timeout=POLL_S))
+            return ProcessEnd(child.wait(timeout=POLL_S), own_s=own_s)
         if own is None and (cpu_s := start.cpu_s) is not None:
             own, began = OwnTime(start.pid or child.pid, cpu_s), time.monotonic()
         if own is not None:
             own.look()
+            own_s = own.seconds
         grown = (size_of(folder / EVENTS), simulated_so_far(folder))
         if grown != seen:
-            seen, changed_s = grown, 0.0 if own is None else own.seconds
+            seen, changed_s = grown, own_s
             if progress is not None:
                 progress("simulating" if grown[1] > 0 else _STARTING, max(grown[1], 0) / 1e9)
         reached = reached_limit(own, changed_s, time.monotonic() - began, settings)
         if reached is not None and WallTime.is_in(folder):
             # All of the run is recorded, and what is left of the process does not matter.
-            return ProcessEnd(0)
+            return ProcessEnd(0, own_s=own_s)
         if reached is not None:
-            return _stop(child, start.pid, request, reached)
+            return replace(_stop(child, start.pid, request, reached), own_s=own_s)
 
 
 def reached_limit(

@@ -44,6 +44,7 @@ class ProcessEnd:
     """How the process ended: its return code, or the limit that was reached and where.
 
     `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
+    `own_s` is for how long it computed or slept, where that was looked at [s].
     """
 
     code: int
@@ -51,6 +52,7 @@ class ProcessEnd:
     location: Location | None = None
     has_begun: bool = False
     last_line: str = ""
+    own_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,8 @@ class ControllerRun:
     """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`.
 
     `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
-    `request` are what it ran with: enough to run it once more.
+    `request` are what it ran with: enough to run it once more. `own_s` is for how long its process
+    computed or slept [s].
     """
 
     trace: Trace
@@ -67,6 +70,7 @@ class ControllerRun:
     joints_asked: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     drafts: tuple[Draft, ...] = ()
+    own_s: float = 0.0
 
 
 def ended_run(
@@ -110,7 +114,8 @@ def ended_run(
     unmet = recording.note(NEEDS) or {"needs": ()}
     needs = tuple(Need(kind, name, type_name) for kind, name, type_name in unmet["needs"])
     drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
-    return ControllerRun(trace, robot, request, tuple(dict.fromkeys(asked)), needs, drafted)
+    joints = tuple(dict.fromkeys(asked))
+    return ControllerRun(trace, robot, request, joints, needs, drafted, process_end.own_s)
 
 
 def _recording(folder: Path, request: RunRequest) -> Recording:

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 _MOST_RUNS = 12
 _MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
-_LEAST_WALL_S = 1.0  # what a last run may take, however little is left
+_LEAST_WALL_S = 1.0  # what a run may take, however little is left of the wall time of all
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _MOST_PLACES = 2  # other poses for what a motion did not reach
@@ -65,16 +65,17 @@ def draft_scenario(
     *,
     hardware_of: Callable[[Settings, str], Hardware],
     progress: Progress | None = None,
-    wall_s: float | None = None,
+    own_s: float | None = None,
 ) -> ScenarioDraft:
     """Return a scenario with which the controller runs: `base`, and what that does not give.
 
-    The search ends after `wall_s` of wall time [s], and by an interrupt, with the best so far.
+    The search ends once its runs have computed or slept for `own_s` [s], and by an interrupt, with
+    the best so far: a busy machine does not end it earlier.
     Raises ScenarioError where the base is malformed. What else keeps the controller from running
     is in the result.
     """
     several_come()
-    rounds = Rounds(controller, settings, base, hardware_of, progress, wall_s)
+    rounds = Rounds(controller, settings, base, hardware_of, progress, own_s)
     return rounds.result()
 
 
@@ -93,7 +94,7 @@ class Rounds:
         base: Path | None,
         hardware_of: Callable[[Settings, str], Hardware],
         progress: Progress | None,
-        wall_s: float | None = None,
+        own_s: float | None = None,
         most_runs: int = _MOST_RUNS,
         most_durations: int = _MOST_DURATIONS,
     ) -> None:
@@ -118,7 +119,8 @@ class Rounds:
         self._read: dict[str, str] = {}
         self.best = Attempt(Entries())
         self.is_cut_short = False
-        self._wall_s = wall_s
+        self._own_s = own_s
+        self._used_s = 0.0
         self._running = Entries()
         self._cut = ""
         self._singles: list[Entries] = []
@@ -134,11 +136,11 @@ class Rounds:
         return self._draft(self.best)
 
     def _is_over(self) -> bool:
-        """Return whether the search, and no run of it, has taken its time."""
-        return self._wall_s is not None and time.monotonic() - self._began >= self._wall_s
+        """Return whether the runs have taken the time of the search."""
+        return self._own_s is not None and self._used_s >= self._own_s
 
-    def _end_early(self, words: str = "") -> None:
-        self._cut = words or f"the search was ended after {self._wall_s:g} s (--search-limit)"
+    def _end_early(self, words: str) -> None:
+        self._cut = words
         self.is_cut_short = True
         if not self.best.is_traced:
             # What was found for the last run, though nobody knows yet how that ends.
@@ -156,11 +158,18 @@ class Rounds:
             more = next(following, None)
             if more is None or number == self._most_runs or self._simulated_s >= self._most_s:
                 break
+            is_last = self._is_over()
+            if is_last:
+                self._cut = f"the search was ended after {self._own_s:g} s (--search-limit)"
+                self.is_cut_short = True
+                if self.best.is_traced:
+                    break
             self._running = more
-            if self._is_over():
-                self._end_early()
-                break
             attempt = self._run(more)
+            if is_last:
+                # What nobody has run is not reported: this is how the run with it ends.
+                self.best = attempt
+                break
             seen.add(self.text(more))
 
     def _next(self, attempt: Attempt) -> Iterator[Entries]:
@@ -168,9 +177,7 @@ class Rounds:
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
             self.is_cut_short = True
-            if self._is_over():
-                self._end_early()
-            elif not self.best.is_traced:
+            if not self.best.is_traced:
                 self.best = attempt
             return
         mended = self._mended(attempt)
@@ -240,8 +247,7 @@ class Rounds:
         on_run: Callable[[ControllerRun], None] | None = None,
     ) -> Trace:
         """Run the controller with these entries; raise what keeps it from running."""
-        most_s = min(self._settings.wall_limit_s, self._wall_s or self._settings.wall_limit_s)
-        wall_s = most_s - (time.monotonic() - self._began)
+        wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             # Files that the base names stand in its own folder.
             path = Path(folder, self.draft_name)
@@ -267,6 +273,7 @@ class Rounds:
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
+        self._used_s += sum(run.own_s for run in runs)
         chosen = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
             # What nodes beside the controller give needs no scenario, unless it shows nothing so.
