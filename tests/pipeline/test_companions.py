@@ -228,3 +228,74 @@ def test_the_nearer_node_goes_first_and_one_that_asks_a_person_is_none(cell):
     both = '<node pkg="cell" type="pick.py" name="pick"/></launch>'
     cell.write("launch/cell.launch", LAUNCH.replace("</launch>", both))
     assert found() == ["scripts/finder.py"]
+
+
+TENDER = """\
+import rclpy
+from builtin_interfaces.msg import Duration
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+
+class Tender(LifecycleNode):
+    def __init__(self):
+        super().__init__("tender")
+
+    def on_configure(self, state):
+        self.out = self.create_publisher(JointTrajectory, "/panda_arm_controller/goals", 1)
+        group = ReentrantCallbackGroup()
+        self.next = self.create_client(Trigger, "next_angle", callback_group=group)
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state):
+        self.timer = self.create_timer(1.0, self.tend)
+        return super().on_activate(state)
+
+    async def tend(self):
+        self.timer.cancel()
+        if not self.next.wait_for_service(timeout_sec=1.0):
+            return
+        answer = await self.next.call_async(Trigger.Request())
+        point = JointTrajectoryPoint(positions=[float(answer.message)])
+        point.time_from_start = Duration(sec=1)
+        self.out.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
+
+
+rclpy.init()
+rclpy.spin(Tender())
+"""
+ANGLES = """\
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+def answer(request, response):
+    response.success, response.message = True, "0.3"
+    return response
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("angles")
+    node.create_service(Trigger, "next_angle", answer)
+    rclpy.spin(node)
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brought_up(example):
+    example.write("package.xml", PACKAGE.format("cell"))
+    example.write("scripts/tender.py", TENDER)
+    example.write("scripts/angles.py", ANGLES)
+    ran = example.run("run", "scripts/tender.py", "--check", "--json", "--robot", "panda")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    reasons = ran.json["verdict"]["reasons"]
+    drafted = [each["object"] for each in reasons if each["code"] == "input-assumed"]
+    assert drafted == ["/tender/change_state"] * len(drafted)
+    assert any("angles.py" in line for line in ran.json["trace"]["assumptions"])

@@ -361,3 +361,35 @@ def test_a_run_that_took_all_its_time_to_wait_is_drafted_too(example):
     example.write("c.py", WAITS.replace("node.begin()\n", ""))
     ran = example.run("run", "c.py", "--check", "--json", "--duration", "10")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/home"]
+
+
+def test_a_namespace_of_parameters_is_given_by_what_it_holds(example):
+    source = MESSAGE.replace("turn(0.1", "axes = rospy.get_param('~axes')\nturn(0.1")
+    example.write("c.py", source.replace("'/part', String)", "'/part', String, 1.0)"))
+    example.write("s.yaml", "parameters: {'~axes': {pan: 0}}\n")
+    ran = example.run("run", "c.py", "--check", "--no-draft", "--scenario", "s.yaml")
+    assert "/part" in ran.err
+    assert "axes" not in ran.err
+
+
+DESCRIPTION = """\
+import rclpy
+from builtin_interfaces.msg import Duration
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+rclpy.init()
+node = rclpy.create_node("c")
+if not node.declare_parameter("robot_description", "").value:
+    raise RuntimeError("robot_description is empty")
+out = node.create_publisher(JointTrajectory, "/panda_arm_controller/goals", 1)
+point = JointTrajectoryPoint(positions=[0.5], time_from_start=Duration(sec=1))
+out.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
+rclpy.spin_once(node, timeout_sec=3.0)
+"""
+
+
+def test_a_parameter_that_must_not_be_empty_is_drafted_where_the_exception_names_it(example):
+    example.write("c.py", DESCRIPTION)
+    ran = example.run("run", "c.py", "--check", "--json", "--robot", "panda")
+    names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
+    assert names == ["robot_description"]

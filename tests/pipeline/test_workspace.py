@@ -42,6 +42,16 @@ def test_packages_of_one_workspace_are_found_in_its_src(tmp_path):
     assert list(find_workspace(own).packages) == ["arm_description", "pick_demo"]
 
 
+def test_a_script_in_no_package_has_the_packages_of_the_workspace_it_lies_in(tmp_path):
+    arm = package(tmp_path / "ws" / "src" / "arm" / "arm_description")
+    own = tmp_path / "ws" / "src" / "tools" / "scripts"
+    own.mkdir(parents=True)
+    assert find_workspace(own).packages == {"arm_description": arm}
+    loose = tmp_path / "program" / "src" / "tools"
+    loose.mkdir(parents=True)
+    assert (project_top(loose), find_workspace(loose).packages) == (loose, {})
+
+
 @pytest.mark.parametrize("mark", ["README.md", "LICENSE", ".gitignore", "readme.rst"])
 def test_packages_of_a_copied_repository_are_found_by_what_lies_at_its_top(tmp_path, mark):
     own = package(tmp_path / "repo" / "pick_demo")

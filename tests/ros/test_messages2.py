@@ -62,6 +62,17 @@ def test_defaults_of_the_definition_hold(interfaces):
     assert interfaces.message("control_msgs/MotionPrimitive")().type == -1
 
 
+def test_a_time_that_is_no_message_is_taken_until_it_is_sent(interfaces):
+    class Time:  # as Jazzy takes that of rclpy
+        def to_msg(self):
+            raise NotImplementedError
+
+    header = interfaces.message("std_msgs/Header")()
+    header.stamp = Time()
+    with pytest.raises(AttributeError, match="'Time' object has no attribute 'sec'"):
+        copy_message(header)
+
+
 def test_defaults_of_arrays_are_words_numbers_and_bytes(tmp_path):
     (tmp_path / "msg").mkdir()
     (tmp_path / "msg" / "Plan.msg").write_text(

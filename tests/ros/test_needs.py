@@ -56,6 +56,13 @@ def test_who_asks_now_and_then_does_not_wait(ledger):
     assert [each.need for each in ledger.missed] == [need]
 
 
+def test_an_exception_names_the_parameters_that_were_left_empty(ledger):
+    for name, value in (("robot_description", ""), ("robot", ""), ("robot_file", "a.urdf")):
+        ledger.leave_empty(Need("parameter", name, "string"), value, 1)
+    told = "robot_description is empty; set robot_file"
+    assert [each.need.name for each in ledger.named_in(told, 2)] == ["robot_description"]
+
+
 NEEDS = [
     Need("topic", "/object", "geometry_msgs/PoseStamped"),
     Need("topic", "/scan", "sensor_msgs/CameraInfo"),
@@ -213,6 +220,22 @@ def test_what_is_called_comes_in_turn_and_what_stops_last(values):
     found = drafts([Missed(need, 0, 0, None) for need in needs], Interfaces2(), values)
     assert [each.value["service"] for each in found] == ["/pick", "/place", "/stop"]
     assert all(each.value["wait"] for each in found)
+
+
+def test_a_lifecycle_node_is_configured_and_then_activated(values):
+    need = Need("call", "/tender/change_state", "lifecycle_msgs/ChangeState")
+    found = drafts([Missed(need, 0, 0, None)], Interfaces2(), values)
+    transitions = [each.value["request"]["transition"] for each in found]
+    assert transitions == [{"id": 1, "label": "configure"}, {"id": 3, "label": "activate"}]
+
+
+def test_each_button_of_a_game_pad_is_held_while_the_sticks_are_moved(values):
+    need = Need("topic", "/joy", "sensor_msgs/Joy")
+    (found,) = drafts([Missed(need, 0, 0, None)], Interfaces(), values)
+    sent = found.value["messages"]
+    assert all(any(each["axes"]) for each in sent)
+    assert [sum(each["buttons"]) for each in sent] == [0, *[1] * 12]
+    assert found.value["count"] == len(sent)
 
 
 @pytest.mark.parametrize("line", [2, 3])  # that of the server, or where it is started

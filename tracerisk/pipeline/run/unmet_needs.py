@@ -80,6 +80,7 @@ class UnmetNeeds:
         self._root = root
         self._has_commanded = has_commanded
         self._at_end: tuple[tuple[Missed, ...], ...] | None = None
+        self._named: tuple[Missed, ...] = ()
         runtime.scheduler.on_over = self._keep
 
     def _keep(self) -> None:
@@ -105,6 +106,9 @@ class UnmetNeeds:
         for text, place in self._unused():
             here = replace(place, file=Path(place.file).name)
             self._runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
+        if cause == "raised":
+            scheduler = self._runtime.scheduler
+            self._named = scheduler.needs.named_in(message, scheduler.now_ns)
         shows_risk = cause in GOOD_ENDS and self._has_commanded()
         if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
             self._note_drafts()
@@ -167,7 +171,8 @@ class UnmetNeeds:
         graph, actions = self._runtime.graph, self._runtime.client(Actions)
         if need.kind == "parameter":
             given = {_plain(each.name) for each in self._runtime.parameters}
-            is_given = any(f"/{each}".endswith(f"/{need.name}") for each in given)
+            # A namespace is given by what it holds.
+            is_given = any(f"/{need.name}/" in f"/{each}/" for each in given)
             return is_given or graph.parameters.has(f"/{need.name}")
         if need.name.startswith("~") or "/" not in need.type_name:
             return True
@@ -274,7 +279,8 @@ class UnmetNeeds:
         return self._all_now() if self._at_end is None else self._at_end[1]
 
     def _missed(self) -> tuple[Missed, ...]:
-        return self._missed_now() if self._at_end is None else self._at_end[0]
+        missed = self._missed_now() if self._at_end is None else self._at_end[0]
+        return (*missed, *self._named)
 
     def _unserved(self) -> tuple[Missed, ...]:
         return self._unserved_now() if self._at_end is None else self._at_end[2]

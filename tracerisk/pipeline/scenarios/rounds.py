@@ -18,6 +18,7 @@ from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
+from tracerisk.pipeline.run.companions import find_companions
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.entries import (
     Attempt,
@@ -36,6 +37,7 @@ from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
@@ -55,6 +57,7 @@ _MOST_PLACES = 2  # other poses for what a motion did not reach
 _UNREACHED = frozenset(
     {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
 )
+_OF_NODES = frozenset({"services", "actions"})
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
 
 
@@ -126,6 +129,7 @@ class Rounds:
         self._singles: list[Entries] = []
         self._before = Entries()
         self._lines: list[CommandLine] | None = None
+        self._left: set[Need] = set()
 
     def result(self) -> ScenarioDraft:
         """Run until nothing is lacking, or nothing helps."""
@@ -318,6 +322,7 @@ class Rounds:
         """Return the entries with what the run lacked; None where there is nothing new."""
         entries = attempt.entries.copy()
         is_new = False
+        left: list[Draft] = []
         for draft in attempt.wanted:
             key = draft.section, draft.key
             if key in entries.drafts:
@@ -329,11 +334,32 @@ class Rounds:
                 continue
             if draft.value is None:
                 self._cannot[key] = draft
-                continue
-            self._usable[key] = draft
-            entries.drafts[key] = self._from_repository(draft)
-            is_new = True
-        return entries if is_new else None
+            elif self._is_left_to_others(draft):
+                left.append(draft)
+            else:
+                self._give(entries, draft)
+                is_new = True
+        if not is_new:
+            # The run that lacked it had those nodes beside it.
+            for draft in left:
+                self._give(entries, draft)
+        return entries if is_new or left else None
+
+    def _give(self, entries: Entries, draft: Draft) -> None:
+        key = draft.section, draft.key
+        self._usable[key] = draft
+        entries.drafts[key] = self._from_repository(draft)
+
+    def _is_left_to_others(self, draft: Draft) -> bool:
+        """Return whether a node of the workspace provides it, which may be started for it.
+
+        Only once: what is asked for again, though the node runs beside, is drafted.
+        """
+        is_theirs = draft.section in _OF_NODES and self._settings.companions
+        if not is_theirs or draft.need in self._left:
+            return False
+        self._left.add(draft.need)
+        return bool(find_companions(self._controller, (draft.need,), self._settings))
 
     def _from_repository(self, draft: Draft) -> Draft:
         """Return the draft with the value that the repository writes, if it does."""

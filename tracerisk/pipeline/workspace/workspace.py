@@ -97,6 +97,8 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
 def find_workspace(root: Path) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
+    A root that is no package has those around it where it lies in the `src` of a workspace.
+
     Looked for upwards, at most four folders up and never beyond the repository. Without one, it is
     the folder `src` of a workspace, or the nearest folder with what lies at the top of a
     repository (a readme, a licence, ...). Where there is neither, what lies beside a package is
@@ -143,11 +145,17 @@ def named_packages(
 def project_top(root: Path) -> Path:
     """Return the folder whose files belong to one project with the controller in `root`."""
     root = root.resolve()
-    if not (root / PACKAGE_FILE).is_file() or (root / ".git").exists():
+    if (root / ".git").exists():
         return root
     upwards = [
         folder for folder in root.parents[:_UPWARDS] if folder not in (Path.home(), Path("/"))
     ]
+    if not (root / PACKAGE_FILE).is_file():
+        # A script in no package may lie among those of a workspace all the same.
+        sources = next((each for each in upwards if each.name == _SOURCES), None)
+        if sources is None or not any(_packages_below(sources, deepest=_BESIDE)):
+            return root
+        return sources.parent if _is_marked(sources.parent) else sources
     for folder in upwards:
         if (folder / ".git").exists():
             return folder

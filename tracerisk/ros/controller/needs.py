@@ -6,6 +6,7 @@ where the controller asks, and forgotten when it is given.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,6 +16,7 @@ from tracerisk.ros.controller.frames import controller_frame
 NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", "call", "goal"]
 
 _ASKED_IN_VAIN = 10
+_WORD = re.compile(r"\w+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,7 @@ class NeedLedger:
         self._missed: dict[tuple[NeedKind, str], Missed] = {}
         self._types: dict[tuple[NeedKind, str], str] = {}
         self._asked: dict[tuple[NeedKind, str], int] = {}
+        self._left_empty: dict[str, Missed] = {}
 
     @property
     def missed(self) -> tuple[Missed, ...]:
@@ -86,6 +89,20 @@ class NeedLedger:
         self._asked[key] = self._asked.get(key, 0) + 1
         if self._asked[key] >= _ASKED_IN_VAIN:
             self.miss(need, now_ns)
+
+    def leave_empty(self, need: Need, value: object, now_ns: int) -> None:
+        """Note that a parameter has its default, where that is empty: it may not do without."""
+        if isinstance(value, str | list | tuple) and not value:
+            self._left_empty[need.name] = Missed(need, now_ns, now_ns, asking_place())
+
+    def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
+        """Return the parameters left empty that the message of an exception names."""
+        words = set(_WORD.findall(message))
+        return tuple(
+            replace(each, last_ns=now_ns)
+            for name, each in self._left_empty.items()
+            if name.replace(".", "/").rpartition("/")[2] in words
+        )
 
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""

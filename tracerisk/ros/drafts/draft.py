@@ -50,7 +50,10 @@ _ANONYMOUS = re.compile(r"^/(?:[\w/]*/)?\w+_\d+_\d{9,}/")
 _YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
 _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
 _MOST_IN_TURN = 6  # calls of one service, each with another value
+_TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
+_PRESSED_S = 1.0  # for how long each button of a game pad is pressed
+_BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
 _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
 _JOINTS = re.compile(
     r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
@@ -129,6 +132,11 @@ def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
 def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
     """Yield a draft; of a call with a field for which the code knows several values, each."""
     yield draft
+    if draft.need.type_name == _TRANSITION:
+        for number, transition in enumerate(_BROUGHT_UP[1:], 2):
+            more = {**draft.value, "request": {"transition": transition}}
+            yield replace(draft, key=f"{draft.key}[{number}]", value=more)
+        return
     content = {"call": "request", "goal": "goal"}.get(draft.need.kind)
     sent = {} if content is None or draft.value is None else draft.value.get(content, {})
     for (name, *deeper), literals in compared_in_callback(place).values.items() if sent else ():
@@ -178,6 +186,14 @@ def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         several = ordered_answers(compared.texts(("data",)))
     elif need.type_name == "std_msgs/Bool" and message["data"]:
         several = compared.truths(("data",))
+    if need.type_name == "sensor_msgs/Joy":
+        # A dead man's button, whichever it is, is held while the sticks are moved.
+        count = len(message["buttons"])
+        alone = [[int(at == each) for at in range(count)] for each in range(count)]
+        held = [{**message, "buttons": each} for each in (message["buttons"], *alone)]
+        timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
+        entry = {**entry, "messages": held, **timing}
+        return need.name, entry, "the sticks moved, without a button and then with each"
     if len(several) > 1:
         commands = [{"data": each} for each in several]
         timing = {"at": 1.0, "rate": 1 / _EACH_S, "count": len(commands)}
@@ -241,6 +257,10 @@ def _holds_joints(message_class: Any, depth: int) -> bool:
 
 def _call(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     need = missed.need
+    if need.type_name == _TRANSITION:
+        sent = {"transition": _BROUGHT_UP[0]}
+        entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
+        return need.name, entry, "as who brings up a lifecycle node: configured, then activated"
     request = service_parts(interfaces, need.type_name)[0]
     sent = values.fields(request, compared_in_callback(missed.location), need.name)
     entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}

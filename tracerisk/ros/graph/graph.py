@@ -24,8 +24,11 @@ from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 
-# Served by a library in the controller, for tools: buffers of tf2, servers of parameters.
-_OF_TOOLS = re.compile(r"tf2_msgs/FrameGraph$|dynamic_reconfigure/|rcl_interfaces/|roscpp/")
+# Served by a library in the controller, for tools: buffers of tf2, servers of parameters, what
+# state a lifecycle node is in.
+_OF_TOOLS = re.compile(
+    r"tf2_msgs/FrameGraph$|dynamic_reconfigure/|rcl_interfaces/|roscpp/|lifecycle_msgs/Get"
+)
 _SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]

@@ -108,6 +108,7 @@ def copy_message(message: Any) -> Any:
 
     Raises:
         AssertionError: a value does not fit its field.
+        AttributeError: a field holds a time that is no message.
     """
     made = type(message)()
     for field in type(message)._ros_fields:
@@ -122,7 +123,11 @@ def _copy(field: Field2, value: Any) -> Any:
         field.accept(value)
         nested = field.message is not None
         return [copy_message(item) if nested else item for item in value]
-    return copy_message(value) if field.message is not None else value
+    if field.message is None:
+        return value
+    if not isinstance(value, field.message):
+        raise AttributeError(f"'{type(value).__name__}' object has no attribute 'sec'")
+    return copy_message(value)
 
 
 def _shown(value: Any) -> str:

@@ -74,6 +74,10 @@ class NodeParameters:
             run().runtime.graph.parameters.ask(name)
             if not ignore_override and name in self._parameter_overrides:
                 value = self._parameter_overrides[name].value
+            else:
+                kind = Parameter.Type(descriptor.type).name.lower() if descriptor.type else ""
+                scheduler = run().scheduler
+                scheduler.needs.leave_empty(Need("parameter", name, kind), value, scheduler.now_ns)
             found.append(Parameter(name, value=value))
             descriptors[name] = descriptor
         known = [parameter.name for parameter in found if parameter.name in self._parameters]

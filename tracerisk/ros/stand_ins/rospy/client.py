@@ -203,7 +203,9 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
             node().scheduler.needs.meet(Need("parameter", names.resolve_name(param_name)))
             return value
         # It can do without.
-        node().scheduler.needs.meet(Need("parameter", names.resolve_name(param_name)))
+        scheduler, need = node().scheduler, Need("parameter", names.resolve_name(param_name))
+        scheduler.needs.meet(need)
+        scheduler.needs.leave_empty(need, default, scheduler.now_ns)
         return default
 
 
