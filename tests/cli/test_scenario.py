@@ -7,6 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from tracerisk.pipeline.scenarios.entries import merged
+
 HEAD = """\
 import sys
 import actionlib, moveit_commander, rospy, tf2_ros
@@ -51,6 +53,17 @@ def main():
 main()
 """
 )
+
+
+SENDER = """\
+import rospy
+from geometry_msgs.msg import PoseStamped
+
+pub = rospy.Publisher("/part", PoseStamped, queue_size=1)
+part = PoseStamped()
+part.pose.position.z = 0.3
+pub.publish(part)
+"""
 
 
 def reasons(outcome) -> list[tuple[str, str]]:
@@ -162,7 +175,10 @@ def test_values_of_the_repository_come_first_unless_they_do_not_fit(example):
 
 
 @pytest.mark.slow
-def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example):
+@pytest.mark.parametrize("is_written", [False, True])  # the height, by another program
+def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example, is_written):
+    if is_written:
+        example.write("sender.py", SENDER)
     source = HEAD + (
         "pose = rospy.wait_for_message('/part', PoseStamped)\n"
         "arm.set_pose_target(pose)\n%s\nif not arm.go(wait=True):\n    rospy.logerr('lost')\n"
@@ -326,6 +342,15 @@ def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
     assert found.trace is None
     assert [draft.key for draft in found.given][:1] == ["~angle"]
     assert "~angle: 0.1  # assumed" in found.text
+
+
+def test_a_turn_that_is_written_in_part_is_no_mixture():
+    drafted = {"orientation": {"x": 0.1, "y": 0.7, "z": 0.1, "w": 0.7}, "position": {"x": 1.0}}
+    written = {"orientation": {"w": 1.0}, "position": {"y": 2.0}}
+    assert merged(drafted, written) == {
+        "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+        "position": {"x": 1.0, "y": 2.0},
+    }
 
 
 def test_the_source_alone_is_listed_without_a_run(example):

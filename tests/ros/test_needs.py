@@ -128,6 +128,20 @@ def test_other_poses_are_as_good_and_apart(values):
     assert drafts([need], Interfaces(), values)[0].others == ()
 
 
+def test_a_thing_that_a_detector_finds_has_a_shape_and_is_put_there(values):
+    interfaces = Interfaces()
+    found = values.fields(interfaces.message("moveit_msgs/CollisionObject"))
+    assert found["operation"] == 0
+    assert found["primitives"] == [{"type": 1, "dimensions": [0.04, 0.04, 0.1]}]
+    assert found["primitive_poses"][0]["position"]["z"] > 0.0
+
+
+def test_a_pose_is_given_however_deep_it_lies(values):
+    objects = Interfaces().message("grasping_msgs/FindGraspableObjectsResult")
+    (grasp,) = values.fields(objects)["objects"][0]["grasps"]
+    assert grasp["grasp_pose"]["pose"]["position"]["z"] > 0.0
+
+
 def test_a_goal_for_joints_leaves_out_what_its_server_counts_by_itself(values):
     goal = values.fields(Interfaces2().action("control_msgs/FollowJointTrajectory").Goal)
     assert set(goal) == {"trajectory", "goal_time_tolerance"}

@@ -17,6 +17,8 @@ from tracerisk.ros.scenario.marks import MARK
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 
+_QUATERNION = frozenset("xyzw")
+
 EntryKey = tuple[str, str]
 """The section and the key of an entry."""
 
@@ -116,6 +118,9 @@ def merged(fields: Any, over: Any) -> Any:
     """Return fields with others put over them, down into nested ones."""
     if not isinstance(fields, dict) or not isinstance(over, dict):
         return over
+    if fields.keys() == _QUATERNION:
+        # One that is given in part is no mixture of two turns.
+        return {**dict.fromkeys(fields, 0.0), **over}
     more = {key: merged(fields.get(key), each) for key, each in over.items()}
     return {**fields, **more}
 

@@ -407,12 +407,20 @@ class Rounds:
             return None
         entries = best.entries.copy()
         for key, draft in entries.drafts.items():
-            others = self._usable[key].others if key in self._usable else ()
-            if self._places < len(others) and draft.value in (
-                self._usable[key].value,
-                *others,
-            ):
-                entries.drafts[key] = replace(draft, value=others[self._places])
+            usable = self._usable.get(key)
+            if usable is None or self._places >= len(usable.others):
+                continue
+            made = [
+                self._from_repository(replace(usable, value=each)).value
+                for each in (usable.value, *usable.others)
+            ]
+            if draft.value in (usable.value, *usable.others):
+                other = usable.others[self._places]
+            elif draft.value in made:
+                other = made[1 + self._places]
+            else:
+                continue
+            entries.drafts[key] = replace(draft, value=other)
         self._places += 1
         return entries
 

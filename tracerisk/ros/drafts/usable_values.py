@@ -29,7 +29,7 @@ from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Group, Joint, Robot
 from tracerisk.twin.urdf.text import urdf_text
 
-_DEEPEST = 5  # of nested messages: what lies deeper has its defaults without being written
+_DEEPEST = 5  # of nested messages: what lies deeper, but for poses, is left at its defaults
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
 _TRIED = 400  # postures among which one with the tool in front of the arm is looked for
 _SOLVED = 24  # of the best of them, for how many the pose above is tried
@@ -51,7 +51,8 @@ _DESCRIPTION = re.compile(r"(^|[/_])robot_description$|(^|[/_])urdf(_(xml|string
 _NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
 _GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
-_SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK")
+_SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
+_BOX = (0.04, 0.04, 0.1)  # a thing that a gripper can hold [m]
 # Who sends a goal for the arm's joints leaves these out: the server's own count then.
 _LEFT_EMPTY = frozenset(
     {
@@ -200,7 +201,8 @@ class UsableValues:
             return whole
         found: dict[str, Any] = {}
         for field in fields_of(message_class):
-            if field.message is not None and not field.is_array and depth >= _DEEPEST:
+            is_deep = depth >= _DEEPEST and not field.is_array
+            if is_deep and field.message is not None and not _is_geometry(field.message):
                 continue
             if field.message is not None and type_of(field.message) in _LEFT_EMPTY:
                 continue
@@ -228,6 +230,8 @@ class UsableValues:
             return {"translation": position, "rotation": turn}
         if kind == "geometry_msgs/Twist":
             return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
+        if kind == "shape_msgs/SolidPrimitive":
+            return {"type": constants_of(message_class)["BOX"], "dimensions": list(_BOX)}
         if kind == "sensor_msgs/Joy":
             # As many as a common game pad has, the first stick moved and nothing pressed.
             return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}
@@ -335,6 +339,10 @@ class UsableValues:
         if field.name in position and not owner.startswith("geometry_msgs/"):
             return position[field.name]
         return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+
+
+def _is_geometry(message_class: Any) -> bool:
+    return type_of(message_class).startswith("geometry_msgs/")
 
 
 def is_on(name: str) -> bool:

@@ -109,6 +109,7 @@ class MoveGroupServer(RobotGroups):
             self.scene, self.robot, runtime.twin.link_pose, self._report_scene
         )
         self.execution = TrajectoryExecution(runtime)
+        self._joint_names = frozenset(joint.name for joint in self.robot.joints)
 
     # What the state is; each look moves the clock if it was looked at before
 
@@ -134,7 +135,10 @@ class MoveGroupServer(RobotGroups):
 
     def forward(self, positions: Mapping[str, float], link: str) -> Pose:
         """Return a link's pose at given joint positions; joints left out stand as they are."""
-        return self._twin.forward_kinematics({**self._positions(), **positions}, link)
+        # A path rule asks for very many poses, each at the positions of all joints.
+        if not positions.keys() >= self._joint_names:
+            positions = {**self._positions(), **positions}
+        return self._twin.forward_kinematics(positions, link)
 
     def frame(self, name: str) -> Pose | None:
         """Return the pose of a frame, else None, which is noted as a need.

@@ -186,7 +186,9 @@ class Twin:
 
     def forward_kinematics(self, positions: Mapping[str, float], link: str) -> Pose:
         """Return the pose of `link` with some joints at `positions`, the others as they are."""
-        return self._kinematics.forward({**self._positions(), **positions}, link)
+        if not positions.keys() >= self._simulation.joint_index.keys():
+            positions = {**self._positions(), **positions}
+        return self._kinematics.forward(positions, link)
 
     def jacobian(
         self, positions: Mapping[str, float], link: str, joints: Sequence[str]
