@@ -18,7 +18,7 @@ from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
-from tracerisk.pipeline.run.companions import find_companions
+from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.entries import (
     Attempt,
