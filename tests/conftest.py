@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -25,6 +27,8 @@ settings.register_profile(
 settings.load_profile("any_machine")
 
 SAMPLES = Path(__file__).parent.parent / "sample_controllers"
+SYSTEM = Path("/usr/bin/python3")
+ROS1 = "import rospy, actionlib, rosmaster, std_msgs, roscpp"
 
 
 QUICK = """\
@@ -238,3 +242,29 @@ def annotated_source() -> Callable[..., str]:
         return "\n\n".join(found)
 
     return make
+
+
+@pytest.fixture
+def master(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A master of ROS 1 on loopback, named in the environment; skips where there is none."""
+    if subprocess.run([SYSTEM, "-c", ROS1], capture_output=True, check=False).returncode:
+        pytest.skip("rospy, actionlib and rosmaster are not installed")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{port}")
+    monkeypatch.setenv("ROS_IP", "127.0.0.1")
+    started = subprocess.Popen(
+        ["/usr/bin/rosmaster", "--core", "-p", str(port)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 20.0
+    while time.monotonic() < deadline:
+        with socket.socket() as asked:
+            if asked.connect_ex(("127.0.0.1", port)) == 0:
+                break
+        time.sleep(0.05)
+    yield
+    started.terminate()
+    started.wait(10)

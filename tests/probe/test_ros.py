@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import textwrap
 import time
@@ -12,7 +11,6 @@ from pathlib import Path
 import pytest
 
 SYSTEM = Path("/usr/bin/python3")
-ROS1 = "import rospy, actionlib, rosmaster, std_msgs, roscpp"
 
 CELL = """
     import actionlib
@@ -68,31 +66,6 @@ LISTENER = """
     rospy.Subscriber("/tracerisk/commands", String, lambda each: print(each.data, flush=True))
     rospy.spin()
 """
-
-
-@pytest.fixture
-def master(monkeypatch):
-    if subprocess.run([SYSTEM, "-c", ROS1], capture_output=True, check=False).returncode:
-        pytest.skip("rospy, actionlib and rosmaster are not installed")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{port}")
-    monkeypatch.setenv("ROS_IP", "127.0.0.1")
-    started = subprocess.Popen(
-        ["/usr/bin/rosmaster", "--core", "-p", str(port)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    deadline = time.monotonic() + 20.0
-    while time.monotonic() < deadline:
-        with socket.socket() as asked:
-            if asked.connect_ex(("127.0.0.1", port)) == 0:
-                break
-        time.sleep(0.05)
-    yield
-    started.terminate()
-    started.wait(10)
 
 
 @pytest.mark.usefixtures("master")
