@@ -11,6 +11,7 @@ from tracerisk.errors import DependencyError
 
 MODULES: Mapping[str, str] = {
     "av": "av",
+    "cyclonedds": "cyclonedds",
     "daqp": "daqp",
     "dm-control": "dm_control.mujoco",
     "etils": "etils.epath",
@@ -50,13 +51,21 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
     "lsp": ("lsprotocol", "pygls"),
     "film": ("av",),
+    "dds": ("cyclonedds",),
 }
 """The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
 
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
-_SIGN = {"sim": "mujoco", "large": "scipy", "cpp": "tree-sitter-cpp", "lsp": "pygls", "film": "av"}
+_SIGN = {
+    "sim": "mujoco",
+    "large": "scipy",
+    "cpp": "tree-sitter-cpp",
+    "lsp": "pygls",
+    "film": "av",
+    "dds": "cyclonedds",
+}
 """The distribution that shows that an extra is installed; `sim` brings all of `large`."""
 _WHAT = {
     "sim": "the simulator",
@@ -64,6 +73,7 @@ _WHAT = {
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",
+    "dds": "cyclonedds",
 }
 
 
@@ -124,6 +134,12 @@ def require_film() -> None:
     """Raise DependencyError unless the extra `film` is installed."""
     if not all(map(is_installed, EXTRAS["film"])):
         raise missing_extra("film", "a film as MP4")
+
+
+def require_dds() -> None:
+    """Raise DependencyError unless the extra `dds` is installed."""
+    if not all(map(is_installed, EXTRAS["dds"])):
+        raise missing_extra("dds", "hearing a robot of ROS 2")
 
 
 def require_large(*distributions: str) -> None:

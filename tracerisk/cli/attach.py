@@ -1,4 +1,4 @@
-"""`tracerisk attach`: listen to a real robot of ROS 1 and report which hardware each step used."""
+"""`tracerisk attach`: listen to a real robot and report which hardware each step used."""
 
 from __future__ import annotations
 
@@ -24,6 +24,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=shared.positive,
         help="how long to listen (default: until an interrupt)",
     )
+    parser.add_argument(
+        "--dds",
+        action="store_true",
+        help="listen to a robot of ROS 2, by DDS (extra dds; default: ROS 1)",
+    )
     parser.add_argument("--keep", metavar="OUT.mcap", help="keep what was heard as a recording")
     add_reading(parser, with_robot=True)
     parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
@@ -42,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
         path = Path(options.keep or Path(folder, "robot.mcap"))
         note("listening; an interrupt ends it", quiet=options.quiet)
-        heard = record_robot(path, topics=topics, seconds=options.duration)
+        heard = record_robot(path, topics=topics, seconds=options.duration, by_dds=options.dds)
         said = f"{heard.messages} messages on {len(heard.topics)} topics; {heard.ended}"
         note(said, quiet=options.quiet)
         trace = read_recording(path, options, options.controller)

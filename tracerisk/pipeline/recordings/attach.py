@@ -1,7 +1,8 @@
-"""Record what a real robot of ROS 1 publishes, as an MCAP file, without publishing anything."""
+"""Record what a real robot publishes, as an MCAP file, without publishing anything."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -9,11 +10,12 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Protocol
 
+from tracerisk.dependencies import require_dds
 from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.names import COMMANDS
-from tracerisk.ros.live.link import Link
+from tracerisk.ros.live.link import Frame
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
 _WAIT_S = 0.2
@@ -28,69 +30,105 @@ class Heard:
     ended: str
 
 
+class Source(Protocol):
+    """What hears a robot; it is closed at the end."""
+
+    profile: str
+    """Of the recording: `ros1` or `ros2`."""
+    over: str
+    """Why nothing more comes; empty as long as something may."""
+
+    def frames(self, seconds: float) -> list[Frame]:
+        """Wait for messages, at most for some time, and return those that have come."""
+
+    def close(self) -> None:
+        """Hear nothing more."""
+
+
+class _Rospy:
+    """A node of ROS 1, in a process of its own under the Python of ROS."""
+
+    profile = "ros1"
+
+    def __init__(self, topics: tuple[str, ...], environment: Mapping[str, str]) -> None:
+        self.over = ""
+        passed = {
+            name: value for name, value in environment.items() if not name.startswith("PYTHON")
+        }
+        self._link, self._process = start_linked(
+            "tracerisk.ros.live.listener", environment=passed, topics=topics
+        )
+        frame = first_frame(self._link)
+        if frame is None or frame[0]["is"] != "ready":
+            self.close()
+            message = "the node that listens does not start" if frame is None else frame[0]["message"]
+            raise InputError(f"{message}; set ROS_MASTER_URI to that of the robot's master")
+
+    def frames(self, seconds: float) -> list[Frame]:
+        select.select([self._link], [], [], seconds)
+        found = self._link.waiting()
+        if self._link.is_closed:
+            self.over = "the master is gone"
+        return [each for each in found if each[0]["is"] == "message"]
+
+    def close(self) -> None:
+        self._link.close()
+        end_process(self._process, signal.SIGTERM, signal.SIGKILL)
+
+
 def record_robot(
     path: Path,
     *,
     topics: tuple[str, ...] = (),
     seconds: float | None = None,
+    by_dds: bool = False,
     environment: Mapping[str, str] | None = None,
     on_message: Callable[[int], None] = lambda count: None,  # noqa: ARG005
 ) -> Heard:
     """Write to `path` what joint states, trajectories, their actions and `topics` bring.
 
     It ends after `seconds` of wall time, at an interrupt, or when the master of the environment's
-    `ROS_MASTER_URI` is gone. `on_message` is called with the number of messages that have come.
+    `ROS_MASTER_URI` is gone. `by_dds` reads a robot of ROS 2 instead, without its actions.
+    `on_message` is called with the number of messages that have come.
 
     Raises:
-        InputError: no master answers.
-        DependencyError: there is no rospy.
+        InputError: no master answers, or the domain of DDS is none.
+        DependencyError: there is no rospy, or no DDS.
     """
     given = os.environ if environment is None else environment
-    passed = {name: value for name, value in given.items() if not name.startswith("PYTHON")}
-    link, process = start_linked(
-        "tracerisk.ros.live.listener", environment=passed, topics=[COMMANDS, *topics]
-    )
-    try:
-        _wait_for(link)
-        with path.open("wb") as stream:
-            return _record(stream, link, seconds, on_message)
-    finally:
-        link.close()
-        end_process(process, signal.SIGTERM, signal.SIGKILL)
+    source = _source((COMMANDS, *topics), given, by_dds=by_dds)
+    with contextlib.closing(source), path.open("wb") as stream:
+        return _record(stream, source, seconds, on_message)
 
 
-def _wait_for(link: Link) -> None:
-    frame = first_frame(link)
-    if frame is None or frame[0]["is"] != "ready":
-        message = "the node that listens does not start" if frame is None else frame[0]["message"]
-        raise InputError(f"{message}; set ROS_MASTER_URI to that of the robot's master")
+def _source(topics: tuple[str, ...], environment: Mapping[str, str], *, by_dds: bool) -> Source:
+    if not by_dds:
+        return _Rospy(topics, environment)
+    require_dds()
+    from tracerisk.ros.live.dds import Readers
+
+    return Readers(topics, environment)
 
 
 def _record(
-    stream: IO[bytes], link: Link, seconds: float | None, on_message: Callable[[int], None]
+    stream: IO[bytes], source: Source, seconds: float | None, on_message: Callable[[int], None]
 ) -> Heard:
     from mcap.writer import Writer
 
     from tracerisk import __version__
 
     writer = Writer(stream)
-    writer.start(profile="ros1", library=f"tracerisk {__version__}")
+    writer.start(profile=source.profile, library=f"tracerisk {__version__}")
     channels: dict[str, int] = {}
     counts: dict[str, int] = {}
     ended = "the time is over"
     ends = None if seconds is None else time.monotonic() + seconds
     try:
-        while ends is None or time.monotonic() < ends:
-            select.select([link], [], [], _WAIT_S)
-            for header, body in link.waiting():
-                if header["is"] == "message":
-                    _write(writer, channels, counts, header, body)
-                    on_message(sum(counts.values()))
-                elif header["is"] == "over":
-                    ended = header["message"]
-            if link.is_closed:
-                ended = "the master is gone" if ended == "the time is over" else ended
-                break
+        while (ends is None or time.monotonic() < ends) and not source.over:
+            for header, body in source.frames(_WAIT_S):
+                _write(writer, source.profile, channels, counts, header, body)
+                on_message(sum(counts.values()))
+        ended = source.over or ended
     except KeyboardInterrupt:
         ended = "it was interrupted"
     finally:
@@ -100,6 +138,7 @@ def _record(
 
 def _write(
     writer: Any,
+    profile: str,
     channels: dict[str, int],
     counts: dict[str, int],
     header: Mapping[str, Any],
@@ -110,10 +149,12 @@ def _write(
         if "type" not in header:
             return
         schema = writer.register_schema(
-            name=header["type"], encoding="ros1msg", data=header["definition"].encode()
+            name=header["type"], encoding=f"{profile}msg", data=header["definition"].encode()
         )
         channels[topic] = writer.register_channel(
-            topic=topic, message_encoding="ros1", schema_id=schema
+            topic=topic,
+            message_encoding="ros1" if profile == "ros1" else "cdr",
+            schema_id=schema,
         )
     counts[topic] = counts.get(topic, 0) + 1
     writer.add_message(
