@@ -12,6 +12,23 @@ import pytest
 from tracerisk.ros.time.scheduler import RunOver
 
 
+@pytest.fixture
+def run_node(run_node):
+    """Shuts the node down after `main`, for a server keeps its process alive until then."""
+
+    def run(main, *arguments):
+        def then_shut_down():
+            import rospy
+
+            result = main()
+            rospy.signal_shutdown("the test is over")
+            return result
+
+        return run_node(then_shut_down, *arguments)
+
+    return run
+
+
 def serve(execute=None, **options):
     """Serve /count: succeeds with goal + 1 unless told otherwise."""
     import actionlib
@@ -427,3 +444,29 @@ def test_the_status_of_a_goal_begins_with_its_identifier_or_with_a_new_one(run_n
     assert made.status == 0
     assert made.goal_id.id.startswith("/server-1-")
     assert made.goal_id.stamp.to_sec() > 0.0
+
+
+@pytest.mark.parametrize("executes", [True, False])
+def test_a_server_that_executes_keeps_its_process_alive(scheduler, graph, executes):
+    """As seen with actionlib 1.14 on rospy: `main` returns, and the process lives on."""
+    from tracerisk.ros.graph.runtime import Runtime, activate
+    from tracerisk.ros.imports.finder import StandInFinder
+    from tracerisk.ros.time.patches import virtual_time
+
+    def main():
+        import actionlib
+        import rospy
+        from actionlib.msg import TestAction
+
+        rospy.init_node("server")
+        execute = (lambda goal: None) if executes else None
+        actionlib.SimpleActionServer("count", TestAction, execute, auto_start=False).start()
+
+    with activate(Runtime(scheduler, graph, argv=("c.py",))), StandInFinder():  # noqa: SIM117
+        with virtual_time(scheduler):
+            if executes:
+                with pytest.raises(RunOver, match="the end of thread action count") as over:
+                    scheduler.run_main(main)
+                assert over.value.cause == "quiescent"
+            else:
+                scheduler.run_main(main)

@@ -577,6 +577,7 @@ def test_goals_are_sent_to_a_server_of_ros_1(run_in):
         server = actionlib.SimpleActionServer("/grasp", GripperCommandAction, execute, False)
         server.start()
         rospy.sleep(2.0)
+        rospy.signal_shutdown("the server would keep the process alive")
         return came
 
     assert run_in(GOALS.replace("TYPE", "control_msgs/GripperCommand"), main) == [0.02]

@@ -438,3 +438,29 @@ def test_a_thread_inherits_the_stack_of_its_creator(world):
 
     scheduler.run_main(main)
     assert seen == [("main", "pick"), ()]
+
+
+def test_an_error_of_main_is_reported_though_a_thread_lives_on(scheduler):
+    def main():
+        scheduler.spawn(
+            lambda: scheduler.wait_until(lambda: False, reason="work", kind="idle"),
+            "worker",
+            daemon=False,
+        )
+        raise ValueError("broken")
+
+    with pytest.raises(ValueError, match="broken"):
+        scheduler.run_main(main)
+
+
+def test_an_exit_without_an_error_is_no_end_while_a_thread_lives_on(scheduler):
+    def main():
+        scheduler.spawn(
+            lambda: scheduler.wait_until(lambda: False, reason="work", kind="idle"),
+            "worker",
+            daemon=False,
+        )
+        raise SystemExit(0)
+
+    with pytest.raises(RunOver, match="the end of thread worker"):
+        scheduler.run_main(main)

@@ -160,6 +160,7 @@ client = tf2_ros.BufferClient("buffer")
 assert client.wait_for_server(rospy.Duration(2))
 assert client.lookup_transform("world", "hand", latest).child_frame_id == "hand"
 assert not client.can_transform("world", "nose", latest)
+rospy.signal_shutdown("the server would keep the process alive")
 """)
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from sys import _getframe
 from typing import Any, Literal, TypeVar
 
@@ -363,6 +363,7 @@ class Scheduler:
         thread.is_main = True
         thread.ident = self.baton.take(thread)
         self._by_ident[thread.ident] = thread
+        has_failed = False
         try:
             try:
                 result = main()
@@ -373,7 +374,11 @@ class Scheduler:
                 if type(error) is not KeyboardInterrupt:
                     if self.on_over is not None:
                         self.on_over()
-                    self._finish_as_interpreter()
+                    is_exit = isinstance(error, SystemExit) and error.code in (None, 0)
+                    has_failed = self._over is None and not is_exit
+                    # However threads that live on may end, it is the error that is reported.
+                    with suppress(RunOver) if has_failed else nullcontext():
+                        self._finish_as_interpreter()
                 raise
             self._finish_as_interpreter()
             return result
@@ -386,7 +391,7 @@ class Scheduler:
             self._by_ident.clear()
             if self._fault is not None:
                 raise self._fault
-            if self._over.cause != "ended":
+            if self._over.cause != "ended" and not has_failed:
                 raise self._over.again() from None
 
     def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
@@ -582,7 +587,11 @@ class Scheduler:
     def _finish_as_interpreter(self) -> None:
         """Do what CPython does between the end of the main module and its own."""
         self.exit_calls.run_before_joining()
-        while lasting := [t for t in self._threads if not t.daemon and not t.is_main]:
+        while lasting := [
+            each
+            for each in self._threads
+            if not each.daemon and not each.is_main and each.process is None
+        ]:
             thread = lasting[0]
             self.wait_until(
                 lambda thread=thread: thread.finished,  # type: ignore[misc]

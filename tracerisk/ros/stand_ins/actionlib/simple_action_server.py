@@ -27,7 +27,8 @@ _SUPERSEDED = "This goal was canceled because another goal was received by the s
 class SimpleActionServer:
     """Serve the action `name` of type `ActionSpec`, one goal at a time.
 
-    `execute_cb` gets each goal's message on a thread of its own; without it, the user polls
+    `execute_cb` gets each goal's message on a thread of its own, which keeps the process alive
+    until the node shuts down; without it, the user polls
     `is_new_goal_available` or registers a goal callback, and calls `accept_new_goal`.
 
     Raises:
@@ -51,8 +52,13 @@ class SimpleActionServer:
         self.current_goal = ServerGoalHandle()
         self.next_goal = ServerGoalHandle()
         if execute_cb is not None:
+            # As there no daemon: the process lives until the node shuts down.
             current().scheduler.spawn(
-                self.executeLoop, f"action {name}", inherit=False, is_controllers=False
+                self.executeLoop,
+                f"action {name}",
+                daemon=False,
+                inherit=False,
+                is_controllers=False,
             )
         self.action_server = ActionServer(
             name,
