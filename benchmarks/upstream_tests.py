@@ -80,6 +80,8 @@ SUITES = {
 }
 OF_ROS1 = {suite.repository for suite in SUITES.values() if suite.ros == 1}
 REPOSITORIES = sorted({suite.repository for suite in SUITES.values()})
+ENVIRONMENT = {"PYTHONDONTWRITEBYTECODE": "1", "ROS_ROOT": "/opt/ros/noetic/share/ros"}
+"""Of each process; the second as a setup file of ROS 1 has it."""
 ALIASES = {"test_rclpy": "", "test_tf2_py": "", "test_tf2_py._tf2_py": "tf2_py"}
 
 
@@ -220,7 +222,7 @@ def processed(job: Mapping[str, object], folder: Path) -> str:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "HOME": str(folder)},
+            env={**os.environ, **ENVIRONMENT, "HOME": str(folder)},
             timeout=LONGEST_S,
             check=False,
         ).returncode

@@ -133,3 +133,68 @@ def test_what_cannot_be_read_or_written_is_reported(run_node, path, tmp_path):
         "messages of lab_msgs/Secret, which is neither in the workspace nor served" in reported[3]
     )
     assert raw == ("lab_msgs/Secret", b"\0\0\0\0", "0" * 32)
+
+
+def test_a_bag_is_a_stream_as_well(run_node):
+    import io
+
+    kept = []
+
+    class Stream(io.BytesIO):
+        def close(self):
+            kept.append(self.getvalue())
+            super().close()
+
+    def main():
+        import rosbag
+
+        written(Stream())
+        with rosbag.Bag(io.BytesIO(kept[0])) as bag:
+            return [each.topic for each in bag]
+
+    assert run_node(main) == ["/joint_states"] * 4 + ["note"]
+
+
+def test_what_was_recorded_is_chosen_by_its_publisher(run_node, path):
+    def main():
+        import rosbag
+        from std_msgs.msg import String
+
+        written(path)
+
+        def is_wanted(topic, datatype, md5sum, msg_def, header):
+            known = (datatype, md5sum, msg_def) == (String._type, String._md5sum, String._full_text)
+            return known and header["topic"] == topic
+
+        with rosbag.Bag(path) as bag:
+            return [each.topic for each in bag.read_messages(connection_filter=is_wanted)]
+
+    assert run_node(main) == ["note"]
+
+
+def test_a_bag_knows_its_types_and_sizes(run_node, path):
+    def main():
+        import rosbag
+
+        written(path, compression="bz2")
+        with rosbag.Bag(path) as bag:
+            types, topics = bag.get_type_and_topic_info("note")
+            assert (sorted(types), list(topics)) == (
+                ["sensor_msgs/JointState", "std_msgs/String"],
+                ["note"],
+            )
+            info = bag.get_compression_info()
+            assert (info.compression, 0 < info.compressed < info.uncompressed) == ("bz2", True)
+        with pytest.raises(ValueError, match="closed bag"):
+            bag.size  # noqa: B018 - asking is the test
+        with (
+            rosbag.Bag(path, "w") as empty,
+            pytest.raises(rosbag.ROSBagException, match="no message"),
+        ):
+            empty.get_start_time()
+        with pytest.raises(ValueError, match="none, bz2, lz4"):
+            rosbag.Bag(path, compression="zip")
+        with pytest.raises(ValueError, match="chunk_threshold"):
+            rosbag.Bag(path, chunk_threshold=-1)
+
+    run_node(main)

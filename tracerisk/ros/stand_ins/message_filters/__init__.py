@@ -168,7 +168,9 @@ class TimeSynchronizer(SimpleFilter):
     def add(self, msg: Any, my_queue: dict[int, Any], my_queue_index: int | None = None) -> None:
         """Take a message for one of the queues."""
         with self.lock:
-            self._put(my_queue, nanoseconds(msg.header.stamp), msg)
+            stamp = msg.header.stamp
+            # Programs also number what belongs together.
+            self._put(my_queue, stamp if isinstance(stamp, int) else nanoseconds(stamp), msg)
             for time in sorted(set.intersection(*(set(queue) for queue in self.queues))):
                 self._signal([time] * len(self.queues))
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import statistics
+import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import genpy
 from roslib.message import get_message_class
@@ -37,12 +38,23 @@ class ROSBagUnindexedException(ROSBagException):
     """A bag was not closed."""
 
 
+class ROSBagEncryptNotSupportedException(ROSBagException):
+    """A bag cannot be encrypted."""
+
+
+class ROSBagEncryptException(ROSBagException):
+    """Encryption failed."""
+
+
 class Compression:
     """How the parts of a bag are compressed."""
 
     NONE = "none"
     BZ2 = "bz2"
     LZ4 = "lz4"
+
+
+_COMPRESSIONS = (Compression.NONE, Compression.BZ2, Compression.LZ4)
 
 
 class BagMessage(NamedTuple):
@@ -69,11 +81,21 @@ class TypesAndTopicsTuple(NamedTuple):
     topics: dict[str, TopicTuple]
 
 
+class CompressionTuple(NamedTuple):
+    """How most parts of a bag are compressed, and the size of all before and after it [bytes]."""
+
+    compression: str
+    uncompressed: int
+    compressed: int
+
+
 class Bag:
     """A bag for reading (`r`), for writing anew (`w`), or for writing more (`a`).
 
+    It is a file, or a stream of bytes, which is closed with it.
+
     Raises:
-        ValueError: the mode is none of these.
+        ValueError: the mode, the compression or the size of parts is none.
         OSError: the file cannot be opened.
         ROSBagFormatException: it is not a bag.
         ROSBagUnindexedException: it was not closed when it was written.
@@ -81,7 +103,7 @@ class Bag:
 
     def __init__(
         self,
-        f: str | os.PathLike[str],
+        f: str | os.PathLike[str] | BinaryIO,
         mode: str = "r",
         compression: str = Compression.NONE,
         chunk_threshold: int = 768 * 1024,
@@ -93,14 +115,28 @@ class Bag:
             raise ValueError("filename (or stream) is invalid")
         if mode not in ("r", "w", "a"):
             raise ValueError(f"mode {mode} is invalid")
-        self.filename, self.mode, self.compression = os.fspath(f), mode, compression
-        self._path = Path(self.filename)
+        asked = {"compression": compression, "chunk_threshold": chunk_threshold, **(options or {})}
+        if asked["compression"] not in _COMPRESSIONS:
+            raise ValueError(f"compression must be one of: {', '.join(_COMPRESSIONS)}")
+        if asked["chunk_threshold"] < 0:
+            raise ValueError("chunk_threshold must be greater than or equal to zero")
+        self.mode, self.compression = mode, asked["compression"]
+        self._stream: BinaryIO | None = None
+        if isinstance(f, (str, os.PathLike)):
+            self.filename = os.fspath(f)
+        else:
+            self._stream, self.filename = f, str(getattr(f, "name", "stream"))
+            self._folder = tempfile.TemporaryDirectory()
+        self._path = Path(self.filename if self._stream is None else f"{self._folder.name}/bag")
+        if self._stream is not None and mode != "w":
+            self._path.write_bytes(self._stream.read())
+        self._written: dict[str, list[int]] = {}
         self._connections: dict[tuple[str, str], Any] = {}
         self._reader: Any = None
         self._writer: Any = None
         kept: list[BagMessage] = []
         if mode == "a" and self._path.exists():
-            with Bag(f) as before:
+            with Bag(self._path) as before:
                 kept = list(before.read_messages(raw=True))
         if mode == "r":
             self._open_reader()
@@ -133,7 +169,13 @@ class Bag:
 
     @property
     def size(self) -> int:
-        """The size of the file [bytes]."""
+        """The size of the file [bytes].
+
+        Raises:
+            ValueError: the bag is closed.
+        """
+        if self._reader is None and self._writer is None:
+            raise ValueError("I/O operation on closed bag")
         return self._path.stat().st_size
 
     def write(
@@ -169,6 +211,7 @@ class Bag:
             )
         at = round(time.time() * _SECOND) if t is None else t.to_nsec()
         self._writer.write(connection, at, data)
+        self._written.setdefault(topic, []).append(at)
 
     def read_messages(
         self,
@@ -180,12 +223,17 @@ class Bag:
     ) -> Iterator[BagMessage]:
         """Yield the messages in the order of their times, of some topics and times only.
 
-        `connection_filter` is not applied.
+        `connection_filter` is called with topic, type, digest, definition and header of what was
+        recorded from one publisher, and returns whether its messages are wanted.
 
         Raises:
             ROSBagException: the bag is not open for reading, or nobody has the class of a message.
         """
-        connections = self._of(topics)
+        connections = [
+            each
+            for each in self._of(topics)
+            if connection_filter is None or connection_filter(*_described(each))
+        ]
         first, last = (None if at is None else at.to_nsec() for at in (start_time, end_time))
         if not connections:
             return
@@ -213,16 +261,22 @@ class Bag:
     def _of(self, topics: str | Iterable[str] | None) -> list[Any]:
         if self._reader is None:
             raise ROSBagException(f"{self.filename} is not open for reading")
-        asked = [topics] if isinstance(topics, str) else list(topics or ())
-        names = {name.lstrip("/") for name in asked}
+        names = _names(topics)
         return [
             each
             for each in self._reader.connections
-            if topics is None or each.topic.lstrip("/") in names
+            if names is None or each.topic.lstrip("/") in names
         ]
 
     def _times(self, topics: str | Iterable[str] | None = None) -> dict[str, list[int]]:
         """Return the times of each topic's messages [ns], in their order."""
+        if self._writer is not None:
+            names = _names(topics)
+            return {
+                topic: sorted(times)
+                for topic, times in self._written.items()
+                if names is None or topic.lstrip("/") in names
+            }
         found: dict[str, list[int]] = {}
         connections = self._of(topics)
         for connection, at, _ in self._reader.messages(connections) if connections else ():
@@ -251,17 +305,33 @@ class Bag:
         self, topic_filters: str | Iterable[str] | None = None
     ) -> TypesAndTopicsTuple:
         """Return the types with their digests, and for each topic what there is of it."""
-        types, topics = {}, {}
+        types = {_described(each)[1]: each.digest for each in self._of(None)}
+        topics = {}
         connections = self._of(topic_filters)
         for topic, times in self._times(topic_filters).items():
             own = [each for each in connections if each.topic == topic]
             name = own[0].msgtype.replace("/msg/", "/")
-            types[name] = own[0].digest
             periods = [late - early for early, late in pairwise(times)]
             period = statistics.median(periods) if periods else 0
             frequency = _SECOND / period if period else None
             topics[topic] = TopicTuple(name, len(times), len(own), frequency)
-        return TypesAndTopicsTuple(types, topics)
+        return TypesAndTopicsTuple(dict(sorted(types.items())), topics)
+
+    def get_compression_info(self) -> CompressionTuple:
+        """Return how the bag is compressed, and its size before and after."""
+        self._of(None)
+        kinds: list[str] = []
+        before = after = 0
+        with self._path.open("rb") as stream:
+            for info in self._reader.chunk_infos:
+                stream.seek(info.pos)
+                header = stream.read(int.from_bytes(stream.read(4), "little"))
+                fields = _fields(header)
+                kinds.append(fields[b"compression"].decode())
+                before += int.from_bytes(fields[b"size"], "little")
+                after += int.from_bytes(stream.read(4), "little")
+        most = max(sorted(set(kinds)), key=kinds.count, default=self.compression)
+        return CompressionTuple(most, before, after)
 
     def flush(self) -> None:
         """Do nothing: what was written is in the file when the bag is closed."""
@@ -271,6 +341,11 @@ class Bag:
         for end in (self._reader, self._writer):
             if end is not None:
                 end.close()
+        if self._stream is not None and not self._stream.closed:
+            if self._writer is not None:
+                self._stream.write(self._path.read_bytes())
+            self._stream.close()
+            self._folder.cleanup()
         self._reader = self._writer = None
 
     def __enter__(self) -> Self:
@@ -292,3 +367,34 @@ class Bag:
 
     def __bool__(self) -> bool:
         return True
+
+
+def _names(topics: str | Iterable[str] | None) -> set[str] | None:
+    """Return the topics that are asked for, without the slash at their begin; None for all."""
+    if topics is None:
+        return None
+    return {name.lstrip("/") for name in ([topics] if isinstance(topics, str) else topics)}
+
+
+def _described(connection: Any) -> tuple[str, str, str, str, dict[str, str]]:
+    """Return topic, type, digest, definition and header of a connection of a bag."""
+    name = connection.msgtype.replace("/msg/", "/")
+    text = connection.msgdef.data
+    header = {
+        "topic": connection.topic,
+        "type": name,
+        "md5sum": connection.digest,
+        "message_definition": text,
+    }
+    return connection.topic, name, connection.digest, text, header
+
+
+def _fields(header: bytes) -> dict[bytes, bytes]:
+    """Return the fields of a record's header: `key=value`, each behind its length."""
+    found, at = {}, 0
+    while at < len(header):
+        end = at + 4 + int.from_bytes(header[at : at + 4], "little")
+        key, _, value = header[at + 4 : end].partition(b"=")
+        found[key] = value
+        at = end
+    return found

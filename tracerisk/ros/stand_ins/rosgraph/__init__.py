@@ -25,5 +25,5 @@ __all__ = [
 
 
 def is_master_online(master_uri: str | None = None) -> bool:
-    """Return whether the master answers, as it does."""
+    """Return whether a master answers: that of the run, on this machine, and no other."""
     return is_online(master_uri)

@@ -39,6 +39,11 @@ def is_legal_base_name(name: str | None) -> bool:
     return _names.is_legal_base_name(name)
 
 
+def is_legal_remap(arg: str | None) -> bool:
+    """Return whether an argument of a command line is a remapping."""
+    return _names.is_legal_remap(arg)
+
+
 def canonicalize_name(name: str) -> str:
     """Return a name without empty parts."""
     return _names.canonical(name)

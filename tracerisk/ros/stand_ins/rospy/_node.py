@@ -28,6 +28,8 @@ class NodeState:
         self.resolved_mappings: dict[str, str] = {}
         self.is_initialized = False
         self.is_time_initialized = False
+        self.uri: str | None = None
+        """Another than the usual one."""
         self.init_args: tuple[Any, ...] | None = None
         self.is_shutdown = False
         self.is_shutdown_requested = False

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -16,12 +17,15 @@ from tracerisk.ros.time.clock import EPOCH_NS
 from ._node import NodeState, node
 from .impl.validators import ParameterInvalid
 from .names import (
+    SEP,
     get_caller_id,
     get_mappings,
     get_name,
     get_namespace,
     get_resolved_mappings,
+    global_name,
     resolve_name,
+    valid_name,
 )
 from .rostime import duration_ns
 
@@ -37,9 +41,11 @@ __all__ = [
     "get_node_uri",
     "get_resolved_mappings",
     "get_ros_root",
+    "global_name",
     "is_initialized",
     "is_shutdown",
     "is_shutdown_requested",
+    "is_topic",
     "logdebug",
     "logdebug_once",
     "logdebug_throttle",
@@ -71,6 +77,7 @@ __all__ = [
     "set_initialized",
     "set_node_uri",
     "signal_shutdown",
+    "valid_name",
 ]
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
@@ -275,20 +282,41 @@ def is_shutdown_requested() -> bool:
 
 def get_node_uri() -> str | None:
     """Return the node's URI, or None before it is initialized."""
-    return _NODE_URI if node().is_initialized else None
+    state = node()
+    return state.uri or (_NODE_URI if state.init_args else None)
 
 
 def set_node_uri(uri: str) -> None:
-    """Take a URI that is not the node's to choose."""
+    """Take another URI for the node's."""
+    node().uri = uri
 
 
-def get_ros_root(required: bool = False, env: Any = None) -> str | None:
-    """Return where ROS is installed: nowhere."""
+def get_ros_root(required: bool = False, env: Mapping[str, str] | None = None) -> str | None:
+    """Return where the environment says that ROS is installed.
+
+    Raises:
+        ROSException: it does not say, and `required`.
+    """
     from .exceptions import ROSException
 
-    if required:
+    root = (os.environ if env is None else env).get("ROS_ROOT")
+    if required and not root:
         raise ROSException("ROS_ROOT is not set")
-    return None
+    return root
+
+
+def is_topic(param_name: str) -> Callable[[Any, str], str]:
+    """Return a check of an argument that is the name of a topic, which it resolves."""
+
+    def validator(param_value: Any, caller_id: str) -> str:
+        name = valid_name(param_name)(param_value, caller_id)
+        if param_value == SEP:
+            raise ParameterInvalid(
+                f"ERROR: parameter [{param_name}] cannot be the global namespace"
+            )
+        return name
+
+    return validator
 
 
 def parse_rosrpc_uri(uri: str) -> tuple[str, int]:

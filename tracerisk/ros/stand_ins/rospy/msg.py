@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import struct
 from io import BytesIO
 from typing import Any
 
 from tracerisk.ros.graph.names import ANY_TYPE
-from tracerisk.ros.messages.ros1_base import Message
+from tracerisk.ros.messages.ros1_base import DeserializationError, Message
 
 from .exceptions import ROSException
+
+_LENGTH = struct.Struct("<I")
 
 
 class AnyMsg(Message):
@@ -77,3 +80,58 @@ def to_bytes(message: Message) -> bytes:
 def sent_copy(message: Message, data_class: Any) -> Any:
     """Return a message as `data_class` receives it: through the wire's format."""
     return data_class().deserialize(to_bytes(message))
+
+
+def serialize_message(b: BytesIO, seq: int, msg: Message) -> None:
+    """Write a message as it goes over a connection: its length, then itself.
+
+    A header of the message gets the number `seq`, and "0" for a frame that is None.
+
+    Raises:
+        SerializationError: a field holds what its type cannot take.
+    """
+    header: Any = getattr(msg, "header", None) if type(msg)._has_header else None
+    if header is not None:
+        header.seq = seq
+        if header.frame_id is None:
+            header.frame_id = "0"
+    body = to_bytes(msg)
+    b.write(_LENGTH.pack(len(body)) + body)
+
+
+def deserialize_messages(
+    b: BytesIO,
+    msg_queue: list[Any],
+    data_class: Any,
+    queue_size: int | None = None,
+    max_msgs: int | None = None,
+    start: int = 0,
+) -> None:
+    """Read the whole messages between `start` and the position of `b`, and remove them from it.
+
+    Of all in the queue the last `queue_size` are kept; `max_msgs` is how many are read at most.
+
+    Raises:
+        DeserializationError: what stands there are no such messages.
+    """
+    try:
+        data = b.getvalue()[start : b.tell()]
+        at = 0
+        bodies: list[bytes] = []
+        while len(data) - at >= _LENGTH.size and not (max_msgs and len(bodies) >= max_msgs):
+            begin = at + _LENGTH.size
+            end = begin + _LENGTH.unpack_from(data, at)[0]
+            if end > len(data):
+                break
+            bodies.append(data[begin:end])
+            at = end
+        kept = bodies if queue_size is None else bodies[-queue_size:]
+        msg_queue += [data_class().deserialize(each) for each in kept]
+        if queue_size is not None:
+            del msg_queue[:-queue_size]
+        if at:
+            b.seek(start)
+            b.truncate()
+            b.write(data[at:])
+    except Exception as error:
+        raise DeserializationError(f"cannot deserialize: {error}") from error

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from tracerisk.ros.graph import names as graph_names
 
 from ._node import node
 from .exceptions import ROSException, ROSInitException
+from .impl.validators import ParameterInvalid
 
 SEP = graph_names.SEP
 GLOBALNS = graph_names.SEP
@@ -21,6 +23,7 @@ canonicalize_name = graph_names.canonical
 is_global = graph_names.is_global
 is_private = graph_names.is_private
 is_legal_name = graph_names.is_legal_name
+is_legal_remap = graph_names.is_legal_remap
 load_mappings = graph_names.load_mappings
 make_global_ns = graph_names.make_global
 namespace = graph_names.namespace
@@ -117,3 +120,54 @@ def scoped_name(caller_id: str, name: str) -> str:
     if not is_global(caller_id):
         raise ROSException("caller_id must be global")
     return canonicalize_name(name)[len(namespace(caller_id)) :]
+
+
+Validator = Callable[[Any, str], str]
+"""A check of an argument that the caller of a name gives: it returns what it stands for."""
+
+
+def valid_name_validator_resolved(param_name: str, param_value: Any, caller_id: str) -> str:
+    """Return the global name for an argument as `caller_id` says it, not remapped.
+
+    Raises:
+        ParameterInvalid: it is empty, no string, or has a colon or a space.
+    """
+    plain = valid_name_validator_unresolved(param_name, param_value, caller_id)
+    return graph_names.resolve(plain, caller_id)
+
+
+def valid_name_validator_unresolved(param_name: str, param_value: Any, caller_id: str) -> str:
+    """Return an argument that is a name, as it is.
+
+    Raises:
+        ParameterInvalid: it is empty, no string, or has a colon or a space.
+    """
+    _check_string(param_name, param_value)
+    if ":" in param_value or " " in param_value:
+        raise ParameterInvalid(f"ERROR: parameter [{param_name}] contains illegal chars")
+    return str(param_value)
+
+
+def valid_name(param_name: str, resolve: bool = True) -> Validator:
+    """Return a check of a name, which it resolves if `resolve`."""
+    check = valid_name_validator_resolved if resolve else valid_name_validator_unresolved
+    return lambda param_value, caller_id: check(param_name, param_value, caller_id)
+
+
+def global_name(param_name: str) -> Validator:
+    """Return a check of a name that must be global."""
+
+    def validator(param_value: Any, caller_id: str) -> str:
+        _check_string(param_name, param_value)
+        if not is_global(param_value):
+            raise ParameterInvalid(
+                f"ERROR: parameter [{param_name}] must be a globally referenced name"
+            )
+        return str(param_value)
+
+    return validator
+
+
+def _check_string(param_name: str, param_value: Any) -> None:
+    if not param_value or not isstring(param_value):
+        raise ParameterInvalid(f"ERROR: parameter [{param_name}] must be a non-empty string")

@@ -84,6 +84,11 @@ def is_wallclock() -> bool:
     return False
 
 
+def switch_to_wallclock() -> None:
+    """Take the time of the machine for that of ROS: in a run both are the simulated one."""
+    node().is_time_initialized = True
+
+
 def wallsleep(duration: float) -> None:
     """Sleep for seconds; on the simulated clock, as everything does."""
     node().scheduler.sleep(round(duration * 1e9))
