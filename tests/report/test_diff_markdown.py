@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 
+import tracerisk
 from tracerisk.report.diff.markdown import TAG, render_diff_markdown
 
 
@@ -55,6 +56,21 @@ def test_a_long_review_is_cut_to_what_a_comment_holds(difference, review_of):
     assert "| and 10 more changes |" in text
     assert "- and 11 more controllers" in text
     assert len(text) < 65_536
+
+
+def test_changes_below_the_noise_share_one_row(review_of, annotated_source):
+    before = annotated_source(reach=("done 1", "motor = 1e-3; hand = 1e-9; grip = 1e-9"))
+    after = annotated_source(reach=("done 1", "motor = 2e-3; hand = 2e-9; grip = 3e-9"))
+    changed = after.replace("arm.go(", "arm.run(")
+    diff = tracerisk.diff({"x.py": before.encode()}, {"x.py": changed.encode()})
+    text = render_diff_markdown(review_of(diff))
+    assert "|  | and 2 more, each below 1 % of mission failure; --json lists them |  |  |" in text
+    assert "grip" not in text
+    calm = tracerisk.diff(
+        {"x.py": before.encode()}, {"x.py": changed.replace("2e-3", "1e-3").encode()}
+    )
+    text = render_diff_markdown(review_of(calm))
+    assert "|  | 2 changes, each below 1 % of mission failure; --json lists them |  |  |" in text
 
 
 def test_a_reason_mentions_nobody(difference, review_of):

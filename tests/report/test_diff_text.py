@@ -166,7 +166,7 @@ def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of,
     changed = after.replace("arm.go(", "arm.run(")
     diff = tracerisk.diff({"x.py": before.encode()}, {"x.py": changed.encode()})
     text = render_diff(review_of(diff))
-    assert "and 2 more, each below a thousandth of the first; --json has them" in text
+    assert "and 2 more, each below 1 % of mission failure; --json lists them" in text
     assert "grip" not in text
     by_hand = tracerisk.diff({"x.py": before.encode()}, {"x.py": after.encode()})
     assert "grip" in render_diff(review_of(by_hand)), "a person's edit is always told"

@@ -79,6 +79,8 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         yield from (f"- {_escaped(entry)}" for entry in entries)
         yield ""
     if diff.changes and diff.is_comparable:
+        small = sentences.small_changes(diff)
+        large = [change for change in diff.changes if change not in small]
         rows = [
             (
                 sentences.difference(change.contribution),
@@ -86,10 +88,12 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
                 _escaped(sentences.causes(change)),
                 _escaped(sentences.places(review, change)),
             )
-            for change in diff.changes[:MOST_CHANGES]
+            for change in large[:MOST_CHANGES]
         ]
-        if len(diff.changes) > MOST_CHANGES:
-            rows.append(("", f"and {len(diff.changes) - MOST_CHANGES} more changes", "", ""))
+        if len(large) > MOST_CHANGES:
+            rows.append(("", f"and {len(large) - MOST_CHANGES} more changes", "", ""))
+        if small:
+            rows.append(("", sentences.small_line(small, diff), "", ""))
         if diff.interaction is not None:
             text = "what they do only together, and noise"
             rows.append((sentences.difference(diff.interaction), text, "", ""))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.prm.review.risk_change import (
+    NOISE,
     CauseShare,
     Mark,
     PinChange,
@@ -196,6 +197,30 @@ def _structural(diff: RiskDiff) -> str:
 def probability(value: float) -> str:
     """Return a probability as every table shows it."""
     return f"{value:.3e}"
+
+
+def small_changes(diff: RiskDiff) -> list[RiskChange]:
+    """Return the changes that a reviewer need not see: below the noise of the mission's figure.
+
+    What a user set or edited, and what stands out whatever the figure does, is none of them.
+    """
+    figures = [each.failure_probability for each in (diff.before, diff.after) if each is not None]
+    return [
+        change
+        for change in diff.changes
+        if change.contribution is not None
+        and abs(change.contribution) < NOISE * max(figures, default=0.0)
+        and not change.marks
+        and not {"pin", "edit"} & set(change.causes)
+    ]
+
+
+def small_line(small: Sequence[RiskChange], diff: RiskDiff) -> str:
+    """Return the one line that stands for small changes."""
+    more = "and " if len(small) < len(diff.changes) else ""
+    count = f"{len(small)} more" if more else f"{len(small)} change{'s' * (len(small) > 1)}"
+    each = ", each" if len(small) > 1 else ""
+    return f"{more}{count}{each} below {100.0 * NOISE:g} % of mission failure; --json lists them"
 
 
 def difference(value: float | None) -> str:

@@ -9,7 +9,6 @@ from tracerisk.prm.review.risk_change import FunctionChange, Review, RiskChange,
 from tracerisk.report.diff import sentences
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio
-_SMALL = 1e-3
 _ALONE = 10  # that of a contribution
 
 
@@ -51,13 +50,13 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         yield from _list(title, entries, room)
     if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
-        small = _small(diff.changes)
+        small = sentences.small_changes(diff)
         for change in diff.changes:
             if change not in small:
                 yield from _change(review, change, room)
         if small:
-            text = f"and {len(small)} more, each below a thousandth of the first; --json has them"
-            yield from _wrapped(" " * (_ALONE + 4) + text, room, hanging=_ALONE + 4)
+            told = " " * (_ALONE + 4) + sentences.small_line(small, diff)
+            yield from _wrapped(told, room, hanging=_ALONE + 4)
         if diff.interaction is not None:
             rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
@@ -86,19 +85,6 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         values = "value changes" if diff.within_noise == 1 else "values change"
         yield f"  {diff.within_noise} {values} by less than 1 %: reported as unchanged"
         yield ""
-
-
-def _small(changes: Sequence[RiskChange]) -> list[RiskChange]:
-    """Return the changes that matter neither for the figure nor for a reviewer."""
-    greatest = abs(changes[0].contribution or 0.0)
-    return [
-        change
-        for change in changes
-        if change.contribution is not None
-        and abs(change.contribution) < _SMALL * greatest
-        and not change.marks
-        and not {"pin", "edit"} & set(change.causes)
-    ]
 
 
 def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
