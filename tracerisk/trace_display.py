@@ -50,7 +50,7 @@ def trace_text(trace: Trace) -> str:
 
 def _headline(trace: Trace) -> str:
     seconds = trace.end.simulated_s
-    parts = [f"on {trace.robot} in {trace.scene}"] if trace.robot else []
+    parts = [f"on {trace.robot} in scene {trace.scene}"] if trace.robot else []
     parts += [] if seconds is None else [f"{seconds:.1f} s simulated"]
     return ", ".join([*parts, trace.end.message])
 

@@ -335,6 +335,7 @@ def note_given(recorder: Recorder, scenario: Scenario) -> None:
     """Note what a scenario gives, for whoever judges the run."""
     recorder.note(
         GIVEN,
+        bodies=[each.string("name") for each in scenario.objects],
         objects=[
             each.string("name")
             for each in scenario.objects

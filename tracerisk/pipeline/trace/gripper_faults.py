@@ -41,6 +41,11 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
             yield EmptyGrasp(command, intended=has_objects)
 
 
+def closed_on_nothing(command: IssuedCommand) -> str:
+    """Return which gripper closed on nothing, and where."""
+    return f"{command.gripper} closed on nothing {command.place}".rstrip()
+
+
 def _is_carried_on(commands: Sequence[IssuedCommand], number: int) -> bool:
     """Return whether the arm moves after a command, and the gripper then opens."""
     has_moved = False
@@ -76,8 +81,8 @@ def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
     """Yield what is wrong with how the grippers were used."""
     for each in empty_grasps(run.commands, has_objects=run.has_objects):
         if each.intended:
-            name = each.command.gripper
-            words = f"{name} closed on nothing, and the controller went on as if it held"
+            told = closed_on_nothing(each.command)
+            words = f"{told}, and the controller went on as if it held"
             yield GripperFault("grasped-nothing", words, each.command)
     is_vain = run.has_objects and not any(each.holds for each in run.commands)
     for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):

@@ -36,6 +36,8 @@ class IssuedCommand:
     """Whether it closes or opens the gripper."""
     holds: bool = False
     """Whether something was held once the gripper had closed, before the arm moved on."""
+    place: str = ""
+    """Where it closed a gripper on nothing, and what stood nearest, in words."""
     posture: tuple[float, ...] = ()
     """The positions of the arm's joints when it was issued [rad or m]."""
     past_limit: str = ""

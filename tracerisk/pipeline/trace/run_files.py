@@ -61,7 +61,8 @@ DECIDED = "decided"
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"
-"""The note of what the scenario gives it: `objects` to grasp, reasons that it may `accept`.
+"""The note of what the scenario gives it: `bodies` in the scene, `objects` of them to grasp,
+reasons that it may `accept`.
 
 `unconfirmed` are the entries that nobody has confirmed.
 """

@@ -17,7 +17,7 @@ from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
-from tracerisk.pipeline.trace.run_files import CYCLE, ELSEWHERE, ENTRY, LAUNCH, MISSION_END
+from tracerisk.pipeline.trace.run_files import CYCLE, ELSEWHERE, ENTRY, GIVEN, LAUNCH, MISSION_END
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
@@ -91,6 +91,7 @@ def make_trace(
     verdict, more = run_verdict(
         controller,
         robot,
+        scene,
         settings,
         recording,
         end,
@@ -102,7 +103,7 @@ def make_trace(
     return Trace(
         controller=controller.file,
         robot=robot.name,
-        scene=scene,
+        scene=_with_objects(scene, recording),
         end=end,
         elements=elements,
         functions=attribution.functions,
@@ -207,6 +208,15 @@ def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
     note = recording.note("objects")
     return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
+
+
+def _with_objects(scene: str, recording: Recording) -> str:
+    """Return how a scene is called, with what a scenario put into it."""
+    note = recording.note(GIVEN)
+    count = len(note["bodies"]) if note is not None else 0
+    if not count:
+        return scene
+    return f"{scene} with {count} object{'' if count == 1 else 's'} of the scenario"
 
 
 def _launched(recording: Recording) -> Mapping[str, Any]:

@@ -16,7 +16,8 @@ from tracerisk.instrument.motion_calls import missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Command, Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.falls import falls
-from tracerisk.pipeline.trace.gripper_faults import empty_grasps
+from tracerisk.pipeline.trace.grasp_place import grasp_place
+from tracerisk.pipeline.trace.gripper_faults import closed_on_nothing, empty_grasps
 from tracerisk.pipeline.trace.judge import judge
 from tracerisk.pipeline.trace.recorded_run import (
     Grip,
@@ -27,6 +28,7 @@ from tracerisk.pipeline.trace.recorded_run import (
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, UNMET
 from tracerisk.trace import Acceptance, Coverage, Finding, RunEnd, Verdict
+from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import Samples
@@ -80,6 +82,7 @@ def _function_at(source: bytes, file: str, line: int) -> str:
 def run_verdict(
     controller: Controller,
     robot: Robot,
+    scene: str,
     settings: Settings,
     recording: Recording,
     end: RunEnd,
@@ -93,7 +96,7 @@ def run_verdict(
     `findings` have their functions: `placed_findings`.
     """
     given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
-    commands = tuple(_commands(recording, robot, samples, contacts))
+    commands = tuple(_commands(recording, robot, scene, samples, contacts))
     bodies = samples.header.free_bodies if samples is not None else ()
     named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
     run = RecordedRun(
@@ -114,8 +117,8 @@ def run_verdict(
     noted = tuple(
         Finding(
             NOTHING_TO_GRASP,
-            f"{each.command.gripper} closed on nothing: the scene gives it nothing to grasp, so "
-            "no load is in the figures; objects in a scenario (--scenario) would",
+            f"{closed_on_nothing(each.command)}: the scene gives it nothing to grasp, so no load "
+            "is in the figures; objects in a scenario (--scenario) would",
             each.command.issue_s,
             each.command.location,
             each.command.function,
@@ -196,11 +199,16 @@ def _missed(recording: Recording, controller: Controller) -> Iterator[MissedComm
 
 
 def _commands(
-    recording: Recording, robot: Robot, samples: Samples | None, contacts: RunContacts | None
+    recording: Recording,
+    robot: Robot,
+    scene: str,
+    samples: Samples | None,
+    contacts: RunContacts | None,
 ) -> Iterator[IssuedCommand]:
     grippers = {gripper.name: gripper for gripper in robot.grippers}
     joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
+    stage = None
     for number, command in enumerate(recording.commands):
         gripper = next((grippers[name] for name in command.elements if name in grippers), None)
         is_arms = any(name not in grippers for name in command.elements)
@@ -230,6 +238,10 @@ def _commands(
                 holds=_holds(gripper, command, recording.commands[number + 1 :], holds, samples),
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
+            if issued.grip == "closes" and not issued.holds:
+                stage = stage or load_scene(scene)
+                place = grasp_place(robot, gripper, stage, samples, command.issue_ns)
+                issued = replace(issued, place=place)
         yield issued
 
 
