@@ -6,9 +6,10 @@ A controller may carry settings of its own in a block of inline script metadata 
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
@@ -148,6 +149,18 @@ def controller_root(path: Path) -> Path:
 def is_root(folder: Path) -> bool:
     """Return whether a folder has a file that makes it the root of the controllers below it."""
     return any((folder / mark).exists() for mark in _ROOT_MARKS)
+
+
+def from_here(root: Path) -> Callable[[str], str]:
+    """Return what names a file of a controller's root as a user would type it from here."""
+
+    def typed(file: str) -> str:
+        if file.startswith("<"):
+            return file  # no file: code that a program made
+        path = str(root.resolve() / file)
+        return min(os.path.relpath(path), os.path.normpath(path), key=len)
+
+    return typed
 
 
 def read_settings(root: Path, file: str | None = None) -> Settings:

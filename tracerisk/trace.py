@@ -309,6 +309,17 @@ class Verdict:
             coverage=replace(self.coverage, never_ran=tuple(never)),
         )
 
+    def with_files(self, file_of: Callable[[str], str]) -> Verdict:
+        """Return the verdict with other names of files; `file_of` takes a file."""
+        never = (_with_file(each, file_of) for each in self.coverage.never_ran)
+        return replace(
+            self,
+            reasons=tuple(
+                replace(each, location=_placed(each.location, file_of)) for each in self.reasons
+            ),
+            coverage=replace(self.coverage, never_ran=tuple(never)),
+        )
+
     @property
     def unused_acceptances(self) -> tuple[Acceptance, ...]:
         """The acceptances of which nothing occurred."""
@@ -318,6 +329,14 @@ class Verdict:
     def __str__(self) -> str:
         """Return the verdict as one line: `partial: ...; 4 of 6 functions with commands ran`."""
         return verdict_line(self)
+
+
+def _placed(place: Location | None, file_of: Callable[[str], str]) -> Location | None:
+    return None if place is None else Location(file_of(place.file), place.line, place.column)
+
+
+def _with_file(never: Uncovered, file_of: Callable[[str], str]) -> Uncovered:
+    return replace(never, ref=FunctionRef(file_of(never.ref.file), never.ref.name))
 
 
 UNKNOWN_VERDICT = "verdict unknown"
@@ -473,6 +492,26 @@ class Trace:
             uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
             findings=tuple(replace(f, location=place(f.location)) for f in self.findings),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
+        )
+
+    def with_files(self, file_of: Callable[[str], str]) -> Trace:
+        """Return the trace with other names of files; `file_of` takes a file, differing ones."""
+
+        def named(ref: FunctionRef) -> FunctionRef:
+            return FunctionRef(file_of(ref.file), ref.name)
+
+        return replace(
+            self,
+            controller=file_of(self.controller) if self.controller else "",
+            end=replace(self.end, location=_placed(self.end.location, file_of)),
+            functions=tuple(replace(each, ref=named(each.ref)) for each in self.functions),
+            visits=tuple(replace(each, function=named(each.function)) for each in self.visits),
+            uncovered=tuple(_with_file(each, file_of) for each in self.uncovered),
+            findings=tuple(
+                replace(each, location=_placed(each.location, file_of)) for each in self.findings
+            ),
+            files=tuple(map(file_of, self.files)),
+            verdict=None if self.verdict is None else self.verdict.with_files(file_of),
         )
 
     def _repr_html_(self) -> str:

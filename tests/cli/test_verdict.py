@@ -112,3 +112,20 @@ def test_a_retry_that_succeeds_clears_a_look_up(example, quick):
     assert outcome.code == 0, outcome.out + outcome.err
     assert first_line(outcome).startswith("partial, ")
     assert "a retry at" in outcome.out
+
+
+def test_places_are_files_as_the_user_would_type_them(repository, logs):
+    repository.write("src/cell/package.xml", "<package/>")
+    repository.write("src/cell/scripts/c.py", logs)
+    repository.commit()
+    for arguments in (
+        ("run", "src/cell/scripts/c.py"),
+        ("check",),
+        ("solve", "src/cell/scripts/c.py"),
+        ("diff",),
+    ):
+        told = " ".join(repository.run(*arguments).out.split())
+        assert "faulted: it logged ERROR: lamp 4 is out (src/cell/scripts/c.py:" in told, arguments
+    traced = repository.run("trace", "src/cell/scripts/c.py")
+    assert first_line(traced).startswith("faulted: it logged ERROR: lamp 4 is out (src/cell/")
+    assert "\nsrc/cell/scripts/c.py on panda in scene empty, " in traced.err

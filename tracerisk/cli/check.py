@@ -140,7 +140,7 @@ def _check(options: argparse.Namespace) -> int:
         return int(code)
     for each in checked:
         if not options.quiet:
-            show(f"{each.path}: {verdict_line(each.verdict)}")
+            show(f"{each.path}: {verdict_line(_as_typed(each))}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         show(line)
     for line in _notes(checked):
@@ -160,6 +160,16 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
     return list(base_verdicts(list(paths), revision))
 
 
+def _as_typed(checked: Checked) -> Verdict | None:
+    """Return a verdict with files as a user would type them from here."""
+    verdict = checked.verdict
+    if verdict is None or not verdict.reasons:
+        return verdict
+    from tracerisk.config import controller_root, from_here
+
+    return verdict.with_files(from_here(controller_root(checked.path)))
+
+
 def _notes(checked: Sequence[Checked]) -> Iterator[str]:
     """Yield what a user should know of verdicts that pass."""
     for each in checked:
@@ -170,9 +180,9 @@ def _notes(checked: Sequence[Checked]) -> Iterator[str]:
                 f"{each.path}: its lock is of a tracerisk without verdicts; "
                 f"`tracerisk refresh {each.path}` gives it one"
             )
-        elif each.verdict is not None:
-            for one in each.verdict.reasons:
+        elif (verdict := _as_typed(each)) is not None:
+            for one in verdict.reasons:
                 if one.accepted:
                     yield f"{each.path}: accepted: {one}: {one.accepted}"
-            for entry in each.verdict.unused_acceptances:
+            for entry in verdict.unused_acceptances:
                 yield f"{each.path}: accepted, and did not occur; remove it: {entry}"

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, progress_bar, show, write_file
-from tracerisk.cli.shared.run_report import finding_line, headline, object_lines, recording_folder
+from tracerisk.cli.shared.run_report import (
+    finding_line,
+    headline,
+    object_lines,
+    recording_folder,
+    trace_as_typed,
+)
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import InputError
 from tracerisk.trace import Trace, verdict_line
@@ -84,13 +90,17 @@ def run_faults(options: argparse.Namespace) -> int:
             keep=keep,
             progress=progress,
             on_nominal=lambda trace: note(
-                f"tracerisk: {headline(trace)}; now with {', '.join(options.faults)}",
+                f"tracerisk: {headline(trace_as_typed(trace, options.controller))}; "
+                f"now with {', '.join(options.faults)}",
                 quiet=options.quiet,
             ),
         )
         if keep is not None and options.report is not None:
             recorded = recorded_run(keep)
-    lines = _lines(done)
+    nominal, trace = (
+        trace_as_typed(each, options.controller) for each in (done.nominal, done.trace)
+    )
+    lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
         from tracerisk.pipeline import load_controller, load_hardware, load_settings
         from tracerisk.pipeline.results.run_section import run_section

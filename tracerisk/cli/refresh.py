@@ -11,7 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_diffs, print_json, progress_bar
 from tracerisk.cli.shared.run_report import note_draft
 from tracerisk.cli.shared.without_controllers import note_without_controllers
-from tracerisk.cli.verdict import verdict_exit, verdict_json
+from tracerisk.cli.verdict import as_typed, verdict_exit, verdict_json
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.trace import verdict_line
@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
         if done.annotated is not None:
             note_draft(done.annotated.trace, quiet=options.quiet)
         state = "changed" if done.is_changed else "unchanged"
-        note(f"{path}: {verdict_line(done.verdict)}", quiet=options.quiet)
+        note(f"{path}: {verdict_line(as_typed(done.verdict, path))}", quiet=options.quiet)
         note(f"{path}: {state} ({done.reason})", quiet=options.quiet)
     forgotten = _forget_gone(paths, options)
     if forgotten and options.check:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, progress_bar, show
-from tracerisk.cli.shared.run_report import failure_code, print_failure
+from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
 from tracerisk.cli.verdict import verdict_json
+from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -62,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
         if options.json:
             print_json("scenario", source=[_data(each.need, each.location) for each in asked])
         else:
-            _print_asked(asked, "in the source")
+            _print_asked(asked, "in the source", from_here(controller.root))
         return 0
     output = _output(options, controller)
     base = Path(settings.scenario) if settings.scenario is not None else None
@@ -81,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         _print_json(options, output, draft, asked, code)
         return code
-    _print_draft(options, output, draft, asked)
+    _print_draft(options, output, draft, asked, from_here(controller.root))
     if draft.error is not None:
         raise draft.error
     if draft.trace is None:
@@ -89,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     elif code:
         note("With it the run still shows no risk:", quiet=options.quiet)
         if not draft.trace.is_usable:
-            return print_failure(draft.trace)
+            return print_failure(trace_as_typed(draft.trace, controller.path))
         raise ControllerFailedError("nothing was commanded", draft.trace.end.location)
     return code
 
@@ -168,8 +170,13 @@ def _plain(name: str) -> str:
 
 
 def _print_draft(
-    options: argparse.Namespace, output: Path, draft: ScenarioDraft, asked: tuple[Missed, ...]
+    options: argparse.Namespace,
+    output: Path,
+    draft: ScenarioDraft,
+    asked: tuple[Missed, ...],
+    file_of: Callable[[str], str],
 ) -> None:
+    """Print a draft; `file_of` names a file of the controller as a user would type it."""
     if draft.cut:
         note(f"tracerisk: {draft.cut}: this is the best scenario so far")
     rows = [(each.need.words, each.location, each.words) for each in draft.given]
@@ -181,12 +188,12 @@ def _print_draft(
     if rows:
         show("Asked for, and given by the scenario as assumed:")
     for text, place, words in rows:
-        show(f"  {text}{_at(place)}: {words}")
+        show(f"  {text}{_at(place, file_of)}: {words}")
     if draft.missing:
         show("Asked for, and given by no scenario:")
     for each in draft.missing:
-        show(f"  {each.need.words}{_at(each.location)}: {each.words}")
-    _print_asked(asked, "in the source beside, and had in the run or not reached")
+        show(f"  {each.need.words}{_at(each.location, file_of)}: {each.words}")
+    _print_asked(asked, "in the source beside, and had in the run or not reached", file_of)
     if not rows and not draft.missing and not asked:
         show("It asks its world for nothing.")
     if options.write:
@@ -201,15 +208,15 @@ def _print_draft(
         note(f"with it: {draft.trace.verdict.kind}", quiet=options.quiet)
 
 
-def _print_asked(asked: tuple[Missed, ...], where: str) -> None:
+def _print_asked(asked: tuple[Missed, ...], where: str, file_of: Callable[[str], str]) -> None:
     if asked:
         show(f"Asked for {where}:")
     for each in asked:
-        show(f"  {each.need.words}{_at(each.location)}")
+        show(f"  {each.need.words}{_at(each.location, file_of)}")
 
 
-def _at(place: Location | None) -> str:
-    return "" if place is None else f", {place.file}:{place.line}"
+def _at(place: Location | None, file_of: Callable[[str], str]) -> str:
+    return "" if place is None else f", {file_of(place.file)}:{place.line}"
 
 
 def _print_json(

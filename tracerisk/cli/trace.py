@@ -24,6 +24,7 @@ from tracerisk.cli.shared.run_report import (
     object_lines,
     print_failure,
     recording_folder,
+    trace_as_typed,
     trace_lines,
     write_outputs,
     write_record,
@@ -66,16 +67,19 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None:
         write_file(options.output, trace_json.dumps(trace))
     note_draft(trace, quiet=options.quiet)
-    code = 0 if trace.is_usable else print_failure(trace)
+    typed = trace
+    if options.controller is not None:
+        typed = trace_as_typed(trace, options.controller)
+    code = 0 if trace.is_usable else print_failure(typed)
     code = code or int(verdict_exit(trace.verdict))
     if options.json:
         data = trace_json.trace_data(trace)
         verdict = verdict_json(trace.verdict)
         print_json("trace", exit_code=code, **verdict, error=failure_of(trace), trace=data)
     elif trace.is_usable:
-        print_verdict(trace.verdict, options)
-        note(headline(trace), quiet=options.quiet)
-        for line in [*trace_lines(trace), *object_lines(trace), *finding_lines(trace)]:
+        print_verdict(typed.verdict, options)
+        note(headline(typed), quiet=options.quiet)
+        for line in [*trace_lines(typed), *object_lines(typed), *finding_lines(typed)]:
             show(line)
         if trace.end.scenario:
             note(scenario_advice(trace.end.scenario), quiet=options.quiet)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
+from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode
 from tracerisk.records import dataclass
-from tracerisk.trace import Verdict, verdict_line
+from tracerisk.trace import NEVER_RAN, Verdict, verdict_line
 from tracerisk.trace_json import plain_data
 
 
@@ -31,13 +33,19 @@ def print_verdict(verdict: Verdict | None, options: argparse.Namespace) -> None:
     show(*lines, to_errors=quiet or not is_text)
 
 
+def as_typed(verdict: Verdict | None, source: str | Path) -> Verdict | None:
+    """Return the verdict on a run of a source, with files as a user would type them from here."""
+    return None if verdict is None else verdict.with_files(from_here(controller_root(Path(source))))
+
+
 def verdict_details(verdict: Verdict | None) -> list[str]:
     """Return the reasons of a verdict that its line leaves out, a line each."""
     if verdict is None:
         return []
     opened = verdict.open_reasons
-    # A single reason is in the line, unless it is a function that never ran.
-    lines = [str(each) for each in opened if len(opened) > 1 or each.code == "never-ran"]
+    # The first reason is in the line, unless it is a function that never ran.
+    first = next((each for each in opened if each.code != NEVER_RAN), None)
+    lines = [str(each) for each in opened if each is not first]
     lines += [f"accepted: {each}: {each.accepted}" for each in verdict.reasons if each.accepted]
     lines += [f"accepted, and did not occur: {each}" for each in verdict.unused_acceptances]
     return lines

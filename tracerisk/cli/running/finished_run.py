@@ -14,7 +14,7 @@ from tracerisk.cli.shared.against import review_against
 from tracerisk.cli.shared.output import note_warnings, write_file, write_sarif
 from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
-from tracerisk.cli.verdict import verdict_details
+from tracerisk.cli.verdict import as_typed, verdict_details
 from tracerisk.pipeline.results.alerts import run_alerts
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.stages import blocks_of
@@ -126,12 +126,13 @@ def _write_files(options: argparse.Namespace, done: Assessed, recorded: Recorded
         section = run_section(done.trace, done.hardware, recorded)
         sections: tuple[Section, ...] = () if section is None else (section,)
         sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
+        verdict = as_typed(done.trace.verdict, done.controller.path)
         page = report_html(
             done.assessment,
             done.model,
             done.sources,
             run=RunShown(done.trace, done.hardware, done.annotated.computed, sections),
             review=review_against(options.against, done.sources),
-            verdict=(verdict_line(done.trace.verdict), *verdict_details(done.trace.verdict)),
+            verdict=(verdict_line(verdict), *verdict_details(verdict)),
         )
         write_file(options.report, page)

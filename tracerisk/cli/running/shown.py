@@ -21,6 +21,7 @@ from tracerisk.cli.shared.run_report import (
     note_draft,
     object_lines,
     print_failure,
+    trace_as_typed,
 )
 from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
@@ -37,7 +38,7 @@ def show_failure(options: argparse.Namespace, trace: Trace) -> int:
     """Print how a run ended that ended badly; return the exit code."""
     if options.trace is not None:
         write_file(options.trace, trace_json.dumps(trace))
-    code = print_failure(trace)
+    code = print_failure(trace_as_typed(trace, options.controller))
     if options.report is not None:
         message = f"{options.report}: no report is written of a run that ended badly"
         kept = "; the file is an earlier one" if Path(options.report).exists() else ""
@@ -77,16 +78,17 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
             **what_if_data([], (), done.uncertainty),
         )
         return int(code)
-    print_verdict(trace.verdict, options)
+    typed = trace_as_typed(trace, options.controller)
+    print_verdict(typed.verdict, options)
     if options.diff:
         print_diffs(annotated)
-    for line in _notes(options, assessed):
+    for line in _notes(options, assessed, typed):
         note(line, quiet=options.quiet)
     if not (options.diff or options.quiet):
         print_assessment(
             assessment,
             exposures=annotated.computed.exposures_by_name,
-            findings=finding_lines(trace),
+            findings=finding_lines(typed),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
             tables=done.figures.tables(terminal_width()),
             following=_following(options) if sys.stdout.isatty() and not options.verbose else None,
@@ -106,7 +108,7 @@ def _following(options: argparse.Namespace) -> list[str]:
     ]
 
 
-def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
+def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[str]:
     """Return how the run went and what became of the blocks, a line each."""
     blocks = blocks_line(
         str(done.controller.path),
@@ -114,4 +116,4 @@ def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
         keeps_files=keeps_files(options),
         is_changed=done.annotated.is_changed,
     )
-    return [headline(done.trace), *object_lines(done.trace), blocks]
+    return [headline(trace), *object_lines(trace), blocks]

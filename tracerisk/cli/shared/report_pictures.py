@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.output import note, progress_bar
-from tracerisk.cli.shared.run_report import print_failure
+from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def write_report_pictures(
         with progress_bar(settings.run_duration_s, quiet=options.quiet) as progress:
             trace, found = run_again(kept.controller, settings, progress)
         if not trace.is_usable or found is None:
-            return ExitCode(print_failure(trace)), ()
+            return ExitCode(print_failure(trace_as_typed(trace, options.files[0]))), ()
         recorded = found
     quiet = options.quiet or options.json
     files: tuple[str, ...] = ()

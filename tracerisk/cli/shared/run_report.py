@@ -12,7 +12,7 @@ from typing import Any
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks
 from tracerisk.cli.shared.output import note, scenario_advice, write_file
-from tracerisk.config import FailOn
+from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
@@ -20,6 +20,11 @@ from tracerisk.trace_log import write_log
 _AT_GOAL_M = 0.003
 _SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
+
+
+def trace_as_typed(trace: Trace, controller: str | Path) -> Trace:
+    """Return the trace of a controller, with files as a user would type them from here."""
+    return trace.with_files(from_here(controller_root(Path(controller))))
 
 
 def note_draft(trace: Trace, *, quiet: bool) -> None:
@@ -34,7 +39,7 @@ def headline(trace: Trace) -> str:
     seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s {how}"
     where = f" ({trace.end.location})" if trace.end.location is not None else ""
     on = f" on {trace.robot}" if trace.robot else ""
-    on += f" in {trace.scene}" if trace.scene else ""
+    on += f" in scene {trace.scene}" if trace.scene else ""
     return f"{trace.controller or 'a robot'}{on}{seconds}: {trace.end.message}{where}"
 
 

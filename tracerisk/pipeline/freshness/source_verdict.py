@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
 from tracerisk.adder.lock.reading import read_lock
-from tracerisk.config import controller_root
+from tracerisk.config import controller_root, from_here
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
@@ -17,10 +17,10 @@ from tracerisk.trace import Verdict, verdict_line
 
 
 def source_verdicts(sources: Mapping[str, bytes]) -> dict[str, Verdict | None]:
-    """Return the verdict of each controller that the sources belong to, by its path.
+    """Return the verdict of each controller that the sources belong to, by its path in the lock.
 
-    It is `None` where no lock knows a source, the lock cannot be read, or the source's code is
-    no longer that of the run.
+    Its files are as a user would type them from here. It is `None` where no lock knows a source,
+    the lock cannot be read, or the source's code is no longer that of the run.
     """
     found: dict[str, Verdict | None] = {}
     for file, source in sources.items():
@@ -55,6 +55,7 @@ def _of_source(root: Path, file: str, source: bytes) -> dict[str, Verdict | None
             recorded = RunInputs.from_data(entry.inputs).sources.get(key)
             verdict = kept_verdict(entry) if recorded == code_digest(source, key) else None
             if verdict is not None:
-                verdict = verdict.with_lines(block_lines({key: source}, {key: file}))
+                placed = verdict.with_lines(block_lines({key: source}, {key: file}))
+                verdict = placed.with_files(from_here(root))
             found[name] = verdict
     return found

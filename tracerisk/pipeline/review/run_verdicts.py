@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.adder.lock.reading import loads
@@ -23,7 +24,7 @@ def version_verdict(version: ControllerVersion) -> Verdict | None:
     if verdict is None:
         return None
     sources = {
-        _from_folder(file, version.folder): (file, source)
+        posixpath.relpath(file, version.folder): (file, source)
         for file, source in version.sources.items()
         if is_c(file) or not is_c_like(file)
     }
@@ -31,15 +32,8 @@ def version_verdict(version: ControllerVersion) -> Verdict | None:
         {name: source for name, (_, source) in sources.items()},
         {name: file for name, (file, _) in sources.items()},
     )
-    return verdict.with_lines(line_of)
-
-
-def _from_folder(file: str, folder: str) -> str:
-    """Return a file as its lock calls it."""
-    try:
-        return PurePosixPath(file).relative_to(PurePosixPath(folder)).as_posix()
-    except ValueError:
-        return file
+    placed = verdict.with_lines(line_of)
+    return placed.with_files(lambda file: posixpath.relpath(posixpath.join(version.folder, file)))
 
 
 def base_verdicts(paths: list[Path], revision: str) -> Iterator[Verdict | None]:
