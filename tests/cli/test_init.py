@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from tracerisk.pipeline.results.project_start import _action
+
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 
 
@@ -47,6 +49,14 @@ def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     place = {"github": ".github/workflows/risk.yml", "gitlab": ".gitlab-ci.yml"}[ci]
     for name in (".pre-commit-config.yaml", place):
         assert "tracerisk check" in written[name].decode()
+    if ci == "github":
+        workflow = YAML(typ="safe").load(written[place])
+        assert workflow["permissions"]["pull-requests"] == "write", "for the comment"
+        action = YAML(typ="safe").load((SAMPLES.parent / "action.yml").read_text())
+        used = workflow["jobs"]["risk"]["steps"][-1]
+        assert used["uses"].partition("@")[0].endswith("/tracerisk")
+        assert set(used["with"]) <= set(action["inputs"])
+        assert action["inputs"]["comment"]["default"] == "true"
         assert YAML(typ="safe").load(written[name])
     assert b"merge=tracerisk-lock" in written[".gitattributes"]
     ran = cell.run("run", "src/pick.py")
@@ -60,6 +70,28 @@ def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     assert {name: after[name] for name in written if name != "src/pick.py"} == {
         name: written[name] for name in written if name != "src/pick.py"
     }
+
+
+@pytest.mark.parametrize(
+    ("urls", "version", "action"),
+    [
+        (["Source, https://github.com/cell/tracerisk"], "0.3.0", "cell/tracerisk@v0.3.0"),
+        (["Source, https://github.com/cell/risk.git"], "0.3.1.dev2", "cell/risk@main"),
+        (["Issues, https://github.com/a/b/issues"], "0.3.0", "OWNER/tracerisk@v1"),
+        (["Source, https://git.example/a/b"], "0.3.0", "OWNER/tracerisk@v1"),
+        (None, "0.3.0", "OWNER/tracerisk@v1"),
+    ],
+)
+def test_a_workflow_names_the_action_of_the_installed_package(monkeypatch, urls, version, action):
+    from importlib import metadata
+
+    class Found:
+        def get_all(self, name):
+            return urls
+
+    monkeypatch.setattr(metadata, "metadata", lambda name: Found())
+    monkeypatch.setattr(metadata, "version", lambda name: version)
+    assert _action() == action
 
 
 def test_files_that_are_there_stay(cell):

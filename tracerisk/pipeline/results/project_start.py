@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -27,6 +28,8 @@ _LEFT_OUT = frozenset(
     {"build", "install", "log", "dist", "site-packages", "node_modules", "test", "tests"}
 )
 _MOST_BYTES = 1_000_000
+_ANY_ACTION = "OWNER/tracerisk@v1"
+_ON_GITHUB = re.compile(r"Source, https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?")
 _MOST_READ = 30
 """How many controllers are asked for their robot."""
 
@@ -91,7 +94,14 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
     }
     if ci != "none" and not (root / places[ci]).exists():
         why_ci = "CI: checks the blocks, and says what a change does to the risk"
-        files.append(StartFile(places[ci], _template(f"{ci}.yaml"), why_ci))
+        content = _template(f"{ci}.yaml")
+        if ci == "github":
+            action = _action()
+            content = content.replace(b"ACTION", action.encode())
+            why_ci += ", in a comment on the pull request"
+            if action == _ANY_ACTION:
+                why_ci += "; put who keeps tracerisk for OWNER"
+        files.append(StartFile(places[ci], content, why_ci))
     return ProjectStart(root, controllers, robots, why, tuple(files))
 
 
@@ -232,6 +242,22 @@ def _settings_of(
     inside = Path(shown).parent.as_posix()
     words = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
     yield StartFile(shown, before + text.encode(), words, is_new=not before)
+
+
+def _action() -> str:
+    """Return how a workflow of GitHub names our Action: where the installed package came from."""
+    from importlib import metadata
+
+    try:
+        urls = metadata.metadata("tracerisk").get_all("Project-URL") or []
+    except metadata.PackageNotFoundError:
+        urls = []
+    found = (_ON_GITHUB.fullmatch(each) for each in urls)
+    owner = next((each[1] for each in found if each is not None), None)
+    if owner is None:
+        return _ANY_ACTION
+    is_release = re.fullmatch(r"[0-9.]+", metadata.version("tracerisk")) is not None
+    return f"{owner}@{'v' + metadata.version('tracerisk') if is_release else 'main'}"
 
 
 def _template(name: str) -> bytes:
