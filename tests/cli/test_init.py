@@ -164,3 +164,23 @@ def test_malformed_settings_are_reported_before_anything_is_written(cell):
     assert outcome.code == 2
     assert "pyproject.toml" in outcome.err
     assert files(cell) == before
+
+
+def test_what_a_controller_asks_its_cell_for_is_named_with_what_gives_it(cell):
+    asks = (
+        "import rospy\nfrom geometry_msgs.msg import PoseStamped\nimport moveit_commander\n"
+        "from sensor_msgs.msg import JointState\nfrom std_srvs.srv import Trigger\n"
+        "rospy.init_node('pick')\narm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        "rospy.Subscriber('/part', PoseStamped, print)\n"
+        "rospy.Subscriber('/joint_states', JointState, print)\n"
+        "rospy.ServiceProxy('/clamp', Trigger)()\n"
+    )
+    cell.write("src/asks.py", asks)
+    outcome = cell.run("init")
+    assert outcome.code == 0, outcome.err
+    told = "messages on /part (geometry_msgs/PoseStamped), service /clamp (std_srvs/Trigger)"
+    assert f"src/asks.py asks its cell for {told}\n" in outcome.out
+    assert "src/pick.py asks" not in outcome.out
+    written = cell.run("init", "--yes").out
+    assert "`tracerisk scenario src/asks.py --write`" in written
+    assert cell.run("init", "--json").json["asked"] == {"src/asks.py": told.split(", ")}

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.results.project_start import ProjectStart
 
 _MOST_SHOWN = 10
+_MOST_ASKED = 3
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -47,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
             "init",
             controllers=list(start.controllers),
             robots={name: list(files) for name, files in start.robots.items()},
+            asked={name: list(told) for name, told in start.asked.items()},
             files=[each.path for each in start.files],
             written=is_written,
         )
@@ -56,6 +58,8 @@ def run(options: argparse.Namespace) -> int:
     if start.files and not is_written:
         show("Nothing was written; `tracerisk init --yes` writes it.")
         return 0
+    for name in list(start.asked)[:_MOST_SHOWN]:
+        show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
     show(f"Next: `tracerisk run {first}`; read its verdict, and commit blocks and tracerisk.lock.")
     return 0
@@ -71,6 +75,9 @@ def _show(start: ProjectStart) -> None:
         show(f"robot: {robot}" + ("" if len(start.robots) == 1 else f", of {', '.join(files)}"))
     if not start.robots:
         show(f"robot: unknown ({start.robot_why}); --robot NAME says it")
+    for name, asked in list(start.asked.items())[:_MOST_SHOWN]:
+        more = f" and {len(asked) - _MOST_ASKED} more" if len(asked) > _MOST_ASKED else ""
+        show(f"{name} asks its cell for {', '.join(asked[:_MOST_ASKED])}{more}")
     if not start.files:
         show("Everything is there already.")
         return

@@ -31,7 +31,10 @@ _MOST_BYTES = 1_000_000
 _ANY_ACTION = "OWNER/tracerisk@v1"
 _ON_GITHUB = re.compile(r"Source, https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?")
 _MOST_READ = 30
-"""How many controllers are asked for their robot."""
+"""How many controllers are asked for their robot, and for what they need."""
+_OF_A_CELL = frozenset({"topic", "service", "action", "frame", "call", "goal", "input"})
+_OF_ROBOTS = frozenset({"control_msgs", "moveit_msgs", "trajectory_msgs", "franka_gripper"})
+"""Packages whose messages go to an arm, which the twin answers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +52,15 @@ class ProjectStart:
     """What was found in a repository, and what it lacks.
 
     `robots` are those of its controllers, each with the controllers that drive it; where there
-    are none, `robot_why` says why.
+    are none, `robot_why` says why. `asked` is what the source of a controller asks its cell for,
+    in words: what a scenario may have to give.
     """
 
     root: Path
     controllers: tuple[str, ...]
     robots: Mapping[str, tuple[str, ...]]
     robot_why: str
+    asked: Mapping[str, tuple[str, ...]]
     files: tuple[StartFile, ...]
 
 
@@ -102,7 +107,7 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             if action == _ANY_ACTION:
                 why_ci += "; put who keeps tracerisk for OWNER"
         files.append(StartFile(places[ci], content, why_ci))
-    return ProjectStart(root, controllers, robots, why, tuple(files))
+    return ProjectStart(root, controllers, robots, why, _asked(root, controllers), tuple(files))
 
 
 def _controllers(root: Path) -> Iterator[str]:
@@ -163,6 +168,33 @@ def _robots(
             continue
         found.setdefault(robot.name, []).append(each)
     return {name: tuple(files) for name, files in found.items()}, why
+
+
+def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Return what each source asks for that is no part of a robot or its drivers."""
+    if "sim" in missing_extras():
+        return {}
+    from tracerisk.pipeline.workspace.controller import load_controller
+    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
+    from tracerisk.vendors.driver_search import shipped_drivers
+
+    of_robots = _OF_ROBOTS.union(*(each.packages for each in shipped_drivers()))
+    found = {}
+    for name in controllers[:_MOST_READ]:
+        try:
+            asked = asked_in_source(load_controller(root / name))
+        except TraceRiskError:
+            continue
+        told = tuple(
+            each.need.told
+            for each in asked
+            if each.need.kind in _OF_A_CELL
+            and each.need.type_name.partition("/")[0] not in of_robots
+            and each.need.type_name != "sensor_msgs/JointState"
+        )
+        if told:
+            found[name] = told
+    return found
 
 
 def _hardware(robot: str) -> str | None:
