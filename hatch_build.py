@@ -1,4 +1,4 @@
-"""What is made when a distribution is built: the long description, and the compiled loops."""
+"""What is made when a distribution is built: long description, compiled loops, man page."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ COMPILERS = ("cc", "gcc", "clang")
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
 OLDEST_PLATFORM = "manylinux_2_17"
 """The library needs no more of a C library than this one has."""
+MAN_PAGE = "share/man/man1/tracerisk.1"
+"""Where `man` looks for it, in an environment's folder."""
 _WITHOUT = "trees are solved by Python alone, and large ones take very long"
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
@@ -63,19 +65,24 @@ class CustomMetadataHook(MetadataHookInterface):
         metadata["readme"] = {"content-type": "text/markdown", "text": text}
 
 
-class CompiledLoops(BuildHookInterface):  # type: ignore[type-arg]
+class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
     """Compiles the loops into a wheel, or beside their sources for an editable installation.
+
+    A wheel has the man page as well.
 
     Where there is no C compiler, the wheel is one for every machine, and the loops run as Python.
     """
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile the loops, and say for which machine the wheel then is."""
+        """Compile the loops, say for which machine the wheel then is, write the man page."""
         root = Path(self.root)
         if version == "editable":
             compile_loops(root, root / LIBRARY)
             return
         self._folder = tempfile.TemporaryDirectory()
+        page = Path(self._folder.name) / "tracerisk.1"
+        page.write_text(man_page(root, self.metadata.version), encoding="utf-8")
+        build_data["shared_data"][str(page)] = MAN_PAGE
         library = Path(self._folder.name) / "loops.so"
         if compile_loops(root, library):
             build_data["force_include"][str(library)] = LIBRARY
@@ -88,9 +95,38 @@ class CompiledLoops(BuildHookInterface):  # type: ignore[type-arg]
         build_data: dict[str, Any],  # noqa: ARG002 - as hatchling calls it
         artifact_path: str,  # noqa: ARG002
     ) -> None:
-        """Remove what was compiled, now that it is in the wheel."""
+        """Remove what was made, now that it is in the wheel."""
         if version != "editable":
             self._folder.cleanup()
+
+
+def man_page(root: Path, version: str) -> str:
+    """Return tracerisk(1), made of the parser in the sources below a folder."""
+    from argparse_manpage.manpage import Manpage
+
+    sys.path.insert(0, str(root))
+    try:
+        from tracerisk.cli.shared.parser import whole_parser
+    finally:
+        sys.path.remove(str(root))
+    parser = whole_parser()
+    parser._positionals.title = "commands"
+    (verbs,) = (each.choices for each in parser._actions if each.dest == "verb")
+    for verb in verbs.values():
+        verb.description = None  # the list of commands has it
+    begin, _, codes = (parser.epilog or "").partition("\nexit codes:\n")
+    parser.epilog = begin
+    data = {
+        "date": " ",  # the same page whenever it is made
+        "description": "risk assessment of robot arms at every commit of their controllers",
+        "manual_title": "Commands",
+        "project_name": "tracerisk",
+        "version": version,
+    }
+    os.environ["COLUMNS"] = "10000"  # lines are broken by `man`
+    page = Manpage(parser, _data=data, format="single-commands-section")
+    page.add_section("exit status", "=", f".nf\n{codes.rstrip()}\n.fi")
+    return str(page)
 
 
 def compile_loops(root: Path, library: Path) -> bool:

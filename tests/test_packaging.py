@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import importlib.util
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
 from tracerisk import __version__
+from tracerisk.cli import VERBS
 from tracerisk.config import loads_toml
 
 ROOT = Path(__file__).parents[1]
@@ -44,17 +47,22 @@ def test_workflows_take_actions_by_their_digests(workflow):
 
 
 @pytest.fixture
-def made(monkeypatch):
-    """Makes the metadata of a version, built where a repository is said to be."""
+def hatch_build():
     pytest.importorskip("hatchling", reason="hatchling is not installed")
     spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def made(hatch_build, monkeypatch):
+    """Makes the metadata of a version, built where a repository is said to be."""
 
     def make(version: str, repository: str = "") -> dict:
-        monkeypatch.setenv(module.REPOSITORY, repository)
+        monkeypatch.setenv(hatch_build.REPOSITORY, repository)
         metadata = {"version": version}
-        module.CustomMetadataHook(str(ROOT), {}).update(metadata)
+        hatch_build.CustomMetadataHook(str(ROOT), {}).update(metadata)
         return metadata
 
     return make
@@ -85,3 +93,26 @@ def test_without_a_repository_there_are_no_links_to_one(made):
 def test_a_tag_of_another_version_than_that_of_the_package_is_refused(made):
     with pytest.raises(ValueError, match=r"the tag says version 9\.9\.9, but tracerisk/__init__"):
         made("9.9.9")
+
+
+@pytest.fixture
+def man_page(hatch_build, monkeypatch):
+    pytest.importorskip("argparse_manpage", reason="argparse-manpage is not installed")
+    monkeypatch.setenv("COLUMNS", "80")
+    return hatch_build.man_page(ROOT, "0.1.0")
+
+
+def test_the_man_page_has_each_verb_with_its_options_and_the_exit_codes(man_page):
+    assert man_page.startswith(".TH TRACERISK ")
+    found = re.findall(r"^\.SS \\fBtracerisk ([a-z\\-]+)\\fR$", man_page, re.MULTILINE)
+    assert [verb.replace("\\", "") for verb in found][: len(VERBS)] == list(VERBS)
+    for words in (r"\fB\-\-max\-increase\fR", ".SH EXIT STATUS", "conflicting manual edit"):
+        assert words in man_page
+
+
+@pytest.mark.skipif(shutil.which("groff") is None, reason="needs groff")
+def test_the_man_page_is_set_without_a_complaint(man_page):
+    command = ["groff", "-ww", "-man", "-Tutf8"]
+    done = subprocess.run(command, input=man_page, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    assert "tracerisk 0.1.0" in done.stdout

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import pytest
@@ -134,11 +135,17 @@ def test_the_sources_compile_without_a_warning_and_without_python(tmp_path):
     assert b"Py_" not in made.read_bytes()
 
 
+def made_files(hatch_build):
+    pytest.importorskip("argparse_manpage")
+    metadata = SimpleNamespace(version="0.1.0")
+    return hatch_build.MadeFiles(str(ROOT), {}, None, metadata, "", "wheel")
+
+
 @needs_compiler
 def test_a_wheel_is_for_the_machine_that_its_loops_were_compiled_on(hatch_build, monkeypatch):
     monkeypatch.delenv("CC", raising=False)
-    hook = hatch_build.CompiledLoops(str(ROOT), {}, None, None, "", "wheel")
-    data = {"force_include": {}}
+    hook = made_files(hatch_build)
+    data = {"force_include": {}, "shared_data": {}}
     hook.initialize("standard", data)
     ((made, place),) = data["force_include"].items()
     assert Path(made).exists()
@@ -152,11 +159,12 @@ def test_a_wheel_is_for_the_machine_that_its_loops_were_compiled_on(hatch_build,
 @pytest.mark.parametrize("compiler", ["false", "no-such-compiler"])
 def test_a_wheel_without_a_compiler_is_for_every_machine(hatch_build, monkeypatch, capfd, compiler):
     monkeypatch.setenv("CC", compiler)
-    hook = hatch_build.CompiledLoops(str(ROOT), {}, None, None, "", "wheel")
-    data = {"force_include": {}}
+    hook = made_files(hatch_build)
+    data = {"force_include": {}, "shared_data": {}}
     hook.initialize("standard", data)
     hook.finalize("standard", data, "")
-    assert data == {"force_include": {}}
+    assert data["force_include"] == {}
+    assert "tag" not in data
     assert "trees are solved by Python alone" in capfd.readouterr().err
 
 
