@@ -42,6 +42,9 @@ def test_no_line_of_the_table_wraps(width):
     cell = replace(
         LOST, component="electric_motor", function="TubePicker.put_back", followed_s=21.0
     )
+    power = replace(cell, component="power_system", mode="lost_without_brakes")
+    text = render_fmea(replace(EVIDENCE, cells=(cell, power)), width=width)
+    assert "\n  lost without brakes\n" in text
     text = render_fmea(replace(EVIDENCE, cells=(cell,)), width=width)
     assert sum("TubePicker.put_back" in line for line in text.splitlines()) == 1
     assert sum("wrong position or worse" in line for line in text.splitlines()) == 1

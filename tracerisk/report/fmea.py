@@ -175,15 +175,23 @@ def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str
     table = table_of("Failures and their effects")
     for heading in ("failure in function", "end effect", "detected s", "failed", "c 90 %"):
         is_text = heading in ("failure in function", "end effect")
-        table.add_column(heading, justify="left" if is_text else "right", overflow="fold")
-    of = None
+        table.add_column(
+            heading,
+            justify="left" if is_text else "right",
+            overflow="fold",
+            no_wrap=not is_text,
+        )
+    component = mode = None
     for row in fmea_rows(found):
         low, high = row.interval
-        if of != (row.component, row.mode):
-            of = row.component, row.mode
-            table.add_row(f"{row.component} {row.mode.replace('_', ' ')}")
+        if component != row.component:
+            component, mode = row.component, None
+            table.add_row(row.component)
+        if mode != row.mode:
+            mode = row.mode
+            table.add_row(f"  {row.mode.replace('_', ' ')}")
         table.add_row(
-            f"  {row.function}",
+            f"    {row.function}",
             end_effect(row.cells),
             row.notified,
             f"{row.failed} of {len(row.cells)}",
