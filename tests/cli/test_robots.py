@@ -44,8 +44,8 @@ def test_one_robot_is_shown_with_all_that_it_has(example):
     assert outcome.out.startswith(f"panda: {robot.title}\n")
     for joint in robot.joints:
         (row,) = [line for line in outcome.out.splitlines() if line.startswith(f"  {joint.name} ")]
-        assert f"{joint.torque_limit:.4g} N" in row
-        assert f"{joint.velocity_limit:.4g} " in row
+        figures = joint.velocity_limit, joint.acceleration_limit, joint.torque_limit
+        assert row.split()[-3:] == [f"{each:.4g}" for each in figures]
     for group, states in robot.named_states.items():
         assert f"  {group}: {', '.join(states)}\n" in outcome.out
     for controller in robot.controllers:

@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from tracerisk.cli.shared.output import broken
 from tracerisk.pipeline.check.cached_run import last_duration_s
 
 ESCAPE = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
@@ -246,8 +247,8 @@ def test_a_lock_that_cannot_be_read_gives_no_time_left(talking):
     assert last_duration_s(known) is None
     assert talking.run("run", "controller.py").code == 0
     assert last_duration_s(known) == pytest.approx(sum_of_durations(talking))
-    for broken in (b"", b"{", b"[1]", b'{"schema": "tracerisk.lock"}'):
-        talking.write("tracerisk.lock", broken.decode())
+    for damaged in (b"", b"{", b"[1]", b'{"schema": "tracerisk.lock"}'):
+        talking.write("tracerisk.lock", damaged.decode())
         assert last_duration_s(known) is None
 
 
@@ -284,3 +285,15 @@ def test_refresh_says_its_phases_too(annotated):
     assert places == sorted(places)
     (line,) = [line for line in shown.lines if line]
     assert line.startswith("controller.py: changed (")
+
+
+def test_a_long_line_is_broken_between_words_and_set_in():
+    line = "  faulted: " + "one two three four " * 6 + "(src/cell/scripts/pick.py:42)"
+    shown = broken(line, 60).split("\n")
+    assert max(map(len, shown)) <= 60
+    assert shown[0].startswith("  faulted: ")
+    assert all(each.startswith("    ") and each[4] != " " for each in shown[1:])
+    assert " ".join(each.strip() for each in shown) == line.strip()
+    assert broken("short", 60) == "short"
+    path = "x" * 90
+    assert path in broken(f"see {path}", 60), "a path stays whole"

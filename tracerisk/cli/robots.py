@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import print_json, show
+from tracerisk.cli.shared.output import print_json, show, terminal_width
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
     from tracerisk.twin.robots.robot import Controller, Gripper, Joint, Robot
     from tracerisk.twin.robots.sensors import Sensor
+
+_LEAST = 2  # columns of the list: name and title
 
 # What the driver of a robot offers under the names of its controllers, by the controller's type.
 _BY_CONTROLLER: Mapping[str, Sequence[tuple[str, str, str]]] = {
@@ -118,7 +121,16 @@ def _listed(robots: Iterable[RobotNames]) -> list[str]:
         for each in robots
     ]
     heads = ("name", "robot", "joints", "gripper", "payload", "figures from")
-    return [*_table((heads, *rows)), "", "`tracerisk robots NAME` shows one of them."]
+    return [*_table(_fitting((heads, *rows))), "", "`tracerisk robots NAME` shows one of them."]
+
+
+def _fitting(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+    """Return rows without the last columns for which a terminal has no room."""
+    kept = list(rows)
+    if sys.stdout.isatty():
+        while len(kept[0]) > _LEAST and max(map(len, _table(kept))) > terminal_width():
+            kept = [row[:-1] for row in kept]
+    return kept
 
 
 def _public_source(source: str) -> str:
@@ -219,7 +231,8 @@ def _described(robot: Robot) -> list[str]:
         lines.append(f"also called: {', '.join(robot.aliases)}")
     if robot.payload is not None:
         lines.append(f"payload: {robot.payload:g} kg")
-    lines += ["", "joints:", *_indented(_table(_joint_rows(robot)))]
+    lines += ["", "joints, in rad, s and N m; prismatic ones in m, s and N:"]
+    lines += _indented(_table(_joint_rows(robot)))
     for gripper in robot.grippers:
         unit = "m" if robot.joint(gripper.joints[0]).type == "prismatic" else "rad"
         force = "N" if unit == "m" else "N m"
@@ -257,17 +270,16 @@ def _joint_rows(robot: Robot) -> list[tuple[str, ...]]:
         ("name", "type", "from", "to", "speed", "acceleration", "torque")
     ]
     for joint in robot.joints:
-        unit, force = ("m", "N") if joint.type == "prismatic" else ("rad", "N m")
         endless = joint.type == "continuous"
         rows.append(
             (
                 joint.name,
                 joint.type,
-                "-" if endless else f"{_short(joint.lower)} {unit}",
-                "-" if endless else f"{_short(joint.upper)} {unit}",
-                f"{_short(joint.velocity_limit)} {unit}/s",
-                f"{_short(joint.acceleration_limit)} {unit}/s^2",
-                f"{_short(joint.torque_limit)} {force}",
+                "-" if endless else _short(joint.lower),
+                "-" if endless else _short(joint.upper),
+                _short(joint.velocity_limit),
+                _short(joint.acceleration_limit),
+                _short(joint.torque_limit),
             )
         )
     return rows

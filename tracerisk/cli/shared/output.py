@@ -24,6 +24,8 @@ SCHEMA = "tracerisk"
 VERSION = 1
 """Version of the JSON that every verb prints with `--json`."""
 
+_NARROWEST = 40  # columns of a terminal to which lines are fitted
+
 _PLAIN_SIGNS = str.maketrans(
     {"\N{BOX DRAWINGS LIGHT HORIZONTAL}": "-", **dict.fromkeys("\u2588\u2589\u258a\u258b", "#")}
     | dict.fromkeys("\u258c\u258d\u258e\u258f", " ")
@@ -65,9 +67,33 @@ def scenario_advice(lines: str) -> str:
 
 
 def show(*lines: str, to_errors: bool = False) -> None:
-    """Print lines of text, on standard output unless they are an error's."""
+    """Print lines of text, on standard output unless they are an error's.
+
+    On a terminal, lines are broken between words; what is read by programs stays as it is.
+    """
+    stream = sys.stderr if to_errors else sys.stdout
     for line in lines:
-        print(printable(line), file=sys.stderr if to_errors else sys.stdout)
+        text = printable(line)
+        if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not _is_dumb():
+            text = broken(text, os.get_terminal_size(stream.fileno()).columns)
+        print(text, file=stream)
+
+
+def broken(line: str, width: int) -> str:
+    """Return a line broken between words, what follows set in by two columns more than it."""
+    import textwrap
+
+    if len(line) <= width:
+        return line
+    margin = " " * (len(line) - len(line.lstrip()) + 2)
+    return textwrap.fill(
+        line,
+        max(width, _NARROWEST),
+        subsequent_indent=margin,
+        break_long_words=False,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+    )
 
 
 def note(message: str, *, quiet: bool = False) -> None:

@@ -94,7 +94,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
             rows.append(("", f"and {len(large) - MOST_CHANGES} more changes", "", ""))
         if small:
             rows.append(("", sentences.small_line(small, diff), "", ""))
-        if diff.interaction is not None:
+        if diff.interaction is not None and sentences.has_interaction(diff):
             text = "what they do only together, and noise"
             rows.append((sentences.difference(diff.interaction), text, "", ""))
         yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))

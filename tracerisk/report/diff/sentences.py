@@ -215,6 +215,12 @@ def small_changes(diff: RiskDiff) -> list[RiskChange]:
     ]
 
 
+def has_interaction(diff: RiskDiff) -> bool:
+    """Return whether changes do together what none does alone, more than noise."""
+    figures = [each.failure_probability for each in (diff.before, diff.after) if each is not None]
+    return abs(diff.interaction or 0.0) >= NOISE * max(figures, default=0.0) > 0.0
+
+
 def small_line(small: Sequence[RiskChange], diff: RiskDiff) -> str:
     """Return the one line that stands for small changes."""
     more = "and " if len(small) < len(diff.changes) else ""
