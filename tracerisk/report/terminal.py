@@ -189,10 +189,10 @@ def _readings(assessment: Assessment) -> str:
     spread = max(figures.values()) - min(figures.values())
     risk = mission.failure_probability
     relative = spread / risk if risk > 0.0 else 0.0
+    if relative < _SEEN:
+        return f"The same by each reading: {', '.join(figures)}."
     text = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
     text = f"{text[0].upper()}{text[1:]}: they differ by {100.0 * relative:.2g} %."
-    if relative < _SEEN:
-        return text
     if mission.reading == GEOMETRIC:
         return f"{text} The first holds: `next` is a distribution."
     return f"{text} The second holds: `next` counts the cycles of a mission."

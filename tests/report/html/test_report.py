@@ -18,7 +18,7 @@ from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
-from tracerisk.report.html.page import page, rendered
+from tracerisk.report.html.page import _with_code, page, rendered
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
 from tracerisk.report.html.repository.history import history_section
@@ -322,6 +322,11 @@ def test_what_turns_the_direction_of_writing_is_seen(arm, report_of):
     shown = "# [U+202E][U+2066] if admin[U+2069] [U+2066]begin"
     assert page.count(shown) == 2
     assert not re.search("[\u202a-\u202e\u2066-\u2069\u200e\u200f\u061c]", page)
+
+
+def test_words_between_backticks_are_code_and_names_stay_text():
+    assert _with_code("`next` counts <b>") == "<code>next</code> counts &lt;b&gt;"
+    assert _with_code("a ` alone") == "a ` alone"
 
 
 def test_the_page_is_small(arm, report_of):

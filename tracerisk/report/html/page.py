@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from tracerisk.report.html.section import Section
 
@@ -78,7 +78,17 @@ def _environment() -> Environment:
         keep_trailing_newline=False,
     )
     environment.filters["attributes"] = _attributes
+    environment.filters["with_code"] = _with_code
     return environment
+
+
+def _with_code(text: str) -> Markup:
+    """Return text with what stands between backticks as code."""
+    parts = text.split("`")
+    if len(parts) % 2 == 0:
+        return escape(text)
+    shown = (Markup("<code>{}</code>") if i % 2 else Markup("{}") for i in range(len(parts)))
+    return Markup().join(each.format(part) for each, part in zip(shown, parts, strict=True))
 
 
 def _attributes(values: Mapping[str, object]) -> Markup:
