@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -120,12 +121,14 @@ def test_places_are_files_as_the_user_would_type_them(repository, logs):
     repository.commit()
     for arguments in (
         ("run", "src/cell/scripts/c.py"),
-        ("check",),
         ("solve", "src/cell/scripts/c.py"),
         ("diff",),
     ):
         told = " ".join(repository.run(*arguments).out.split())
         assert "faulted: it logged ERROR: lamp 4 is out (src/cell/scripts/c.py:" in told, arguments
+    verdict, finding = repository.run("check").out.splitlines()
+    assert verdict == "src/cell/scripts/c.py: faulted, 2 of 3 functions with commands ran"
+    assert re.match(r"src/cell/scripts/c\.py:\d+: faulted: it logged ERROR: lamp 4", finding)
     traced = repository.run("trace", "src/cell/scripts/c.py")
     assert first_line(traced).startswith("faulted: it logged ERROR: lamp 4 is out (src/cell/")
     assert "\nsrc/cell/scripts/c.py on panda in scene empty, " in traced.err

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NoReturn, cast
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.source.language import is_c
-from tracerisk.trace import verdict_line
+from tracerisk.trace import GAPS, verdict_line
 
 if TYPE_CHECKING:
     import argparse
@@ -140,7 +140,7 @@ def _check(options: argparse.Namespace) -> int:
         return int(code)
     for each in checked:
         if not options.quiet:
-            show(f"{each.path}: {verdict_line(_as_typed(each))}")
+            show(f"{each.path}: {_verdict_of(each)}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         show(line)
     for line in _notes(checked):
@@ -158,6 +158,16 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
     from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
     return list(base_verdicts(list(paths), revision))
+
+
+def _verdict_of(checked: Checked) -> str:
+    """Return the verdict in words, without reasons where a finding of its own has each."""
+    verdict = _as_typed(checked)
+    if verdict is not None and any(each.kind == verdict.kind for each in checked.findings):
+        from tracerisk.records import replace
+
+        verdict = replace(verdict, reasons=tuple(r for r in verdict.reasons if r.code in GAPS))
+    return verdict_line(verdict)
 
 
 def _as_typed(checked: Checked) -> Verdict | None:

@@ -105,7 +105,7 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             content = content.replace(b"ACTION", action.encode())
             why_ci += ", in a comment on the pull request"
             if action == _ANY_ACTION:
-                why_ci += "; put who keeps tracerisk for OWNER"
+                why_ci += "; replace OWNER in it by who keeps tracerisk"
         files.append(StartFile(places[ci], content, why_ci))
     return ProjectStart(root, controllers, robots, why, _asked(root, controllers), tuple(files))
 
