@@ -61,7 +61,9 @@ class _Rospy:
         frame = first_frame(self._link)
         if frame is None or frame[0]["is"] != "ready":
             self.close()
-            message = "the node that listens does not start" if frame is None else frame[0]["message"]
+            message = (
+                "the node that listens does not start" if frame is None else frame[0]["message"]
+            )
             raise InputError(f"{message}; set ROS_MASTER_URI to that of the robot's master")
 
     def frames(self, seconds: float) -> list[Frame]:

@@ -186,7 +186,7 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
         except TraceRiskError:
             continue
         told = tuple(
-            each.need.told
+            each.need.words
             for each in asked
             if each.need.kind in _OF_A_CELL
             and each.need.type_name.partition("/")[0] not in of_robots
