@@ -73,7 +73,7 @@ _WHAT = {
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",
-    "dds": "cyclonedds",
+    "dds": "cyclonedds, of Python 3.10 to 3.13 and not of Linux on ARM",
 }
 
 
