@@ -161,7 +161,7 @@ def test_the_functions_of_a_controller_with_the_probe_are_heard(real_ros, tmp_pa
     probe = ("-m", "tracerisk_probe", "cell.py")
     with on_rospy(real_ros, tmp_path, "-c", ARM), on_rospy(real_ros, tmp_path, *probe):
         done = example.run(
-            *("attach", "cell.py", "--robot", "panda", "--duration", "10", "-o", "robot.json"),
+            *("attach", "cell.py", "--robot", "panda", "--duration", "12", "-o", "robot.json"),
         )
     assert done.code == 0, done.err
     trace = trace_json.loads(example.read("robot.json").decode(), "robot.json")

@@ -145,7 +145,7 @@ def test_a_robot_of_ros_2_is_heard_by_readers_alone(robot, tmp_path, example_in)
     assert [str(each.function.name) for each in trace.visits] == ["reach", "rest"]
     moved = trace.visits[0].exposures["panda_joint1"]
     assert moved is not None
-    assert moved.moving_s == pytest.approx(1.0, abs=0.15)
+    assert moved.moving_s == pytest.approx(1.0, abs=0.3)
     again = example.run(
         *("trace", "--from", "robot.mcap", "--robot", "panda", "--effort-unit", "Nm"),
         *("-o", "again.json"),
