@@ -393,3 +393,11 @@ def test_a_parameter_that_must_not_be_empty_is_drafted_where_the_exception_names
     ran = example.run("run", "c.py", "--check", "--json", "--robot", "panda")
     names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
     assert names == ["robot_description"]
+
+
+def test_a_switch_that_is_off_by_default_is_drafted_where_nothing_moves(example):
+    wait = "while not rospy.get_param('~enabled', False):\n    rospy.sleep(1.0)\n"
+    example.write("c.py", HEAD + wait + "turn(0.1)\n")
+    ran = example.run("run", "c.py", "--check", "--json")
+    names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
+    assert names == ["~enabled"]

@@ -58,9 +58,15 @@ def test_who_asks_now_and_then_does_not_wait(ledger):
 
 def test_an_exception_names_the_parameters_that_were_left_empty(ledger):
     for name, value in (("robot_description", ""), ("robot", ""), ("robot_file", "a.urdf")):
-        ledger.leave_empty(Need("parameter", name, "string"), value, 1)
+        ledger.take_default(Need("parameter", name, "string"), value, 1)
     told = "robot_description is empty; set robot_file"
     assert [each.need.name for each in ledger.named_in(told, 2)] == ["robot_description"]
+
+
+def test_a_switch_that_starts_and_is_off_by_default_is_kept(ledger):
+    for name, value in (("/cell/enabled", False), ("/cell/debug", False), ("auto_start", True)):
+        ledger.take_default(Need("parameter", name), value, 1)
+    assert [each.need for each in ledger.left_off] == [Need("parameter", "/cell/enabled", "bool")]
 
 
 NEEDS = [

@@ -111,7 +111,7 @@ class UnmetNeeds:
             self._named = scheduler.needs.named_in(message, scheduler.now_ns)
         shows_risk = cause in GOOD_ENDS and self._has_commanded()
         if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
-            self._note_drafts()
+            self._note_drafts(shows_risk=shows_risk)
         plain = JudgedEnd(cause, message, location)
         if shows_risk:
             self._note_unmet()
@@ -189,10 +189,15 @@ class UnmetNeeds:
         (draft,) = drafts([Missed(need, 0, 0, None)], self._interfaces, self._values)
         return draft.value is None
 
-    def _note_drafts(self) -> None:
-        """Note what a scenario could say for all that nothing has given the controller."""
+    def _note_drafts(self, *, shows_risk: bool) -> None:
+        """Note what a scenario could say for all that nothing has given the controller.
+
+        One that shows no risk may wait for a switch too.
+        """
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
-        for each in (*self._unserved(), *self._further(self._beside()), *self._uncalled()):
+        left_off = () if shows_risk else self._runtime.scheduler.needs.left_off
+        beside = self._further(self._beside())
+        for each in (*self._unserved(), *beside, *self._uncalled(), *left_off):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self._interfaces, self._values, with_others=True)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]

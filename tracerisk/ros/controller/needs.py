@@ -17,6 +17,7 @@ NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", 
 
 _ASKED_IN_VAIN = 10
 _WORD = re.compile(r"\w+")
+_SWITCH = re.compile(r"(^|[/_.~])(enabled?|(auto_?)?start|run|execute|activ(e|ate)|arm(ed)?|go)$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,7 @@ class NeedLedger:
         self._types: dict[tuple[NeedKind, str], str] = {}
         self._asked: dict[tuple[NeedKind, str], int] = {}
         self._left_empty: dict[str, Missed] = {}
+        self._left_off: dict[str, Missed] = {}
 
     @property
     def missed(self) -> tuple[Missed, ...]:
@@ -90,10 +92,21 @@ class NeedLedger:
         if self._asked[key] >= _ASKED_IN_VAIN:
             self.miss(need, now_ns)
 
-    def leave_empty(self, need: Need, value: object, now_ns: int) -> None:
-        """Note that a parameter has its default, where that is empty: it may not do without."""
+    def take_default(self, need: Need, value: object, now_ns: int) -> None:
+        """Note that a parameter has its default, where the controller may not do with that.
+
+        That is one that is empty, and a switch that is off though its name says that it starts.
+        """
+        missed = Missed(need, now_ns, now_ns, asking_place())
         if isinstance(value, str | list | tuple) and not value:
-            self._left_empty[need.name] = Missed(need, now_ns, now_ns, asking_place())
+            self._left_empty[need.name] = missed
+        elif value is False and _SWITCH.search(need.name):
+            self._left_off[need.name] = replace(missed, need=replace(need, type_name="bool"))
+
+    @property
+    def left_off(self) -> tuple[Missed, ...]:
+        """The switches that are off by their default."""
+        return tuple(self._left_off.values())
 
     def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
         """Return the parameters left empty that the message of an exception names."""

@@ -77,7 +77,7 @@ class NodeParameters:
             else:
                 kind = Parameter.Type(descriptor.type).name.lower() if descriptor.type else ""
                 scheduler = run().scheduler
-                scheduler.needs.leave_empty(Need("parameter", name, kind), value, scheduler.now_ns)
+                scheduler.needs.take_default(Need("parameter", name, kind), value, scheduler.now_ns)
             found.append(Parameter(name, value=value))
             descriptors[name] = descriptor
         known = [parameter.name for parameter in found if parameter.name in self._parameters]

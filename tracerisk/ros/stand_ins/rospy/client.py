@@ -205,7 +205,7 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         # It can do without.
         scheduler, need = node().scheduler, Need("parameter", names.resolve_name(param_name))
         scheduler.needs.meet(need)
-        scheduler.needs.leave_empty(need, default, scheduler.now_ns)
+        scheduler.needs.take_default(need, default, scheduler.now_ns)
         return default
 
 
