@@ -27,8 +27,8 @@ def reported(example, quick):
     return reported
 
 
-def test_all_missing_modules_are_reported_at_once_each_with_its_remedy(expected):
-    line = expected(
+def test_all_missing_modules_are_reported_at_once_each_with_its_remedy(reported):
+    line = reported(
         "import pyquaternion_not",
         "import roslibpy, ikpy.chain",
         "from nothing_msgs.msg import Thing",
@@ -50,17 +50,17 @@ def test_all_missing_modules_are_reported_at_once_each_with_its_remedy(expected)
     assert "optional_module" not in line
 
 
-def test_a_library_of_the_package_index_has_one_command(expected):
-    line = expected("from urdf_parser_py.urdf import URDF")
+def test_a_library_of_the_package_index_has_one_command(reported):
+    line = reported("from urdf_parser_py.urdf import URDF")
     assert f"No module named 'urdf_parser_py': `pip install urdf-parser-py` in {HERE}" in line
 
 
-def test_the_name_of_the_distribution_need_not_be_the_modules(expected):
-    assert "`pip install scikit-image`" in expected("import skimage")
+def test_the_name_of_the_distribution_need_not_be_the_modules(reported):
+    assert "`pip install scikit-image`" in reported("import skimage")
 
 
-def test_python_2_has_one_hint(expected):
-    line = expected(
+def test_python_2_has_one_hint(reported):
+    line = reported(
         "import thread",
         "import Queue",
         "import nothing_else",
@@ -74,19 +74,19 @@ def test_python_2_has_one_hint(expected):
     assert "install" not in line
 
 
-def test_a_module_of_its_own_that_is_python_2_goes_before_what_is_missing(expected):
-    line = expected("import ikpy", "from turns import turn", turns="def turn():\n    print 'x'\n")
+def test_a_module_of_its_own_that_is_python_2_goes_before_what_is_missing(reported):
+    line = reported("import ikpy", "from turns import turn", turns="def turn():\n    print 'x'\n")
     assert "turns.py:2:5: this is Python 2: `print 'x'`" in line
     assert "install" not in line
 
 
-def test_a_ros_package_of_the_package_index_has_one_command(expected):
-    line = expected("from rospy_message_converter import message_converter")
+def test_a_ros_package_of_the_package_index_has_one_command(reported):
+    line = reported("from rospy_message_converter import message_converter")
     assert f"`pip install rospy-message-converter` in {HERE}" in line
 
 
-def test_a_name_of_python_2_that_is_met_late_has_the_same_hint(expected):
-    line = expected("for n in xrange(3):\n    pass")
+def test_a_name_of_python_2_that_is_met_late_has_the_same_hint(reported):
+    line = reported("for n in xrange(3):\n    pass")
     assert "c.py is Python 2: `xrange` (line 1); convert it first" in line
 
 

@@ -27,9 +27,9 @@ def reported() -> list[str]:
 
 
 @pytest.fixture
-def tree(expected: list[str]) -> TransformTree:
+def tree(reported: list[str]) -> TransformTree:
     """map - base - arm - hand, and map - camera (static); hand moves from 1 s to 3 s."""
-    tree = TransformTree(warn=expected.append)
+    tree = TransformTree(warn=reported.append)
     tree.place("map", "base", shifted(1.0), 0, "test", static=True)
     tree.place("map", "camera", shifted(0.0, 0.0, 2.0), 0, "test", static=True)
     for time_s in (1, 2, 3):
@@ -146,24 +146,24 @@ def test_what_cannot_be_answered_says_why(tree, target, source, time_s, failure,
     ],
 )
 def test_a_transform_that_makes_no_sense_is_dropped_and_reported(
-    tree, expected, parent, child, pose, message
+    tree, reported, parent, child, pose, message
 ):
     frames = tree.frames
     assert tree.place(parent, child, pose, S, "somebody", static=False) is False
-    assert message in expected[0]
+    assert message in reported[0]
     assert tree.frames == frames
 
 
-def test_old_and_repeated_poses_are_dropped_and_reported(expected):
-    tree = TransformTree(cache_ns=2 * S, warn=expected.append)
+def test_old_and_repeated_poses_are_dropped_and_reported(reported):
+    tree = TransformTree(cache_ns=2 * S, warn=reported.append)
     for time_s in (10, 11, 13):
         tree.place("a", "b", shifted(time_s), time_s * S, "test", static=False)
     assert not tree.can_transform("a", "b", 10 * S)[0]
     assert tree.can_transform("a", "b", 11 * S)[0]
     assert not tree.place("a", "b", shifted(), 13 * S, "test", static=False)
     assert not tree.place("a", "b", shifted(), 10 * S, "test", static=False)
-    assert "TF_REPEATED_DATA" in expected[0]
-    assert "TF_OLD_DATA" in expected[1]
+    assert "TF_REPEATED_DATA" in reported[0]
+    assert "TF_OLD_DATA" in reported[1]
 
 
 def test_a_loop_is_reported_as_one():
