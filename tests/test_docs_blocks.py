@@ -12,7 +12,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
-from tracerisk.adder.merge.merge import MergePolicy, merge_block
+from tracerisk.adder.merge.merge import MergePolicy, merge
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 
@@ -40,7 +40,7 @@ def test_the_block_shown_is_read_and_would_be_written_as_it_is():
     assert gripper.probability.computed == "7.344e-08"
     assert gripper.probability.reason.endswith("which also holds for the second batch")
     assert (hose.added, wrist.omitted) == (True, True)
-    kept = merge_block(None, placed.block, None, policy=MergePolicy("discard"))
+    kept = merge(None, placed.block, None, policy=MergePolicy("discard")).block
     assert kept is not None
     (kept_gripper,) = [each for each in kept.components if each.name == "gripper"]
     assert kept_gripper.probability.text == "2e-07"

@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from tracerisk.errors import InputError, Location
 from tracerisk.text.printable import printable
@@ -73,10 +73,14 @@ def show(*lines: str, to_errors: bool = False) -> None:
     """
     stream = sys.stderr if to_errors else sys.stdout
     for line in lines:
-        text = printable(line)
-        if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not _is_dumb():
-            text = broken(text, os.get_terminal_size(stream.fileno()).columns)
-        print(text, file=stream)
+        print(_fitted(printable(line), stream), file=stream)
+
+
+def _fitted(text: str, stream: TextIO) -> str:
+    """Return a line as it fits the terminal; as it is, where there is none."""
+    if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not _is_dumb():
+        return broken(text, os.get_terminal_size(stream.fileno()).columns)
+    return text
 
 
 def broken(line: str, width: int) -> str:

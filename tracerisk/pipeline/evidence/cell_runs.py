@@ -10,6 +10,7 @@ import io
 import pickle
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 _KEPT = "nominal.pickle"
+_TRIES, _BETWEEN_S = 20, 0.1  # to remove a folder
 _MORE_SHARE, _MORE_S = 2.0, 30.0
 """A run with a failure may take this much of the time of the run without, and more [s]."""
 
@@ -159,7 +161,7 @@ def _run(
     ]
     folder = Path(tempfile.mkdtemp(prefix="tracerisk-cells-"))
     # A worker whose campaign was killed ends in the middle of this.
-    remove = functools.partial(shutil.rmtree, folder, ignore_errors=True)
+    remove = functools.partial(_remove, folder)
     atexit.register(remove)
     try:
         for result in run_branches(
@@ -178,6 +180,15 @@ def _run(
     finally:
         remove()
         atexit.unregister(remove)
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder into which a process that is about to end may still write."""
+    for _ in range(_TRIES):
+        shutil.rmtree(folder, ignore_errors=True)
+        if not folder.exists():
+            return
+        time.sleep(_BETWEEN_S)
 
 
 def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
