@@ -26,6 +26,7 @@ MUST_BE = (
     "tracerisk/ros/messages/interfaces/std_srvs/srv/Empty.srv",
     "tracerisk/twin/robots/shipped/panda.yaml",
 )
+PLACED = {"share/man/man1/tracerisk.1"}
 LIBRARY = "tracerisk/prm/compiled/loops.so"
 PLACEHOLDER = re.compile(r"OWNER|REPOSITORY|TODO|FIXME|XXX")
 
@@ -40,7 +41,10 @@ def main(folder: Path, repository: str) -> None:
         text = packed.read(metadata).decode()
     tops = {name.partition("/")[0] for name in names}
     folder_of_metadata = metadata.partition("/")[0]
-    expect(tops == {"tracerisk", folder_of_metadata}, f"in the wheel: {sorted(tops)}")
+    data = folder_of_metadata.replace(".dist-info", ".data")
+    expect(tops == {"tracerisk", folder_of_metadata, data}, f"in the wheel: {sorted(tops)}")
+    placed = {name.removeprefix(f"{data}/data/") for name in names if name.startswith(f"{data}/")}
+    expect(placed == PLACED, f"placed in the environment: {sorted(placed)}")
     missing = [name for name in MUST_BE if name not in names]
     expect(not missing, f"not in the wheel: {missing}")
     expect_library(wheel, names)
