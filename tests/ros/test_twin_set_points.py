@@ -253,6 +253,25 @@ after = measured()
     assert result.findings == []
 
 
+def test_after_a_rest_velocities_begin_where_something_else_has_moved_the_joints(ran):
+    result = ran("""
+def turn(speed):
+    turning.publish(Float64MultiArray(data=[speed] + [0.0] * 6))
+
+turning = rospy.Publisher("/arm_vel_controller/command", Float64MultiArray, queue_size=1)
+going = rospy.Publisher("/joint_command", JointState, queue_size=1)
+turn(0.2)
+rospy.sleep(0.5)
+turn(0.0)
+going.publish(JointState(name=JOINTS, position=[1.0, *READY[1:]]))
+rospy.sleep(4.0)
+turn(0.2)
+rospy.sleep(0.1)
+here = measured()["panda_joint1"]
+""")
+    assert result["here"] == pytest.approx(1.02, abs=0.03)
+
+
 def test_what_a_topic_commands_is_what_the_workspace_says_of_its_controller(example):
     program = (
         PREAMBLE.replace("JOINTS =", "JOINTS =", 1)

@@ -17,7 +17,6 @@ from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import SetPoints
-from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
@@ -66,7 +65,6 @@ class DescribedDriver:
         self._queue, self._grips = self._state.queue, self._state.grips
         self._arms: dict[tuple[str | None, str | None], DescribedArm] = {}
         self._streams = CommandStreams(self._commands)
-        self._velocities = VelocityStream(self._commands.twin)
         self._taken: set[tuple[str, str]] = set()
         known = [each for each in driver.interfaces if self._types(each)]
         if driver.origin == "user" and driver.interfaces and not known:
@@ -357,15 +355,12 @@ class DescribedDriver:
         if case.effect == "velocity" and "joints" in case.roles:
             asked = arm.motions.speeds(case, request)
             for_s = request.seconds(case.roles.get("duration")) or _FOREVER_S
-            if any(asked.values()):
-                moving = self._velocities.next(asked, self._scheduler.now_ns, for_s)
-                if moving is not None:
-                    self._streams.follow(topic, kind, moving, is_set_point=True)
-                return
-            trajectory = None
-        else:
-            make = arm.motions.move if case.effect == "move" else arm.motions.velocity
-            trajectory = make(case, request)()
+            self._streams.go_on_at(topic, kind, asked, for_s)
+            if not any(asked.values()):
+                arm.motion.stop()
+            return
+        make = arm.motions.move if case.effect == "move" else arm.motions.velocity
+        trajectory = make(case, request)()
         if trajectory is None:
             arm.motion.stop()
         else:

@@ -23,7 +23,6 @@ from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.frames import WORLD, fixed_frame
 from tracerisk.ros.robot.state_topics import TopicStream
-from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.ros.transforms.poses import rotate
 
 if TYPE_CHECKING:
@@ -42,6 +41,7 @@ _NODE = "/servo_node"
 _UNITLESS = "unitless"
 _AHEAD = 0.01  # where it is seen whether a singularity nears [rad or m]
 _DIMENSIONS = 6
+_FOREVER_S = 1000.0
 _SLOW = 0.1  # of its speed: less is reported
 _JOINT_JOG, _TWIST, _POSE_GOAL = 0, 1, 2  # as moveit_msgs/ServoCommandType numbers them
 _NO_WARNING, _APPROACHING, _HALTED, _LEAVING = 0, 1, 2, 3  # as moveit_msgs/ServoStatus
@@ -89,7 +89,6 @@ class Servo:
         self._commands = commands
         self._twin = commands.twin
         self._streams = CommandStreams(commands)
-        self._velocities = VelocityStream(self._twin)
         self._heard: set[str] = set()
         self._published: set[str] = set()
         self._is_paused = False
@@ -307,13 +306,8 @@ class Servo:
         return self._twin.jacobian(named, tool, self._arm.joints)
 
     def _go(self, topic: str, kind: str, asked: dict[str, float]) -> None:
-        if not any(asked.values()):
-            self._arm.stop()
-            return
-        for_s = self.settings.incoming_command_timeout or math.inf
-        trajectory = self._velocities.next(asked, self._commands.scheduler.now_ns, min(for_s, 1e3))
-        if trajectory is not None:
-            self._streams.follow(topic, kind, trajectory, is_set_point=True)
+        for_s = self.settings.incoming_command_timeout or _FOREVER_S
+        self._streams.go_on_at(topic, kind, asked, min(for_s, _FOREVER_S))
 
     # Its services, and what it says of itself
 

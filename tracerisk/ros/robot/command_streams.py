@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ class CommandStreams:
     def __init__(self, commands: TwinCommands) -> None:
         self._commands = commands
         self._streams: dict[str, _Stream] = {}
+        self._velocities = VelocityStream(commands.twin)
 
     def follow(
         self, topic: str, kind: str, trajectory: JointTrajectory, *, is_set_point: bool
@@ -61,6 +64,15 @@ class CommandStreams:
         stream.command.keep_until_ns = now_ns + DWELL_NS
         # The watch of the commands looks when the clock stops here.
         self._commands.scheduler.call_at(stream.command.keep_until_ns, lambda: None)
+
+    def go_on_at(self, topic: str, kind: str, asked: Mapping[str, float], for_s: float) -> None:
+        """Move joints at velocities [rad/s or m/s], which end after `for_s` without another."""
+        now_ns = self._commands.scheduler.now_ns
+        trajectory = self._velocities.next(asked, now_ns, for_s)
+        if not any(asked.values()):
+            self._commands.stop(tuple(asked))
+        elif trajectory is not None:
+            self.follow(topic, kind, trajectory, is_set_point=True)
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         """Report that a message moved nothing, and why."""

@@ -38,7 +38,6 @@ from tracerisk.ros.robot.trajectory_messages import (
     fastest_s,
     twin_trajectory,
 )
-from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -88,7 +87,6 @@ class SetPoints:
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
-        self._velocities = VelocityStream(self._twin)
         self._velocity_streams = CommandStreams(commands)
         self._subscribed: set[str] = set()
         self._takers = {
@@ -189,11 +187,7 @@ class SetPoints:
             self._refuse(topic, "a velocity is not finite")
             return
         asked = dict(zip(joints, speeds.tolist(), strict=True))
-        trajectory = self._velocities.next(asked, self._commands.scheduler.now_ns, _FOREVER_S)
-        if not speeds.any():
-            self._commands.stop(joints)
-        elif trajectory is not None:
-            self._velocity_streams.follow(topic, kind, trajectory, is_set_point=True)
+        self._velocity_streams.go_on_at(topic, kind, asked, _FOREVER_S)
 
     def _declared_joints(self, topic: str, count: int) -> tuple[str, ...] | None:
         """Return the joints of the workspace's controller for a topic, if the robot has them."""

@@ -72,10 +72,14 @@ class VelocityStream:
     def next(self, asked: Mapping[str, float], now_ns: int, for_s: float) -> JointTrajectory | None:
         """Return the way of joints at velocities, which ends after `for_s` without another.
 
-        None where they are at rest, or go on as they do.
+        None where they are at rest, or go on as they do. Who was at rest begins where the joints
+        are: something else may have moved them.
         """
         names = tuple(asked)
         known = self._last.get(names)
+        if not any(asked.values()):
+            self._last.pop(names, None)
+            return None
         if known is not None and now_ns - known[0] < min(_OFTEN_S, for_s / 4) * 1e9:
             rated = {name: self._twin.robot.joint(name).velocity_limit for name in names}
             if all(abs(asked[n] - known[2][n]) < _SAME * rated[n] for n in names):

@@ -24,7 +24,6 @@ from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import SetPoints
-from tracerisk.ros.robot.velocity_motion import VelocityStream
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.robots.robot import Gripper
@@ -61,7 +60,6 @@ class BaxterDriver:
         self._twin = commands.twin
         self._set_points = set_points
         self._streams = CommandStreams(commands)
-        self._velocities = VelocityStream(self._twin)
         self._enabled, self._stopped = True, False
         self._speed: dict[str, float] = {}
         self._timeout_s: dict[str, float] = {}
@@ -173,15 +171,8 @@ class BaxterDriver:
         if fault:
             self._streams.refuse(topic, fault)
         elif message.mode == _VELOCITY:
-            moving = self._velocities.next(
-                asked, self._scheduler.now_ns, self._timeout_s.get(_side(topic), _TIMEOUT_S)
-            )
-            if not any(asked.values()):
-                self._twin.stop(list(asked))
-                self._commands.poll()
-            elif moving is not None:
-                kind = "joint_velocity_command"
-                self._streams.follow(topic, kind, moving, is_set_point=True)
+            for_s = self._timeout_s.get(_side(topic), _TIMEOUT_S)
+            self._streams.go_on_at(topic, "joint_velocity_command", asked, for_s)
         else:
             joints = tuple(asked)
             target = np.array([min(max(asked[n], known[n].lower), known[n].upper) for n in joints])
