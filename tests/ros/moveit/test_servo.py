@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
 PROGRAM = """\
@@ -87,7 +89,7 @@ def printed(outcome, word):
     (line,) = [
         each for each in (outcome.out + outcome.err).splitlines() if each.startswith(f"{word} ")
     ]
-    return eval(line.removeprefix(f"{word} "))
+    return ast.literal_eval(line.removeprefix(f"{word} "))
 
 
 MOVED = ("before = node.place()", "{}", "after = node.place()",

@@ -31,15 +31,15 @@ def grasp_place(
         return ""
     at = dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
     place = between_pads(robot, gripper, at, scene)
-    told = f"at ({', '.join(_millimetres(each) for each in place)}) m"
+    words = f"at ({', '.join(_millimetres(each) for each in place)}) m"
     things = _things(samples, step)
     if not things:
-        return told
+        return words
     name, far = min(
         ((name, math.dist(place, where)) for name, where in things.items()),
         key=lambda each: each[1],
     )
-    return f"{told}, {_millimetres(far)} m from {name}, the nearest object"
+    return f"{words}, {_millimetres(far)} m from {name}, the nearest object"
 
 
 def between_pads(robot: Robot, gripper: Gripper, at: Mapping[str, float], scene: Scene) -> Point:

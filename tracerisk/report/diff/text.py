@@ -55,8 +55,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
             if change not in small:
                 yield from _change(review, change, room)
         if small:
-            told = " " * (_ALONE + 4) + sentences.small_line(small, diff)
-            yield from _wrapped(told, room, hanging=_ALONE + 4)
+            text = " " * (_ALONE + 4) + sentences.small_line(small, diff)
+            yield from _wrapped(text, room, hanging=_ALONE + 4)
         if diff.interaction is not None:
             rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.declared_controllers import declared_settings
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.frames import WORLD, fixed_frame
 from tracerisk.ros.robot.state_topics import TopicStream
 from tracerisk.ros.transforms.poses import rotate
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.robot.commands import TwinCommands
     from tracerisk.ros.robot.messages import TwinMessages
-    from tracerisk.twin.physics.motion import Pose
 
 TWIST = "geometry_msgs/TwistStamped"
 JOG = "control_msgs/JointJog"
@@ -181,10 +180,10 @@ class Servo:
             return
         linear, angular = message.twist.linear, message.twist.angular
         asked = np.array([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
-        frame = message.header.frame_id.lstrip("/")
-        pose = self._frame(frame)
+        frame = message.header.frame_id
+        pose = self._runtime.client(MoveGroupServer).frame(frame)
         if pose is None:
-            known = [*self._twin.robot.link_names, WORLD]
+            known = self._twin.robot.link_names
             self._streams.refuse(topic, f"there is no frame '{frame}'; {one_of(known, frame)}")
         elif not np.isfinite(asked).all():
             self._streams.refuse(topic, "a velocity is not finite")
@@ -244,19 +243,6 @@ class Servo:
                 self._commands.stack(),
             )
         return np.array(scales)
-
-    def _frame(self, name: str) -> Pose | None:
-        """Return the pose of a frame in the base of the robot, of the base for no name."""
-        robot = self._twin.robot
-
-        def known(link: str) -> Pose | None:
-            if link in robot.link_names:
-                return self._twin.link_pose(link)
-            return self._twin.link_pose(robot.base_link) if link == WORLD else None
-
-        if not name:
-            return known(robot.base_link)
-        return known(name) or fixed_frame(self._graph, name, known)
 
     # How the arm moves
 

@@ -28,7 +28,7 @@ def parse_http_host_and_port(url: str | None) -> tuple[str, int]:
     """Return host and port of a URL.
 
     Raises:
-        ValueError: it has no protocol or no host, or a port that is no number.
+        ValueError: it has no protocol or no host, or a port that is not a number.
     """
     parts = urlparse(url or "")
     if not parts.scheme or not parts.hostname:
