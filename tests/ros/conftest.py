@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+# The process of a run has it before time is simulated: what it imports of `time` is real.
+import tracerisk.sandbox.limited_process  # noqa: F401
 from tests.ran import Ran
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
