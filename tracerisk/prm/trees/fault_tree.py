@@ -302,7 +302,7 @@ class FaultTree(DisplayedGraph):
 
     def _swept(self, values: Mapping[str, float]) -> list[Probability]:
         """Return the probability of every event and gate, by number."""
-        with collection_paused():
+        with collection_paused(len(self.events) + len(self.gates)):
             pairs = self._parameter_values(values)
             nodes = [pairs[event.parameter] for event in self.events]
             nodes += (Probability(float(h.state), float(not h.state)) for h in self.houses)

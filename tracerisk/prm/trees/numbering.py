@@ -54,7 +54,7 @@ def numbered(tree: FaultTree) -> Numbering:
     unknown, a gate's `k` or inputs do not fit its kind, a gate stands above itself, or a gate or
     event is not below the top.
     """
-    with collection_paused():
+    with collection_paused(len(tree.events) + len(tree.gates)):
         leaves = [event.name for event in tree.events] + [house.name for house in tree.houses]
         names = leaves + [gate.name for gate in tree.gates]
         numbers = {name: number for number, name in enumerate(names)}
