@@ -81,3 +81,6 @@ def _of_python(path: Path, text: str) -> Any:
             # A test's description may come with a dictionary of what it names.
             return made[0] if isinstance(made, tuple) else made
     raise AttributeError(f"{path.name} has no generate_launch_description()")
+
+
+LaunchContext.read_file = staticmethod(describe)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.records import RobotSource, StartedNode
@@ -29,6 +29,9 @@ class Reading:
 
 class LaunchContext:
     """Configurations, environment and namespaces, and what was found with them."""
+
+    read_file: ClassVar[Callable[[Path, Any], Any]]
+    """Returns the description that a file holds. `launch_files.visit` sets it."""
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:
         self.argv = list(argv or ())

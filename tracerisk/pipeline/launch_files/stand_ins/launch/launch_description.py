@@ -28,6 +28,16 @@ class LaunchDescriptionEntity:
     def get_asyncio_future(self) -> None:
         """Return None: nothing goes on while a description is read."""
 
+    def _gather_arguments(self, is_conditional: bool, found: list[Any]) -> None:
+        """Add the arguments that are declared below this entity."""
+        below = [(is_conditional, self.describe_sub_entities())]
+        below += [(True, more) for _, more in self.describe_conditional_sub_entities()]
+        for within, entities in below:
+            for each in entities:
+                if isinstance(each, LaunchDescriptionEntity):
+                    conditional = within or getattr(each, "condition", None) is not None
+                    each._gather_arguments(conditional, found)
+
 
 class LaunchDescription(LaunchDescriptionEntity):
     """What a launch file describes."""
@@ -62,7 +72,7 @@ class LaunchDescription(LaunchDescriptionEntity):
     def get_launch_arguments(self) -> list[Any]:
         """Return the arguments that the description declares, those of what it includes too."""
         found: list[Any] = []
-        _gather_arguments(self.__entities, False, found)
+        self._gather_arguments(False, found)
         return found
 
     def describe_sub_entities(self) -> list[Any]:
@@ -72,18 +82,3 @@ class LaunchDescription(LaunchDescriptionEntity):
     def visit(self, context: Any) -> Any:
         """Return the entities."""
         return [each for each in self.__entities if each is not None]
-
-
-def _gather_arguments(entities: Iterable[Any], is_conditional: bool, found: list[Any]) -> None:
-    from tracerisk.pipeline.launch_files.stand_ins.launch.actions import DeclareLaunchArgument
-
-    for each in entities:
-        within = is_conditional or getattr(each, "condition", None) is not None
-        if isinstance(each, DeclareLaunchArgument):
-            each._conditionally_included = within
-            if each.name not in {known.name for known in found}:
-                found.append(each)
-        elif isinstance(each, LaunchDescriptionEntity):
-            _gather_arguments(each.describe_sub_entities(), within, found)
-            for _, more in each.describe_conditional_sub_entities():
-                _gather_arguments(more, True, found)

@@ -34,9 +34,7 @@ class LaunchDescriptionSource:
         path = self.path(context)
         if path is None or not path.is_file():
             raise RuntimeError(f"no launch description was given, and none is at '{path}'")
-        from tracerisk.pipeline.launch_files.visit import describe
-
-        return describe(path, context)
+        return context.read_file(path, context)
 
     def path(self, context: Any) -> Path | None:
         """Return the path of the file, None where a description was given."""

@@ -82,8 +82,6 @@ class IncludeLaunchDescription(Action):
 
     def execute(self, context: Any) -> Any:
         """Return the arguments as settings, then the description of the file."""
-        from tracerisk.pipeline.launch_files.visit import describe
-
         sets = [SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
         path = self.source.path(context)
         if path is None:
@@ -96,7 +94,7 @@ class IncludeLaunchDescription(Action):
         done = [each.visit(context) for each in sets]
         assert not any(done)
         before = context.get_locals_as_dict()
-        return [_Enter(path), _Described(describe, path), _Leave(before)]
+        return [_Enter(path), _Described(path), _Leave(before)]
 
     def _check_arguments(self, context: Any) -> None:
         given = [text_of(context, name) for name, _ in self.launch_arguments]
@@ -138,16 +136,15 @@ class _Enter(Action):
 
 
 class _Described(Action):
-    def __init__(self, describe: Callable[[Path, Any], Any], path: Path) -> None:
+    def __init__(self, path: Path) -> None:
         super().__init__()
-        self.describe_file = describe
         self.path = path
 
     def describe(self) -> str:
         return self.path.name
 
     def execute(self, context: Any) -> Any:
-        return [self.describe_file(self.path, context)]
+        return [context.read_file(self.path, context)]
 
 
 class _Leave(Action):

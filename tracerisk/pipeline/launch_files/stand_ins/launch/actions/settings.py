@@ -33,6 +33,11 @@ class DeclareLaunchArgument(Action):
         self.description = message + valid
         self._conditionally_included = False
 
+    def _gather_arguments(self, is_conditional: bool, found: list[Any]) -> None:
+        self._conditionally_included = is_conditional
+        if self.name not in {known.name for known in found}:
+            found.append(self)
+
     @property
     def is_optional(self) -> bool:
         """Whether nobody has to give a value: there is a default, or a condition."""
