@@ -1,8 +1,9 @@
 """Run commands of tests as a user's shell would, without importing everything anew for each.
 
 One process imports what commands import. It forks one process a command, which gets a folder,
-arguments and an environment, and ends as `python -m tracerisk` would. The commands' runs of
-controllers are forked by one server in turn (`tracerisk.sandbox.fork_server`).
+arguments, an environment and three streams, and ends as `python -m tracerisk` would. A program in a
+shell can ask for one too. The commands' runs of controllers are forked by one server in turn
+(`tracerisk.sandbox.fork_server`).
 """
 
 from __future__ import annotations
@@ -29,22 +30,46 @@ _LONGEST_S = 300.0
 _READ_AT_START = ("PYTHON", "LC_", "LANG", "TZ", "OMP_", "OPENBLAS_", "MUJOCO_", "LD_")
 
 
+# What a shell starts as `tracerisk`: it asks for a command with its own streams.
+_PROGRAM = """\
+#!{python} -IS
+import json, os, socket, sys
+given = os.memfd_create("given")
+os.write(given, json.dumps([os.getcwd(), sys.argv[1:], dict(os.environ)]).encode())
+os.lseek(given, 0, os.SEEK_SET)
+with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
+    server.connect({path!r})
+    socket.send_fds(server, [b"."], [given, 0, 1, 2])
+    code = int(server.recv(16))
+sys.exit(code if code >= 0 else 128 - code)
+"""
+
+
 class Commands:
     """The process that forks commands, on the side of the tests."""
 
     def __init__(self, controller: str) -> None:
         """Start it; it imports what a run of the controller, and a report on it, import."""
         self._at_start = _read_at_start(os.environ)
-        self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        with theirs:
+        self._folder = tempfile.TemporaryDirectory()
+        self._path = str(Path(self._folder.name, "commands"))
+        self._life, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs, _socket() as listener:
+            listener.bind(self._path)
+            listener.listen()
+            numbers = (theirs.fileno(), listener.fileno())
             self._process = subprocess.Popen(
-                [sys.executable, __file__, str(theirs.fileno()), controller],
-                pass_fds=(theirs.fileno(),),
+                [sys.executable, __file__, *map(str, numbers), controller],
+                pass_fds=numbers,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
             )
-        if self._requests.recv(1) != b"+":
+        program = Path(self._folder.name, "tracerisk")
+        program.write_text(_PROGRAM.format(python=sys.executable, path=self._path))
+        program.chmod(0o755)
+        self.program = str(program)
+        if self._life.recv(1) != b"+":
             raise RuntimeError("no command can be run; standard error says why")
         atexit.register(self.close)
 
@@ -56,75 +81,82 @@ class Commands:
     ) -> tuple[int, bytes, bytes]:
         """Return the exit code of a command, and what it wrote to both of its streams."""
         asked = json.dumps([str(folder), list(arguments), dict(environment)]).encode()
-        answers, theirs = socket.socketpair()
         with (
-            answers,
+            _socket() as server,
+            Path(os.devnull).open("rb") as nothing,
             tempfile.TemporaryFile() as given,
             tempfile.TemporaryFile() as out,
             tempfile.TemporaryFile() as err,
         ):
-            with theirs:
-                given.write(asked)
-                given.seek(0)
-                files = [each.fileno() for each in (given, out, err, theirs)]
-                socket.send_fds(self._requests, [b"."], files)
-            answers.settimeout(_LONGEST_S)
-            code = int(answers.recv(16))
+            given.write(asked)
+            given.seek(0)
+            server.connect(self._path)
+            socket.send_fds(server, [b"."], [each.fileno() for each in (given, nothing, out, err)])
+            server.settimeout(_LONGEST_S)
+            code = int(server.recv(16))
             out.seek(0)
             err.seek(0)
             return code, out.read(), err.read()
 
     def close(self) -> None:
-        self._requests.close()
+        self._life.close()
         self._process.wait(60)
+        self._folder.cleanup()
+
+
+def _socket() -> socket.socket:
+    return socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
 
 def _read_at_start(environment: Mapping[str, str]) -> dict[str, str]:
     return {name: each for name, each in environment.items() if name.startswith(_READ_AT_START)}
 
 
-def _serve(requests: socket.socket) -> None:
+def _serve(life: socket.socket, listener: socket.socket) -> None:
     """Fork commands until nobody can ask for one."""
-    running: dict[int, tuple[int, int]] = {}
+    # Of each command by the number of its process's descriptor: its process, and who has asked.
+    running: dict[int, tuple[int, socket.socket]] = {}
     poll = select.poll()
-    poll.register(requests, select.POLLIN)
+    for each in (life, listener):
+        poll.register(each, select.POLLIN)
     while True:
         for ready, _ in poll.poll():
-            if ready in running:
-                poll.unregister(ready)
-                number, answers = running.pop(ready)
-                code = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
-                with suppress(OSError):
-                    os.write(answers, str(code).encode())
-                os.close(answers)
-                os.close(ready)
-                continue
-            reported, found, _, _ = socket.recv_fds(requests, 1, 4)
-            if not reported:
+            if ready == life.fileno():
                 for process in running:
                     signal.pidfd_send_signal(process, signal.SIGKILL)
                 return
+            if ready in running:
+                poll.unregister(ready)
+                number, asking = running.pop(ready)
+                code = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+                with asking, suppress(OSError):
+                    asking.send(str(code).encode())
+                os.close(ready)
+                continue
+            asking = listener.accept()[0]
+            _, found, _, _ = socket.recv_fds(asking, 1, 4)
             number = os.fork()
             if number == 0:
-                for each in (requests.detach(), found[3], *running):
-                    os.close(each)
-                for _, answers in running.values():
-                    os.close(answers)
-                _command(*found[:3])
-            for each in found[:3]:
-                os.close(each)
+                for other in (life, listener, asking, *(each for _, each in running.values())):
+                    other.close()
+                for process in running:
+                    os.close(process)
+                _command(*found)
+            for given in found:
+                os.close(given)
             process = os.pidfd_open(number)
-            running[process] = (number, found[3])
+            running[process] = (number, asking)
             poll.register(process, select.POLLIN)
 
 
-def _command(given: int, out: int, err: int) -> None:
+def _command(given: int, *streams: int) -> None:
     """Be a command to the end of its process."""
     with os.fdopen(given) as stream:
         folder, arguments, environment = json.load(stream)
-    for number, each in ((1, out), (2, err)):
+    for number, each in enumerate(streams):
         os.dup2(each, number)
         os.close(each)
+    sys.stdout.reconfigure(line_buffering=os.isatty(1))
     os.environ.clear()
     os.environ.update(environment)
     code = _ended(folder, arguments)
@@ -157,14 +189,15 @@ def _ended(folder: str, arguments: Sequence[str]) -> int:
 
 
 def _main() -> None:
-    requests = socket.socket(fileno=int(sys.argv[1]))
-    os.set_inheritable(requests.fileno(), False)
+    life, listener = (socket.socket(fileno=int(number)) for number in sys.argv[1:3])
+    for each in (life, listener):
+        os.set_inheritable(each.fileno(), False)
     from tracerisk.sandbox.fork_server import several_come
 
     several_come()
     # The first run starts the server of runs, which the commands inherit.
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "c.py").write_text(sys.argv[2])
+        Path(folder, "c.py").write_text(sys.argv[3])
         for words in (["run", "c.py", "--quiet"], ["report", "c.py", "--output", "r.html"]):
             code = _ended(folder, words)
             if code:
@@ -176,8 +209,8 @@ def _main() -> None:
     tempfile.tempdir = None
     gc.collect()
     gc.freeze()
-    requests.send(b"+")
-    _serve(requests)
+    life.send(b"+")
+    _serve(life, listener)
     os._exit(0)
 
 

@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -81,6 +81,18 @@ def _commands() -> Commands:
     return Commands(quick_controller())
 
 
+def _are_quick_in(environment: Mapping[str, str]) -> bool:
+    """Whether commands that are forked are as those that are started there."""
+    return sys.platform == "linux" and _commands().can_run(environment)
+
+
+def program(environment: Mapping[str, str]) -> list[str]:
+    """The words that start `tracerisk` in a shell of an environment."""
+    if _are_quick_in(environment):
+        return [_commands().program]
+    return [sys.executable, "-m", "tracerisk"]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def one_server_of_runs() -> None:
     """Have the runs that tests make in this process forked by one server."""
@@ -117,11 +129,7 @@ class Example:
         python: str | Path = sys.executable,
     ) -> Outcome:
         environment = {**os.environ, **(environment or {})}
-        if (
-            python == sys.executable
-            and sys.platform == "linux"
-            and _commands().can_run(environment)
-        ):
+        if python == sys.executable and _are_quick_in(environment):
             code, out, err = _commands().run(self.folder, arguments, environment)
             return Outcome(code, out.decode(), err.decode())
         done = subprocess.run(

@@ -11,11 +11,12 @@ import os
 import re
 import shlex
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tests.conftest import program
 
 DOCS = Path(__file__).parents[1] / "docs"
 BLOCK = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
@@ -74,7 +75,7 @@ def shell(tmp_path, pick_and_place) -> Shell:
     commands = tmp_path / "commands"
     commands.mkdir()
     command = commands / "tracerisk"
-    command.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m tracerisk "$@"\n')
+    command.write_text(f'#!/bin/sh\nexec {shlex.join(program(os.environ))} "$@"\n')
     command.chmod(0o755)
     (commands / "gitconfig").write_text(
         "[user]\nname = a\nemail = a@example.org\n[init]\ndefaultBranch = main\n"

@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from tests.conftest import program
 from tracerisk.cli.shared.output import broken
 from tracerisk.pipeline.check.cached_run import last_duration_s
 
@@ -66,13 +67,16 @@ def at_terminal(
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, width, 0, 0))
     inherited = {key: os.environ[key] for key in os.environ.keys() - WIDTH_OF_THE_SETTING}
+    around = {**inherited, "TERM": "xterm-256color", **(environment or {})}
+    # What is interrupted is a process of its own.
+    words = [sys.executable, "-m", "tracerisk"] if interrupt_at else program(around)
     process: subprocess.Popen[Any] = subprocess.Popen(
-        [sys.executable, "-m", "tracerisk", *arguments],
+        [*words, *arguments],
         cwd=example.folder,
         stdin=theirs,
         stdout=theirs if out_is_terminal else subprocess.PIPE,
         stderr=theirs,
-        env={**inherited, "TERM": "xterm-256color", **(environment or {})},
+        env=around,
         start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
