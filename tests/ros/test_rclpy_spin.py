@@ -234,6 +234,36 @@ def test_groups_exclude_as_they_say(run_ros2, group, expected):
     assert run_ros2(main) == expected
 
 
+@pytest.mark.parametrize("executor", ["SingleThreadedExecutor", "MultiThreadedExecutor"])
+@pytest.mark.parametrize("callback", ["function", "coroutine"])
+def test_a_callback_that_exits_ends_the_spin_of_its_executor(run_ros2, executor, callback):
+    def main():
+        import rclpy
+        import rclpy.executors
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        beats = []
+
+        def beat():
+            beats.append(1)
+            if len(beats) == 2:
+                raise SystemExit("done")
+
+        async def beat_later():
+            beat()
+
+        node.create_timer(0.1, beat if callback == "function" else beat_later)
+        spinning = getattr(rclpy.executors, executor)()
+        spinning.add_node(node)
+        try:
+            spinning.spin()
+        except SystemExit as end:
+            return end.code, len(beats)
+
+    assert run_ros2(main) == ("done", 2)
+
+
 def test_coroutines_await_responses_and_futures(run_ros2):
     def main():
         import rclpy

@@ -6,7 +6,7 @@ import inspect
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Any
 
@@ -457,7 +457,9 @@ class MultiThreadedExecutor(Executor):
             while self._submitted:
                 task = self._submitted.popleft()
                 task._is_submitted = False
-                task()
+                # Who spins gets it from the task.
+                with suppress(SystemExit, KeyboardInterrupt):
+                    task()
         finally:
             self._n_running -= 1
 

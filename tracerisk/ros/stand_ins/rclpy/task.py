@@ -187,6 +187,9 @@ class Task(Future):
             self._complete(stop.value, None)
         except Exception as error:  # noqa: BLE001 - kept for who asks for the result
             self._complete(None, error)
+        except (SystemExit, KeyboardInterrupt) as error:
+            self._complete(None, error)
+            raise
         else:
             self._complete(result, None)
         finally:
@@ -210,7 +213,7 @@ class Task(Future):
         waits_on = self._waits_on
         return waits_on._done if isinstance(waits_on, Future) else True
 
-    def _complete(self, result: Any, error: Exception | None) -> None:
+    def _complete(self, result: Any, error: BaseException | None) -> None:
         self._handler = None
         if error is not None:
             self.set_exception(error)
