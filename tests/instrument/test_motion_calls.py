@@ -73,3 +73,16 @@ def test_a_function_of_which_there_are_several_is_not_reported_by_its_name():
 
 def test_a_source_that_is_no_python_misses_nothing():
     assert missed_calls(b"def (", MADE, {"grip"}) == ()
+
+
+def test_the_call_that_makes_a_coroutine_misses_nothing_for_others_run_it():
+    source = """\
+async def routine(arm):
+    arm.reach()
+
+def main():
+    loop.run_until_complete(routine(arm))
+"""
+    assert missed_calls(source.encode(), {(2, 5)}, {"routine"}) == ()
+    as_function = source.replace("async ", "")
+    assert missed_calls(as_function.encode(), {(2, 5)}, {"routine"}) == (MissedCall(5, "routine"),)

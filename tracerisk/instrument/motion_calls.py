@@ -79,7 +79,9 @@ def missed_calls(
         return ()
     calls = list(_calls(tree))
     known = {_same(call, scope) for call, scope in calls if _is_made(call, made)}
-    defined = Counter(node.name for node in ast.walk(tree) if isinstance(node, _FUNCTIONS))
+    functions = [node for node in ast.walk(tree) if isinstance(node, _FUNCTIONS)]
+    defined = Counter(node.name for node in functions)
+    coroutines = {node.name for node in functions if isinstance(node, ast.AsyncFunctionDef)}
     missed = []
     for call, scope in calls:
         # A coroutine that goes on later is called by its executor: its callers are not on the
@@ -90,6 +92,9 @@ def missed_calls(
         if written is None:
             continue
         owner, _, last = written.rpartition(".")
+        if last in coroutines:
+            # The call only makes it; a loop runs it.
+            continue
         is_own = owner in ("", "self") and last in commanding and defined[last] == 1
         if _same(call, scope) in known or is_own:
             missed.append(MissedCall(call.lineno, written))
