@@ -20,7 +20,7 @@ from tracerisk.source.named_literals import with_named_literals
 _DEEPEST = 3  # of functions to which a value is handed on
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
 _CASTS = frozenset({"str", "int", "float", "bool", "round"})
-_ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end"})
+_ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"})
 _NAMED = frozenset(
     {
         "MoveGroupCommander",

@@ -25,7 +25,7 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-                values[dotted_name(target)] = node.value
+                values |= {dotted_name(name): value for name, value in _pairs(target, node.value)}
         if isinstance(node, ast.Name | ast.Attribute) and not isinstance(node.ctx, ast.Load):
             given[dotted_name(node)] += 1
         if isinstance(node, ast.arg):
@@ -40,6 +40,14 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
         for name, value in values.items()
         if name and given[name] == 1 and isinstance(value, _WHOLE)
     }
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """Return what is given what: `a, b = 1, 2` gives two names."""
+    are_tuples = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+    if are_tuples and len(target.elts) == len(value.elts):  # type: ignore[attr-defined]
+        return list(zip(target.elts, value.elts, strict=True))  # type: ignore[attr-defined]
+    return [(target, value)]
 
 
 _WHOLE = (ast.Constant, ast.UnaryOp, ast.Dict, ast.List, ast.Tuple, ast.Set)

@@ -236,9 +236,8 @@ def _run_recorded(
         scripted_input(
             (*request.answers, *scenario.answers),
             recorder,
-            scheduler.touch,
-            scheduler.miss,
-            lambda message: scheduler.end("deadlock", message),
+            scheduler,
+            str(script),
             assume=lambda: known_answers(asking_place(), values),
             progress=lambda: watch.last_command_ns,
         ),

@@ -10,9 +10,10 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NoReturn
 
 from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.run.scripted_keys import STDIN, ScriptedKeys
 from tracerisk.ros.controller.needs import Need, asking_place
+from tracerisk.ros.time.scheduler import Scheduler
 
-_STDIN = 0
 _ASKED_IN_VAIN = 200
 _TAKES_NO_ENTER = 3
 
@@ -21,22 +22,21 @@ _TAKES_NO_ENTER = 3
 def scripted_input(
     answers: Sequence[str],
     recorder: Recorder,
-    touch: Callable[[], None],
-    miss: Callable[[Need], None],
-    give_up: Callable[[str], None],
-    assume: Callable[[], Sequence[str]] = tuple,
-    progress: Callable[[], object] = lambda: None,
+    scheduler: Scheduler,
+    script: str,
+    assume: Callable[[], Sequence[str]],
+    progress: Callable[[], object],
 ) -> Iterator[None]:
     """Give `input()` and reads of the standard input the answers in turn, then Enter.
 
-    Each answer is noted in the recording. `touch` is called at each Enter: a loop that asks and
-    asks is a busy wait, and must end. `miss` is called with each question that got Enter, and
-    `give_up` ends the run at one that is asked again and again.
+    Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
+    one that is asked again and again ends the run. A controller that reads keys gets each answer as
+    one; `script` is the file of its own in which the keys are compared.
 
     A question that comes again and again with no `progress` between does not take Enter: it gets
     what `assume` returns for it, in turn, and each is an assumption.
     """
-    stream = _Answers(answers, recorder, touch, miss, give_up, assume, progress)
+    stream = _Answers(answers, recorder, scheduler, script, assume, progress)
     real_input, real_stdin = builtins.input, sys.stdin
 
     def scripted(prompt: object = "", /) -> str:
@@ -46,7 +46,8 @@ def scripted_input(
 
     builtins.input, sys.stdin = scripted, stream
     try:
-        yield
+        with stream.keys.served():
+            yield
     finally:
         builtins.input, sys.stdin = real_input, real_stdin
 
@@ -62,24 +63,22 @@ class _Answers(io.TextIOBase):
         self,
         answers: Sequence[str],
         recorder: Recorder,
-        touch: Callable[[], None],
-        miss: Callable[[Need], None],
-        give_up: Callable[[str], None],
+        scheduler: Scheduler,
+        script: str,
         assume: Callable[[], Sequence[str]],
         progress: Callable[[], object],
     ) -> None:
         self.prompt = ""
+        self.keys = ScriptedKeys(self._given, scheduler, script)
         self._assume = assume
         self._progress = progress
         self._assumed: dict[str, list[str]] = {}
-        self._miss = miss
-        self._give_up = give_up
         self._last_asked: tuple[str, object] = ("", None)
         self._times = 0
         self._answers = list(answers)
         self._line = ""
         self._recorder = recorder
-        self._touch = touch
+        self._scheduler = scheduler
 
     @property
     def encoding(self) -> str:  # type: ignore[override]
@@ -89,18 +88,20 @@ class _Answers(io.TextIOBase):
         return True
 
     def fileno(self) -> int:
-        return _STDIN
+        return STDIN
 
     def seekable(self) -> bool:
         return False
 
     def readline(self, size: int | None = -1, /) -> str:  # type: ignore[override]
+        if self.keys.is_raw:
+            return self.keys.read(1 if size is None or size < 0 else size)
         if not self._line:
             self._next_answer()
         return self._take(size)
 
     def read(self, size: int | None = -1, /) -> str:
-        if size is None or size < 0:
+        if (size is None or size < 0) and not self.keys.is_raw:
             return "".join(self)
         return self.readline(size)
 
@@ -112,9 +113,19 @@ class _Answers(io.TextIOBase):
     def detach(self) -> NoReturn:
         raise io.UnsupportedOperation("the answers are text and have no bytes below them")
 
-    def _next_answer(self) -> None:
-        answer = self._answers.pop(0) if self._answers else self._unscripted()
+    def _given(self) -> str | None:
+        """Return the next of the answers that were given, None where none is left."""
+        if not self._answers:
+            return None
+        answer = self._answers.pop(0)
         self._recorder.note("input", answer=answer)
+        return answer
+
+    def _next_answer(self) -> None:
+        answer = self._given()
+        if answer is None:
+            answer = self._unscripted()
+            self._recorder.note("input", answer=answer)
         self._line = f"{answer}\n"
 
     def _unscripted(self) -> str:
@@ -125,7 +136,7 @@ class _Answers(io.TextIOBase):
         self._last_asked = now
         if self._times == _TAKES_NO_ENTER and asked not in self._assumed:
             self._assumed[asked] = list(self._assume())
-        self._touch()
+        self._scheduler.touch()
         if self._assumed.get(asked):
             answer = self._assumed[asked].pop(0)
             self._recorder.finding(
@@ -136,11 +147,12 @@ class _Answers(io.TextIOBase):
                 object_name=asked,
             )
             return answer
-        self._miss(Need("input", asked))
+        self._scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
-            self._give_up(
+            self._scheduler.end(
+                "deadlock",
                 f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "
-                "Enter each time"
+                "Enter each time",
             )
         return ""
 

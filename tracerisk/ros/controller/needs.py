@@ -15,6 +15,8 @@ from tracerisk.ros.controller.frames import controller_frame
 
 NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", "call", "goal"]
 
+KEYS = "keys that are pressed"
+"""The name of the need of keys at a terminal."""
 _ASKED_IN_VAIN = 10
 _WORD = re.compile(r"\w+")
 _SWITCH = re.compile(r"(^|[/_.~])(enabled?|(auto_?)?start|run|execute|activ(e|ate)|arm(ed)?|go)$")
@@ -46,6 +48,8 @@ class Need:
             "call": "calls of service",
             "goal": "goals for action server",
         }[self.kind]
+        if self.name == KEYS:
+            return KEYS
         return f"{what} {self.name}" + (f" ({self.type_name})" if self.type_name else "")
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tracerisk.errors import InputError, Location
-from tracerisk.ros.controller.needs import Missed, Need, NeedKind
+from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import UsableValues, is_on
@@ -21,6 +21,7 @@ from tracerisk.source.compared_values import (
     used_as,
     written_name,
 )
+from tracerisk.source.known_keys import known_keys
 from tracerisk.twin.physics.motion import Pose
 
 SECTIONS: Mapping[NeedKind, str] = {
@@ -295,6 +296,10 @@ def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
 def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     del interfaces
     need = missed.need
+    if need.name == KEYS:
+        keys = list(known_keys(missed.location))
+        words = "each key that the code knows" if keys else "the code names no key"
+        return need.name, keys or None, words
     answers = known_answers(missed.location, values)
     if not answers:
         answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
