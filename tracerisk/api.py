@@ -145,8 +145,9 @@ def gather_evidence(
     is no wider. No cell begins after `most_s` [s]. `jobs` local processes work on it, or the
     workers of an `executor`; `shard` (i, n) tries every n-th cell. `progress` is called with the
     cells done, of how many, and the seconds left. The file is `tracerisk.evidence` in the
-    controller's root; what it holds already is not tried again unless `fresh`. `noted` gets why
-    runs were whole ones, where they could not be branched off one.
+    controller's root; what it holds already is not tried again unless `fresh`. `noted` gets what a
+    user should know, a sentence each: that the file was edited and what of it is tried again, and
+    why runs were whole ones, where they could not be branched off one.
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
     from tracerisk.dependencies import require_simulator

@@ -95,6 +95,45 @@ def test_nothing_is_tried_twice_and_the_bytes_stay(gathered):
     assert not list((folder.folder / ".tracerisk_cache").glob("evidence-*"))
 
 
+def test_an_edit_of_a_failure_is_noticed_by_all_and_tried_again(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    folder = example_in(tmp_path / "edited")
+    shutil.copytree(whole.folder, folder.folder)
+    settings = folder.read("pyproject.toml").decode()
+    folder.write("pyproject.toml", settings + "evidence = true\n")
+    # The settings that a campaign has taken are older than this one: it changes no cell.
+    assert folder.run(*GATHER, "-q").code == 0
+    assert folder.run("run", "controller.py", "-q").code == 0
+    text = folder.read("tracerisk.evidence").decode()
+    assert folder.run("check", "controller.py").code == 0
+    line = next(each for each in text.splitlines() if '"effect": "wrong_position"' in each)
+    folder.write(
+        "tracerisk.evidence",
+        text.replace(line, line.replace('"effect"', '"fails": true, "effect"')),
+    )
+
+    checked = folder.run("check", "controller.py")
+    assert checked.code == 3
+    assert "tracerisk.evidence: edited: the failure of panda_joint1 (" in checked.out
+    shown = folder.run("evidence", "controller.py", "--show")
+    assert "the file was edited: the failure of panda_joint1 (" in shown.out
+    solved = folder.run("solve", "controller.py")
+    assert "warning: tracerisk.evidence was edited: the failure of" in solved.err
+    again = folder.run("run", "controller.py", "--check")
+    assert "figures take no evidence, though the settings ask for it: it was edited" in again.err
+    merged = folder.run("evidence", "merge", "tracerisk.evidence", "-o", "all")
+    assert merged.code == 2
+    assert "was edited" in merged.err
+
+    done = folder.run(*GATHER)
+    assert done.code == 0, done.err
+    said = " ".join(done.err.split())
+    assert "tracerisk.evidence was edited: the failure of panda_joint1 (" in said
+    assert "left out and tried again" in said
+    assert folder.read("tracerisk.evidence").decode() == text
+    assert folder.run("check", "controller.py").code == 0
+
+
 def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, example_in):
     whole, _ = gathered
     first, second = (settled(example_in(tmp_path / each)) for each in ("a", "b"))
@@ -294,6 +333,10 @@ def test_diff_says_what_a_change_did_to_failures(repository, quick):
     said = " ".join(outcome.out.split())
     assert "a failure of motor (jam) is now reported after 0.4 s, before: never" in said
     assert "now ends the mission in 20 of 20 tries, before: 0 of 20" in said
+    text = repository.read("tracerisk.evidence").decode()
+    repository.write("tracerisk.evidence", text.replace('"fails": true, ', "", 1))
+    said = " ".join(repository.run("diff").out.split())
+    assert "the evidence was edited (now): the failure of panda_joint1 (jam) at 0 s" in said
 
 
 HOSTILE = {

@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
                 noted=reasons.append,
             )
         for each in dict.fromkeys(reasons):
-            note(f"not branched off one run, but run whole: {each}", quiet=options.quiet)
+            note(each, quiet=options.quiet)
     _print(options, found)
     if options.replays is not None:
         _replay(options, found)
@@ -107,6 +107,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             complete=found.is_complete,
             declared=found.declared,
             drawn=found.drawn,
+            edited="" if found.edited is None else found.edited.words,
             robot=found.robot,
             rows=[
                 dict(zip(fmea.HEADINGS, row.values, strict=True)) for row in fmea.fmea_rows(found)
@@ -119,7 +120,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
     print_text(fmea.render_fmea(found, width=terminal_width(), color=use_color()))
     for line in fmea.summary_lines(found):
         show(line)
-    if not found.is_complete:
+    if not found.is_complete and found.edited is None:
         note(
             f"{found.drawn} of {found.declared} drawn failures are tried: figures take evidence "
             "when all are; run the same command again",

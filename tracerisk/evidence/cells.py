@@ -7,7 +7,7 @@ what became of each run in `tracerisk.evidence`, committed like a lock. See docs
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from tracerisk.evidence.share_interval import clopper_pearson
 from tracerisk.records import dataclass, field, replace
@@ -102,6 +102,16 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
+class Edited:
+    """What of the evidence in a file does not fit the digests that were written with it."""
+
+    words: str
+    """What was edited, in words."""
+    data: Mapping[str, Any]
+    """The entry as the file holds it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Evidence:
     """The evidence of one controller.
 
@@ -109,6 +119,10 @@ class Evidence:
     before figures take it. `success` says in words what a mission is, empty where the scenario
     declares nothing. `cells` are sorted by unit, mode and instant. `before` is the share of
     failing cells by stratum that figures took from the evidence that this one replaced.
+
+    `edited` is set where the file was edited since it was written: then `cells` and `before` hold
+    only what is as it was written, and figures take none of it. `has_digest` is false for a file
+    of an earlier version, in which no edit shows.
     """
 
     fingerprint: str
@@ -118,6 +132,8 @@ class Evidence:
     success: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = ()
     before: Mapping[Stratum, float] = field(default_factory=dict)
+    edited: Edited | None = None
+    has_digest: bool = True
 
     @property
     def drawn(self) -> int:
@@ -126,8 +142,8 @@ class Evidence:
 
     @property
     def is_complete(self) -> bool:
-        """Whether as many cells were drawn as declared."""
-        return self.drawn >= self.declared
+        """Whether as many cells were drawn as declared, and all are as they were written."""
+        return self.drawn >= self.declared and self.edited is None
 
     @property
     def counts(self) -> bool:

@@ -1,6 +1,8 @@
 """The file of evidence, `tracerisk.evidence`: read, written and merged.
 
-It is JSON with a cell a line, so that git merges and shows it line by line.
+It is JSON with a cell a line, so that git shows it line by line. Each cell has a digest of itself,
+and the evidence of a controller one of all that stands above its cells and of their digests: so it
+shows which cell was edited, and whether one was added or removed.
 """
 
 from __future__ import annotations
@@ -11,12 +13,14 @@ from pathlib import Path
 from typing import Any, cast, get_args
 
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence, Stratum, Use
+from tracerisk.evidence.cells import EFFECTS, Cell, Edited, Effect, Evidence, Stratum, Use
 from tracerisk.records import asdict, fields, replace
+from tracerisk.text.digests import sha256
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 _NO_USE = Exposure()
-_VERSION = 1
+_VERSION, _WITHOUT_DIGEST = 2, 1
+_DIGITS = 16  # of a digest: it is against mistakes, and no secret
 _MOST_CELLS = 100_000
 _MOST_BYTES = 64 * 1024**2
 _IDLE = {"idle": True, "in use": False}
@@ -60,42 +64,72 @@ def dump_evidence(found: Mapping[str, Evidence]) -> str:
     """Return the text of the file: sorted, a cell a line."""
     lines = ["{", f' "version": {_VERSION},', ' "controllers": {']
     for number, (name, entry) in enumerate(sorted(found.items())):
+        data = _entry_data(name, entry) if entry.edited is None else entry.edited.data
         lines += [f"  {json.dumps(name)}: {{"]
-        names = {value: key for key, value in _IDLE.items()}
-        before = [
-            [unit, mode, names[is_idle], share]
-            for (unit, mode, is_idle), share in sorted(entry.before.items())
+        lines += [
+            f"   {json.dumps(key)}: {json.dumps(data[key])},"
+            for key in sorted(data)
+            if key != _CELLS
         ]
-        head = {
-            **({"before": before} if before else {}),
-            "declared": entry.declared,
-            "fingerprint": entry.fingerprint,
-            "robot": entry.robot,
-            "seed": entry.seed,
-            "success": list(entry.success),
-        }
-        lines += [f"   {json.dumps(key)}: {json.dumps(head[key])}," for key in sorted(head)]
-        cells = [f"    {cell_line(each)}" for each in sorted(entry.cells, key=lambda c: c.key)]
+        cells = [f"    {json.dumps(each)}" for each in data[_CELLS]]
         lines += ['   "cells": [', ",\n".join(cells), "   ]"] if cells else ['   "cells": []']
         lines += ["  }" if number == len(found) - 1 else "  },"]
     return "\n".join([*lines, " }", "}"]) + "\n"
 
 
+def _entry_data(name: str, entry: Evidence) -> dict[str, Any]:
+    names = {value: key for key, value in _IDLE.items()}
+    before = [
+        [unit, mode, names[is_idle], share]
+        for (unit, mode, is_idle), share in sorted(entry.before.items())
+    ]
+    data = {
+        **({"before": before} if before else {}),
+        "declared": entry.declared,
+        "fingerprint": entry.fingerprint,
+        "robot": entry.robot,
+        "seed": entry.seed,
+        "success": list(entry.success),
+        _CELLS: [_cell_data(each) for each in sorted(entry.cells, key=lambda cell: cell.key)],
+    }
+    return {**data, _DIGEST: _digest_of_entry(name, data)}
+
+
+def _digest_of_entry(name: str, data: Mapping[str, Any]) -> str:
+    """Return the digest of an entry: of its heading, and of the digests that its cells have."""
+    head = {key: value for key, value in data.items() if key not in (_DIGEST, _CELLS)}
+    cells = [each.get(_DIGEST) if isinstance(each, dict) else None for each in data[_CELLS]]
+    return _digest([name, head, cells])
+
+
+def _digest(data: Any) -> str:
+    return sha256(json.dumps(data, sort_keys=True).encode())[:_DIGITS]
+
+
 def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
     """Return the evidence of several files, such as those of shards, as one.
 
-    Raises InputError where two speak of other sources, robots, seeds or numbers of cells.
+    Raises InputError where two speak of other sources, robots, seeds or numbers of cells, and where
+    one was edited.
     """
     merged: dict[str, Evidence] = {}
     for path in files:
         if not path.exists():
             raise InputError("does not exist", Location(str(path)))
         for name, found in read_evidence(path).items():
+            if found.edited is not None:
+                raise InputError(
+                    f"the evidence of {name} was edited: {found.edited.words}; `tracerisk evidence "
+                    f"{name}` with the options of that campaign tries it again",
+                    Location(str(path)),
+                )
             ours = merged.get(name)
             if ours is None:
                 merged[name] = found
                 continue
-            if replace(found, cells=()) != replace(ours, cells=()):
+            if replace(found, cells=(), has_digest=True) != replace(
+                ours, cells=(), has_digest=True
+            ):
                 raise InputError(
                     f"the evidence of {name} is of another campaign than that before it: its "
                     "sources, robot, seed, success or number of cells differ",
@@ -108,22 +142,36 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
 
 
 def cell_line(cell: Cell) -> str:
-    """Return a cell as one line of JSON: what is as by default is left out."""
-    data = asdict(cell)
-    stretch = {key: value for key, value in data["stretch"].items() if value != _AT_REST[key]}
-    data["stretch"] = stretch or None
-    return json.dumps({key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)})
+    """Return a cell as one line of JSON, with its digest: what is as by default is left out."""
+    return json.dumps(_cell_data(cell))
 
 
 def parse_cell(text: str, where: Location) -> Cell:
-    """Read a line of `cell_line`; raise InputError where it is none."""
+    """Read a line of `cell_line`; raise InputError where it is none, or was edited."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"is no cell of evidence: {error}", where) from error
-    return _cell(data, where)
+    cell = _cell(data, where)
+    if not _is_as_written(data):
+        raise InputError("a cell that does not fit its digest", where)
+    return cell
 
 
+def _cell_data(cell: Cell) -> dict[str, Any]:
+    data = asdict(cell)
+    stretch = {key: value for key, value in data["stretch"].items() if value != _AT_REST[key]}
+    data["stretch"] = stretch or None
+    found = {key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)}
+    return {**found, _DIGEST: _digest(found)}
+
+
+def _is_as_written(data: Mapping[str, Any]) -> bool:
+    """Return whether a cell fits its digest."""
+    return data.get(_DIGEST) == _digest({k: v for k, v in data.items() if k != _DIGEST})
+
+
+_DIGEST, _CELLS = "digest", "cells"
 _NONE = object()
 _AT_REST = asdict(_NO_USE)
 _DEFAULTS: dict[str, Any] = {
@@ -147,14 +195,16 @@ _TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact"
 class _Reader:
     def __init__(self, name: str) -> None:
         self._where = Location(name)
+        self._has_digest = True
 
     def file(self, data: Any) -> dict[str, Evidence]:
         if not isinstance(data, dict) or not isinstance(data.get("controllers"), dict):
             raise self._error("expected an object with 'version' and 'controllers'")
-        if data.get("version") != _VERSION:
+        if data.get("version") not in (_VERSION, _WITHOUT_DIGEST):
             raise self._error(
                 f"is of version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
             )
+        self._has_digest = data["version"] == _VERSION
         return {name: self._entry(name, each) for name, each in data["controllers"].items()}
 
     def _error(self, message: str) -> InputError:
@@ -179,7 +229,7 @@ class _Reader:
             raise self._error(
                 f"{name}: duplicate cells; `tracerisk evidence --fresh` makes it anew"
             )
-        return Evidence(
+        found = Evidence(
             fingerprint=str(data["fingerprint"]),
             robot=str(data["robot"]),
             seed=data["seed"],
@@ -187,7 +237,27 @@ class _Reader:
             success=tuple(map(str, success)),
             cells=read,
             before=self._before(name, data.get("before", [])),
+            has_digest=self._has_digest,
         )
+        return self._as_written(name, found, data) if self._has_digest else found
+
+    def _as_written(self, name: str, found: Evidence, data: Mapping[str, Any]) -> Evidence:
+        """Return what of an entry fits its digests."""
+        if data.get(_DIGEST) != _digest_of_entry(name, data):
+            what = (
+                "its heading was changed, or failures were added, removed or put in another order"
+            )
+            return replace(found, cells=(), before={}, edited=Edited(what, data))
+        pairs = list(zip(found.cells, data[_CELLS], strict=True))
+        edited = [cell for cell, each in pairs if not _is_as_written(each)]
+        if not edited:
+            return found
+        one = edited[0]
+        what = f"the failure of {one.unit} ({one.mode}) at {one.time_s:g} s was changed"
+        if len(edited) > 1:
+            what += f", and {len(edited) - 1} more"
+        kept = tuple(cell for cell, each in pairs if _is_as_written(each))
+        return replace(found, cells=kept, edited=Edited(what, data))
 
     def _before(self, name: str, data: Any) -> dict[Stratum, float]:
         found = {}
@@ -210,10 +280,10 @@ def _cell(data: Any, where: Location) -> Cell:
     if not isinstance(data, dict):
         raise InputError("a cell: expected an object", where)
     known = [each.name for each in fields(Cell)]
-    unknown = sorted(set(data) - set(known))
+    unknown = sorted(set(data) - {*known, _DIGEST})
     if unknown:
         raise InputError(f"a cell: unknown key '{unknown[0]}'; {one_of(known, unknown[0])}", where)
-    given = {**_DEFAULTS, **data}
+    given = {**_DEFAULTS, **{key: value for key, value in data.items() if key != _DIGEST}}
     missing = [key for key in known if key not in given]
     if missing:
         raise InputError(f"a cell: {missing[0]} is missing", where)

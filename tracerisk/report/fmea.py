@@ -218,6 +218,11 @@ def summary_lines(found: Evidence) -> list[str]:
         )
     else:
         lines.append("reported to the controller in none")
+    if found.edited is not None:
+        lines.append(
+            f"the file was edited: {found.edited.words}; what does not fit its digest is left out, "
+            "and figures take none of it until `tracerisk evidence` has tried it again"
+        )
     kept = sum(1 for key, share in found.shares().items() if found.before.get(key) == share)
     if kept:
         lines.append(

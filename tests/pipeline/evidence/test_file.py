@@ -1,6 +1,7 @@
 """The file of evidence: the same bytes for the same evidence, and clear errors for anything else."""
 
 import json
+import subprocess
 from dataclasses import replace
 
 import pytest
@@ -153,6 +154,91 @@ def test_duplicate_cells_are_an_error(tmp_path):
     path = written(tmp_path, changed(cells=[cells[0], cells[0]]))
     with pytest.raises(InputError, match="duplicate"):
         read_evidence(path)
+
+
+def edited(text, before, after):
+    assert before in text
+    return loads_evidence(text.replace(before, after, 1), "tracerisk.evidence")["a.py"]
+
+
+def test_a_cell_that_was_edited_is_left_out_and_named():
+    text = dump_evidence({"a.py": replace(EVIDENCE, before={("joint_1", "dead", False): 0.25})})
+    found = edited(text, '"fails": true, ', "")
+    assert found.cells == EVIDENCE.cells[1:]
+    assert found.before == {("joint_1", "dead", False): 0.25}
+    assert found.edited is not None
+    assert found.edited.words == "the failure of joint_1 (dead) at 1.25 s was changed"
+    assert not found.is_complete
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('"declared": 2', '"declared": 1'),
+        ('"fingerprint": "abc"', '"fingerprint": "abd"'),
+        ('"seed": 3', '"seed": 4'),
+        ('"in use", 0.25', '"in use", 0.5'),
+        ("tube at its goal within 0.01 m", "tube at its goal within 0.02 m"),
+        ('"digest": "', '"digest": "0'),
+        (f",\n    {cell_line(EVIDENCE.cells[1])}", ""),
+        (cell_line(EVIDENCE.cells[1]), cell_line(replace(EVIDENCE.cells[1], fails=True))),
+    ],
+)
+def test_nothing_is_taken_of_evidence_whose_heading_or_list_was_edited(before, after):
+    text = dump_evidence({"a.py": replace(EVIDENCE, before={("joint_1", "dead", False): 0.25})})
+    found = edited(text, before, after)
+    assert (found.cells, dict(found.before)) == ((), {})
+    assert found.edited is not None
+    assert "its heading was changed, or failures were added" in found.edited.words
+
+
+def test_another_layout_of_the_file_is_no_edit():
+    data = json.loads(dump_evidence({"a.py": EVIDENCE}))
+    text = json.dumps(data, indent=4, sort_keys=True)
+    assert loads_evidence(text, "tracerisk.evidence") == {"a.py": EVIDENCE}
+
+
+def test_edited_evidence_is_written_as_it_was_read():
+    text = dump_evidence({"a.py": EVIDENCE, "b.py": EVIDENCE}).replace("collision", "nothing", 1)
+    assert dump_evidence(loads_evidence(text, "tracerisk.evidence")) == text
+
+
+def test_evidence_of_the_version_without_digests_is_read():
+    data = json.loads(dump_evidence({"a.py": EVIDENCE}))
+    data["version"] = 1
+    entry = data["controllers"]["a.py"]
+    for each in (entry, *entry["cells"]):
+        del each["digest"]
+    found = loads_evidence(json.dumps(data), "tracerisk.evidence")
+    assert found == {"a.py": replace(EVIDENCE, has_digest=False)}
+    assert dump_evidence(found) == dump_evidence({"a.py": EVIDENCE})
+
+
+def test_a_line_of_a_journal_that_was_edited_is_refused():
+    with pytest.raises(InputError, match="does not fit its digest"):
+        parse_cell(cell_line(CELL).replace("collision", "nothing"), Location("x"))
+
+
+def test_edited_evidence_is_not_merged(tmp_path):
+    text = dump_evidence({"a.py": EVIDENCE})
+    one = written(tmp_path, text, "one")
+    two = written(tmp_path, text.replace("collision", "nothing", 1), "two")
+    with pytest.raises(InputError, match="was edited: the failure of joint_1"):
+        merge_evidence([one, two])
+
+
+def test_git_merges_no_lines_of_two_campaigns_unseen(tmp_path):
+    parts = [
+        replace(EVIDENCE, cells=cells) for cells in ((), *((each,) for each in EVIDENCE.cells))
+    ]
+    base, ours, theirs = (
+        written(tmp_path, dump_evidence({"a.py": each}), f"{number}")
+        for number, each in enumerate(parts)
+    )
+    done = subprocess.run(
+        ["git", "merge-file", "-q", str(ours), str(base), str(theirs)], check=False
+    )
+    assert done.returncode > 0, "both have a digest of their own"
 
 
 def test_shards_merge_to_the_whole(tmp_path):

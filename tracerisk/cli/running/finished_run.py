@@ -11,10 +11,11 @@ from tracerisk.cli.explain import explained
 from tracerisk.cli.hardware_spread import uncertainty_of_run
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import review_against
-from tracerisk.cli.shared.output import note_warnings, write_file, write_sarif
+from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
 from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
 from tracerisk.cli.verdict import as_typed, verdict_details
+from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.results.alerts import run_alerts
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.stages import blocks_of
@@ -72,6 +73,12 @@ def finish_run(
         if known is not None and _is_same(done, known.assessed):
             return known
         note_warnings(done.hardware, quiet=options.quiet)
+        gap = evidence_gap(done.controller, done.settings, done.annotated.fingerprint)
+        if gap:
+            note(
+                f"figures take no evidence, though the settings ask for it: {gap}",
+                quiet=options.quiet,
+            )
         instances = done.annotated.computed.instances
         blocks = [block for _, block in blocks_of(done.sources)]
         found = FinishedRun(

@@ -53,7 +53,9 @@ def evidence_shown(
     from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
 
     found = kept_evidence(controller)
-    if found is None or found.fingerprint != fingerprint or not found.cells:
+    if found is None or found.fingerprint != fingerprint:
+        return ()
+    if not found.cells and found.edited is None:
         return ()
     from tracerisk.report.html.evidence import evidence_section
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
+from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.freshness.used_evidence import edited_evidence
 from tracerisk.text.patterns import pattern
 
 if TYPE_CHECKING:
@@ -37,6 +39,9 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
     name = "+".join(Path(each).name for each in files)
     if any(_HAS_EVIDENCE.search(source) for source in sources.values()):
         note("blocks take evidence: they count only failures that ended the mission on the twin")
+        for root in dict.fromkeys(controller_root(Path(each)) for each in files):
+            for edited in edited_evidence(root):
+                note(f"warning: {edited}")
     return build(sources, name=name, profile=profile_fractions(profile))
 
 

@@ -19,6 +19,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
+from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
 from tracerisk.pipeline.check.run import (
@@ -30,7 +31,7 @@ from tracerisk.pipeline.check.run import (
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
-from tracerisk.pipeline.freshness.used_evidence import evidence_gap
+from tracerisk.pipeline.freshness.used_evidence import evidence_gap, kept_evidence
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
@@ -210,7 +211,14 @@ def _stale(
     elif entry.others or entry.is_mixed:
         message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
         yield CheckFinding("stale", message, place)
-    if gap := evidence_gap(controller, settings, recorded.fingerprint):
+    found = kept_evidence(controller)
+    if found is not None and found.edited is not None:
+        message = (
+            f"{found.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "
+            "restore the file from git"
+        )
+        yield CheckFinding("edited", message, Location(str(controller.root / EVIDENCE_NAME)))
+    elif gap := evidence_gap(controller, settings, recorded.fingerprint):
         message = (
             f"the settings ask for evidence, but {gap}; `tracerisk evidence {controller.file}`, "
             "then `tracerisk refresh`"

@@ -188,9 +188,13 @@ def run_campaign(
     It is written into `plan.evidence_path` whatever ends the campaign; a killed one goes on from
     its journal. `jobs` local processes work on it, one a core by default, or the workers of an
     `executor`. `shard` (i, n) runs every n-th cell. After `most_s` [s] no further cell begins.
-    `noted` gets why cells were run from the beginning, where they could not branch off one run.
+    `noted` gets what a user should know, a sentence each: what of the file was edited and is tried
+    again, and why cells were run from the beginning, where they could not branch off one run.
     """
+    noted = noted or (lambda _: None)
     last = None if fresh else _last(plan)
+    if last is not None:
+        _note_edits(last, noted)
     known = {} if fresh else _known(plan, last)
     before = {} if last is None else _shares_before(plan, last)
     index, of = shard
@@ -213,8 +217,8 @@ def run_campaign(
             for _, done in workers.run(run_batch, parts, of_cells):
                 known.update((each.key, each) for each in done.cells)
                 keep(done.cells)
-                if noted is not None and done.whole_runs:
-                    noted(done.whole_runs[0])
+                if done.whole_runs:
+                    noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:
         cells = [known[each.key] for each in plan.cells if each.key in known]
         found = plan.evidence(cells, before)
@@ -284,6 +288,18 @@ def _of_cells(progress: CellProgress, sizes: Sequence[int]) -> CellProgress:
 def _last(plan: Plan) -> Evidence | None:
     """Return the evidence that the campaign goes on from, or replaces."""
     return read_evidence(plan.evidence_path).get(plan.nominal.controller.file)
+
+
+def _note_edits(last: Evidence, noted: Callable[[str], None]) -> None:
+    if last.edited is not None:
+        noted(
+            f"{EVIDENCE_NAME} was edited: {last.edited.words}; what does not fit its digest was "
+            "left out and tried again"
+        )
+    if not last.has_digest:
+        noted(
+            f"{EVIDENCE_NAME} was of an earlier version, which shows no edits; from now on it does"
+        )
 
 
 def _shares_before(plan: Plan, last: Evidence) -> Mapping[Stratum, float]:

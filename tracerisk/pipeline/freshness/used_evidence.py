@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.errors import InputError
 from tracerisk.records import replace
 from tracerisk.text.digests import sha256
 
@@ -60,6 +62,26 @@ def evidence_digest(controller: Controller, settings: Settings, fingerprint: str
     return sha256(dump_evidence({controller.file: drawn}).encode())
 
 
+def edited_evidence(root: Path) -> tuple[str, ...]:
+    """Return what of the evidence below a root was edited, a sentence for each controller.
+
+    A file that is malformed is one too.
+    """
+    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence.file import read_evidence
+
+    try:
+        everything = read_evidence(root / EVIDENCE_NAME)
+    except InputError as error:
+        return (f"{error}",)
+    return tuple(
+        f"{EVIDENCE_NAME} was edited: {found.edited.words}; `tracerisk evidence {name}` tries it "
+        "again"
+        for name, found in sorted(everything.items())
+        if found.edited is not None
+    )
+
+
 def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -> str:
     """Return why values take no evidence although the settings ask for it; empty for no reason.
 
@@ -70,6 +92,8 @@ def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -
     found = kept_evidence(controller)
     if found is None:
         return "there is none"
+    if found.edited is not None:
+        return f"it was edited: {found.edited.words}"
     if found.fingerprint != fingerprint:
         return "it is of another version of the controller, its settings or tracerisk"
     if not found.is_complete:

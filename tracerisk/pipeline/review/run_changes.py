@@ -27,6 +27,9 @@ def run_changes(
         return ()
     old = {} if before.entry is None else before.entry.trace
     found = list(_new(old, after.entry.trace, renamed))
+    for name, each in (("before", before.evidence), ("now", after.evidence)):
+        if each is not None and each.edited is not None:
+            found.append(f"the evidence was edited ({name}): {each.edited.words}")
     if before.evidence is not None and after.evidence is not None:
         found += _evidence_changes(before.evidence, after.evidence)
     return tuple(found)
