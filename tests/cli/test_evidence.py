@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from concurrent.futures import Executor, Future
 from dataclasses import replace
@@ -132,6 +133,27 @@ def test_an_edit_of_a_failure_is_noticed_by_all_and_tried_again(gathered, tmp_pa
     assert "left out and tried again" in said
     assert folder.read("tracerisk.evidence").decode() == text
     assert folder.run("check", "controller.py").code == 0
+
+
+def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
+    gathered, tmp_path, example_in, monkeypatch
+):
+    whole, _ = gathered
+    folder = settled(example_in(tmp_path / "two"))
+    from tracerisk.pipeline.evidence import campaign
+
+    def with_one_taken(**named):
+        """Return a folder of claims in which one is that of a worker which died."""
+        found = tempfile.mkdtemp(**named)
+        Path(found, "0").touch()
+        return found
+
+    class Folders:
+        mkdtemp = staticmethod(with_one_taken)
+
+    monkeypatch.setattr(campaign, "tempfile", Folders)
+    api.gather_evidence(folder.folder / "controller.py", cells=6, jobs=2)
+    assert folder.read("tracerisk.evidence") == whole.read("tracerisk.evidence")
 
 
 def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, example_in):

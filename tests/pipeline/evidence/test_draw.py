@@ -7,7 +7,12 @@ import pytest
 
 from tracerisk.evidence.cells import Cell
 from tracerisk.evidence.share_interval import clopper_pearson, weighted_interval
-from tracerisk.pipeline.evidence.campaign import LEAST_IN_BATCH, MOST_IN_BATCH, batch_sizes
+from tracerisk.pipeline.evidence.campaign import (
+    LEAST_IN_BATCH,
+    MOST_IN_BATCH,
+    batch_sizes,
+    shared_sizes,
+)
 from tracerisk.pipeline.evidence.draw import LEAST_DRAWN, LEAST_IN_TABLE, Target, draw_cells
 from tracerisk.pipeline.evidence.unit_use import UnitUse
 from tracerisk.trace import Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
@@ -181,3 +186,11 @@ def test_batches_hold_every_cell_and_get_smaller(number, workers):
     assert all(1 <= each <= MOST_IN_BATCH for each in sizes)
     assert sizes == sorted(sizes, reverse=True) or sizes[-1] <= LEAST_IN_BATCH
     assert len(sizes) >= min(number, workers)
+
+
+@pytest.mark.parametrize(("number", "workers"), [(0, 2), (1, 2), (138, 2), (445, 2), (445, 1)])
+def test_what_workers_share_is_cut_into_equal_parts(number, workers):
+    sizes = shared_sizes(number, workers)
+    assert sum(sizes) == number
+    assert max(sizes, default=0) - min(sizes, default=0) <= 1
+    assert all(each <= MOST_IN_BATCH * workers for each in sizes)

@@ -76,6 +76,20 @@ def run(found, *cells: Cell):
     return run_batch(CellBatch(str(found.controller.path), options, found.digest, cells)).cells
 
 
+def test_cells_that_another_batch_has_claimed_are_left_to_it(tmp_path):
+    found = nominal(tmp_path)
+    cells = (cell(), cell("dead", 6.0), cell("dead", 1.0))
+    claims = tmp_path / "claims"
+    claims.mkdir()
+    (claims / "1").touch()
+    batch = CellBatch(str(found.controller.path), (), found.digest, cells, claims=str(claims))
+    done = run_batch(batch)
+    assert [each.key for each in done.cells] == [cells[0].key, cells[2].key]
+    assert not done.whole_runs
+    assert sorted(each.name for each in claims.iterdir()) == ["0", "1", "2"]
+    assert run_batch(batch).cells == ()
+
+
 def ended(found, fault: Fault, *, follows: bool = False):
     """Run a failure as a campaign does; with `follows`, to its end."""
     request = replace(found.run.request, beside=None if follows else found.beside)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import itertools
 import os
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +22,13 @@ from tracerisk.evidence.cells import EVIDENCE_NAME, Cell, Evidence, Stratum
 from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
 from tracerisk.evidence.share_interval import weighted_interval
 from tracerisk.hardware.model import CONTROL, POWER
-from tracerisk.pipeline.evidence.cell_runs import Nominal, batches, nominal_of, run_batch
+from tracerisk.pipeline.evidence.cell_runs import (
+    BatchDone,
+    CellBatch,
+    Nominal,
+    nominal_of,
+    run_batch,
+)
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
@@ -28,10 +37,10 @@ from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
 
-MOST_IN_BATCH = 32
-"""How many cells a worker is given at a time: they branch off one run, and go with a dead one."""
+MOST_IN_BATCH = 48
+"""How many cells a worker has at a time: they branch off one run, and go with a dead one."""
 LEAST_IN_BATCH = 8
-"""How many there are at least, as long as all workers have some."""
+"""How many a worker of an executor has at least, as long as all workers have some."""
 _MOST_CELLS = 20_000
 
 
@@ -205,18 +214,16 @@ def run_campaign(
     ]
     if fresh:
         plan.journal.unlink(missing_ok=True)
+    began = time.monotonic()
     try:
         with _journal(plan.journal) as keep:
-            sizes = batch_sizes(len(todo), jobs or os.cpu_count() or 1)
-            # Workers of an executor may be on other machines.
-            folder = str(plan.nominal.folder) if executor is None else ""
-            digest = plan.nominal.digest
-            parts = batches(todo, plan.controller, plan.options, digest, sizes, folder)
-            workers = Workers(jobs, executor, most_s)
-            of_cells = progress and _of_cells(progress, sizes)
-            for _, done in workers.run(run_batch, parts, of_cells):
+            for done in _batches_done(plan, todo, jobs or os.cpu_count() or 1, executor, most_s):
                 known.update((each.key, each) for each in done.cells)
                 keep(done.cells)
+                if progress is not None and done.cells:
+                    number = sum(1 for each in todo if each.key in known)
+                    spent_s = time.monotonic() - began
+                    progress(number, len(todo), spent_s / number * (len(todo) - number))
                 if done.whole_runs:
                     noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:
@@ -257,7 +264,7 @@ def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, flo
 
 
 def batch_sizes(number: int, workers: int) -> list[int]:
-    """Return how many cells are run together, batch by batch.
+    """Return how many cells a worker of an executor runs together, batch by batch.
 
     They are fewer towards the end, so that no worker waits long for the last one.
     """
@@ -270,16 +277,49 @@ def batch_sizes(number: int, workers: int) -> list[int]:
     return sizes
 
 
-def _of_cells(progress: CellProgress, sizes: Sequence[int]) -> CellProgress:
-    """Return a callback for batches that calls `progress` with cells."""
-    number = sum(sizes)
+def _batches_done(
+    plan: Plan, todo: Sequence[Cell], jobs: int, executor: Executor | None, most_s: float | None
+) -> Iterator[BatchDone]:
+    """Run cells and yield them as batches of them are done.
 
-    def of_batches(done: int, of: int, left_s: float) -> None:
-        cells = sum(sizes[:done])
-        spent_s = left_s * done / (of - done) if of > done else 0.0
-        progress(cells, number, spent_s / cells * (number - cells))
+    Local workers share the cells of a batch: each has a run of its own and takes from it the next
+    cell that nobody has, so that all end at the same time. What a worker had that died is run once
+    more.
+    """
+    left = {each.key: each for each in todo}
+    began = time.monotonic()
+    batch = partial(CellBatch, plan.controller, plan.options, plan.nominal.digest)
+    for is_shared in (True, False) if executor is None else (False,):
+        if is_shared:
+            parts = [
+                batch(cells, str(plan.nominal.folder), tempfile.mkdtemp(dir=plan.nominal.folder))
+                for cells in _split(todo, shared_sizes(len(todo), jobs))
+            ]
+            parts = [each for each in parts for _ in range(min(jobs, len(each.cells)))]
+        else:
+            # Workers of an executor may be on other machines.
+            folder = str(plan.nominal.folder) if executor is None else ""
+            parts = [
+                batch(cells, folder)
+                for cells in _split([*left.values()], batch_sizes(len(left), jobs))
+            ]
+        spent_s = time.monotonic() - began
+        workers = Workers(jobs, executor, None if most_s is None else most_s - spent_s)
+        for _, done in workers.run(run_batch, parts):
+            for each in done.cells:
+                left.pop(each.key, None)
+            yield done
 
-    return of_batches
+
+def _split(cells: Sequence[Cell], sizes: Sequence[int]) -> Iterator[tuple[Cell, ...]]:
+    rest = iter(cells)
+    return (tuple(itertools.islice(rest, size)) for size in sizes)
+
+
+def shared_sizes(number: int, workers: int) -> list[int]:
+    """Return how many cells all workers share at a time, in parts as equal as can be."""
+    parts = -(-number // (MOST_IN_BATCH * workers))
+    return [number // parts + (index < number % parts) for index in range(parts)]
 
 
 # Cells that are there already

@@ -54,6 +54,8 @@ class CellBatch:
     `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
     is that of the run without a failure: a machine on which that differs is no use. `folder` is
     where a process of this machine finds that run; where it is empty, each makes the run itself.
+    `claims` is a folder that batches of the same cells share: each cell is that of the batch which
+    is the first to come to it.
     """
 
     controller: str
@@ -61,6 +63,7 @@ class CellBatch:
     digest: str
     cells: tuple[Cell, ...]
     folder: str = ""
+    claims: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +116,7 @@ class Nominal:
 
 @dataclass(frozen=True, slots=True)
 class BatchDone:
-    """The cells of a batch, judged, in their order.
+    """The cells of a batch, judged, in their order; of those that batches share, its own.
 
     `whole_runs` says in words why cells were run from the beginning, where they were not branched
     off one run.
@@ -135,21 +138,29 @@ def run_batch(batch: CellBatch) -> BatchDone:
             f"the run of {batch.controller} without a failure differs from that of the campaign: "
             "the sources, the settings or the machine's libraries are not the same"
         )
-    cells = list(batch.cells)
+    cells: dict[int, Cell | None] = {}
     reasons: list[str] = []
-    for beside in (nominal.beside, None):
-        # What a run that was ended early does not show, one shows that goes on.
-        todo = [index for index, cell in enumerate(batch.cells) if cells[index] is cell]
-        for index, judged, reason in _run(nominal, batch.cells, todo, beside):
-            cells[index] = batch.cells[index] if judged is None else judged
+    todo: Sequence[int] = range(len(batch.cells))
+    if batch.claims and sum(1 for _ in Path(batch.claims).iterdir()) >= len(todo):
+        return BatchDone(())
+    # What a run that was ended early does not show, one shows that goes on.
+    for beside, claims in ((nominal.beside, batch.claims), (None, "")):
+        for index, judged, reason in _run(nominal, batch.cells, todo, beside, claims):
+            cells[index] = judged
             reasons += [reason] if reason else []
-    return BatchDone(tuple(cells), tuple(dict.fromkeys(reasons)))
+        todo = [index for index, judged in cells.items() if judged is None]
+    done = tuple(judged for _, judged in sorted(cells.items()) if judged is not None)
+    return BatchDone(done, tuple(dict.fromkeys(reasons)))
 
 
 def _run(
-    nominal: Nominal, cells: Sequence[Cell], todo: Sequence[int], beside: RunBeside | None
+    nominal: Nominal,
+    cells: Sequence[Cell],
+    todo: Sequence[int],
+    beside: RunBeside | None,
+    claims: str,
 ) -> Iterator[tuple[int, Cell | None, str]]:
-    """Run some of the cells; yield the number of each, judged, and why it did not branch off.
+    """Run cells; yield the number of each that no other claims, judged, and why it did not branch.
 
     It is `None` where the run was ended `beside` that without a failure, and does not show that
     the mission has failed.
@@ -171,6 +182,7 @@ def _run(
             branches,
             keep=folder,
             beside=nominal.recording,
+            claims=claims,
         ):
             kept = folder / str(result.branch.index)
             cell = cells[result.branch.index]
@@ -314,20 +326,3 @@ def _called(recording: Recording) -> Mapping[str, int]:
     """Return how many messages and calls a run sent to each name of the graph."""
     note = recording.note(GRAPH_USE)
     return {} if note is None else {str(k): int(v) for k, v in note["counts"].items()}
-
-
-def batches(
-    cells: Sequence[Cell],
-    controller: str,
-    options: tuple[tuple[str, Any], ...],
-    digest: str,
-    sizes: Sequence[int],
-    folder: str,
-) -> list[CellBatch]:
-    """Return the cells in batches of these sizes."""
-    found, at = [], 0
-    for size in sizes:
-        part = tuple(cells[at : at + size])
-        found.append(CellBatch(controller, options, digest, part, folder))
-        at += size
-    return found

@@ -16,6 +16,7 @@ from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from tracerisk.errors import ControllerFailedError
+from tracerisk.sandbox.fork_server import several_come
 
 J = TypeVar("J")
 R = TypeVar("R")
@@ -103,3 +104,4 @@ def _end_with(alive: Connection) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+    several_come()

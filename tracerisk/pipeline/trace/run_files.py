@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,17 +116,31 @@ class Branch:
         return min((each.time_s for each in self.faults), default=self.seconds)
 
 
+def claimed(claims: str, index: int) -> bool:
+    """Claim a branch among runs that share a folder; return whether it is this run's now."""
+    try:
+        os.close(os.open(f"{claims}/{index}", os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC))
+    except OSError:
+        # It is that of another, or the campaign is over and its folder gone.
+        return False
+    return True
+
+
 @dataclass(frozen=True, slots=True)
 class BranchPlan:
     """The branches that a run is to have, at most `at_once` at any time; with them all, it waits.
 
-    `folder` is that of all their folders. `cpu_limit_s` is the processor time of each [s].
+    A branch counts until who watches the run has read it and removed its folder. `folder` is that
+    of all their folders. `cpu_limit_s` is the processor time of each [s]. `claims` is a folder that
+    several such runs share: each has the branches that it is the first to claim; empty where it
+    has all.
     """
 
     folder: str
     branches: tuple[Branch, ...]
     at_once: int
     cpu_limit_s: float
+    claims: str = ""
 
     @property
     def log(self) -> str:
@@ -141,7 +156,7 @@ class BranchPlan:
     def writable(self) -> tuple[str, ...]:
         """The folders that the run may write into, and replace none of them."""
         of_branches = (each for branch in self.branches for each in self.folders(branch.index))
-        return (str(Path(self.log).parent), *of_branches)
+        return (str(Path(self.log).parent), *([self.claims] if self.claims else []), *of_branches)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> BranchPlan:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from tracerisk import dependencies
@@ -18,7 +20,7 @@ from tracerisk.pipeline.run.controller_run import Progress, run_again, run_reque
 from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, ended_run
 from tracerisk.pipeline.run.fault_run import FaultRun, with_faults_named
 from tracerisk.pipeline.run.run_folders import keep_recording, run_folders
-from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest
+from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest, claimed
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import check_faults
@@ -60,15 +62,18 @@ def run_branches(
     keep: Path | None = None,
     progress: Progress | None = None,
     beside: Recording | None = None,
+    claims: str = "",
 ) -> Iterator[BranchResult]:
     """Run a controller once more, and from it the branches; return the result of each, in order.
 
-    At most `at_once` branches run at any time. `keep` is a folder for the recordings, one for
-    each branch with its index for a name. The traces of branches are to be judged `beside` another
-    run, where one is given, as `make_trace` says. Where the request of `nominal` has a run
-    `beside`, branches end once their fate is decided. A branch that cannot leave the run, or dies,
-    runs from the beginning on threads; so do all where the run on greenlets is not that of
-    `nominal`.
+    At most `at_once` branches run at any time, or are read after their end. `claims` is a folder
+    that several calls with the same branches share, in different processes: each branch is that of
+    the first call that comes to it, and the others return nothing of it. `keep` is a folder for
+    the recordings, one for each branch with its index for a name. The traces of branches are to be
+    judged `beside` another run, where one is given, as `make_trace` says. Where the request of
+    `nominal` has a run `beside`, branches end once their fate is decided. A branch that cannot
+    leave the run, or dies, runs from the beginning on threads; so do all where the run on
+    greenlets is not that of `nominal`.
     Raises InputError for a unit or mode that the robot does not have, for an instant that the
     nominal run does not reach, and for an index given twice.
     """
@@ -82,7 +87,7 @@ def run_branches(
     if at_once < 1:
         raise InputError(f"{at_once} branches at once are none; expected 1 or more")
     settings = with_scenario(settings)
-    return _results(controller, settings, nominal, wanted, at_once, keep, progress, beside)
+    return _results(controller, settings, nominal, wanted, at_once, keep, progress, beside, claims)
 
 
 def _results(
@@ -94,12 +99,17 @@ def _results(
     keep: Path | None,
     progress: Progress | None,
     beside: Recording | None,
+    claims: str,
 ) -> Iterator[BranchResult]:
     found = _Found(_cannot_branch())
     if not found.reason and branches:
-        found = _branched(controller, settings, nominal, branches, at_once, keep, progress, beside)
+        plan = partial(BranchPlan, at_once=at_once, cpu_limit_s=settings.cpu_limit_s, claims=claims)
+        found = _branched(controller, settings, nominal, branches, plan, keep, progress, beside)
     for branch in branches:
         done, error = found.done.pop(branch.index, None), None
+        is_ours = done is not None or branch.index in found.left
+        if claims and not is_ours and not claimed(claims, branch.index):
+            continue
         reason = "" if done else found.reason or found.reasons.get(branch.index, "")
         if done is None:
             kept = None if keep is None else keep / str(branch.index)
@@ -129,9 +139,13 @@ def _cannot_branch() -> str:
 
 @dataclass(slots=True)
 class _Found:
-    """What became of branches, by their index; `reason` is why none of them counts."""
+    """What became of branches, by their index; `reason` is why none of them counts.
+
+    `left` are those that left the run, or were refused to.
+    """
 
     reason: str = ""
+    left: frozenset[int] = frozenset()
     done: dict[int, ControllerRun] = field(default_factory=dict)
     reasons: dict[int, str] = field(default_factory=dict)
 
@@ -141,7 +155,7 @@ def _branched(
     settings: Settings,
     nominal: ControllerRun,
     branches: Sequence[Branch],
-    at_once: int,
+    plan_of: Callable[[str, tuple[Branch, ...]], BranchPlan],
     keep: Path | None,
     progress: Progress | None,
     beside: Recording | None,
@@ -163,16 +177,20 @@ def _branched(
             found.reasons[index] = f"its branch left nothing to read: {error}"
             return
         finally:
-            shutil.rmtree(folder.parent, ignore_errors=True)
+            # The run sees by the name that it may go on.
+            over = folder.parent.with_suffix(".over")
+            with contextlib.suppress(OSError):
+                folder.parent.rename(over)
+            shutil.rmtree(over, ignore_errors=True)
         asked = replace(nominal.request, faults=faults[index])
         found.done[index] = replace(done, request=asked)
 
     watch = BranchWatch(ended)
     with run_folders(None) as (folder, written):
         top = str(folder.parent / "branches")
-        plan = BranchPlan(top, tuple(branches), at_once, settings.cpu_limit_s)
+        plan = plan_of(top, tuple(branches))
         for each in plan.writable:
-            Path(each).mkdir(parents=True)
+            Path(each).mkdir(parents=True, exist_ok=True)
         request = replace(nominal.request, folder=str(folder), greenlets=True, plan=plan)
         try:
             trunk = run_request(
@@ -186,10 +204,12 @@ def _branched(
                 watch=watch,
             )
         except (TraceRiskError, RuntimeError) as error:
-            return _Found(f"the run on greenlets left nothing to read: {error}")
+            left = frozenset({*watch.left, *watch.refused})
+            return _Found(f"the run on greenlets left nothing to read: {error}", left)
+    found.left = frozenset({*watch.left, *watch.refused})
     if replace(trunk.trace, inputs=()) != replace(nominal.trace, inputs=()):
         # The files that its robot was chosen by are those of the first run alone.
-        return _Found(f"on greenlets the run is another: {trunk.trace.end.message}")
+        return _Found(f"on greenlets the run is another: {trunk.trace.end.message}", found.left)
     found.reasons |= watch.refused
     for branch in branches:
         if branch.index not in found.done:

@@ -20,7 +20,14 @@ from time import sleep
 
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.controller_end import ControllerEnd
-from tracerisk.pipeline.trace.run_files import MOST_ROWS, TEMPORARY, Branch, BranchPlan, RunRequest
+from tracerisk.pipeline.trace.run_files import (
+    MOST_ROWS,
+    TEMPORARY,
+    Branch,
+    BranchPlan,
+    RunRequest,
+    claimed,
+)
 from tracerisk.sandbox.forking import NotForkableError, fork_apart, open_descriptors
 from tracerisk.sandbox.limited_process import POLL_S
 from tracerisk.sandbox.overlay import Overlay
@@ -28,6 +35,7 @@ from tracerisk.twin.faults.armed import step_at
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
 from tracerisk.twin.simulation.twin import Twin
 
+_LOOK_S = POLL_S / 4
 _HAS_ENDED = os.WEXITED | os.WNOHANG | os.WNOWAIT
 _SPARE_CPU_S = 60
 """Who watches a branch ends it; this much later the system does [s]."""
@@ -55,6 +63,7 @@ class BranchPoints:
         self._twin, self._samples, self._end, self._overlay = twin, samples, end, overlay
         self._fate = fate
         self._alive: dict[int, int] = {}
+        self._unread: set[int] = set()
         self._is_branch = False
         self._known: frozenset[int] = frozenset()
         plan = request.plan
@@ -73,6 +82,7 @@ class BranchPoints:
         """Wait until all branches have ended."""
         while self._alive:
             self._reap()
+            _sleep(_LOOK_S)
 
     def finish(self) -> None:
         """End this process where it is a branch; else wait for all branches."""
@@ -90,6 +100,8 @@ class BranchPoints:
         plan = self._request.plan
         assert plan is not None
         recording, written = plan.folders(branch.index)
+        if plan.claims and not claimed(plan.claims, branch.index):
+            return
         moved = {self._request.folder: recording}
         try:
             if self._request.written is not None:
@@ -105,7 +117,8 @@ class BranchPoints:
             self._alive[process] = branch.index
             self._note(index=branch.index, process=process)
             # The run waits too: no more cores are busy than was asked for.
-            while len(self._alive) >= plan.at_once:
+            while len(self._alive) + len(self._unread) >= plan.at_once:
+                _sleep(_LOOK_S)
                 self._reap()
 
     def _check_files(self, written: str) -> None:
@@ -123,6 +136,7 @@ class BranchPoints:
         self._is_branch, self.folder = True, Path(recording)
         self._pending.clear()
         self._alive.clear()
+        self._unread.clear()
         _limit(resource.RLIMIT_CPU, math.ceil(min(plan.cpu_limit_s, 1e9)) + _SPARE_CPU_S)
         _limit(resource.RLIMIT_FSIZE, MOST_ROWS)
         self._samples.moved(self.folder)
@@ -141,23 +155,25 @@ class BranchPoints:
             self._fate.begin(branch.faults)
 
     def _reap(self) -> None:
-        """Wait until a branch has ended, and note how."""
-        while True:
-            for process, index in self._alive.items():
-                try:
-                    if os.waitid(os.P_PID, process, _HAS_ENDED) is None:
-                        continue
-                    # What it has left running goes with it: its number is not another's yet.
-                    with contextlib.suppress(ProcessLookupError, PermissionError):
-                        os.killpg(process, signal.SIGKILL)
-                    _, status = os.waitpid(process, 0)
-                except ChildProcessError:
-                    # The controller has waited for it: how it ended is lost.
-                    status = 255 << 8
-                del self._alive[process]
-                self._note(index=index, code=os.waitstatus_to_exitcode(status))
-                return
-            _sleep(POLL_S / 4)
+        """Note which branches have ended and how; forget those that were read since."""
+        plan = self._request.plan
+        assert plan is not None
+        for process, index in list(self._alive.items()):
+            try:
+                if os.waitid(os.P_PID, process, _HAS_ENDED) is None:
+                    continue
+                # What it has left running goes with it: its number is not another's yet.
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.killpg(process, signal.SIGKILL)
+                _, status = os.waitpid(process, 0)
+            except ChildProcessError:
+                # The controller has waited for it: how it ended is lost.
+                status = 255 << 8
+            del self._alive[process]
+            self._unread.add(index)
+            self._note(index=index, code=os.waitstatus_to_exitcode(status))
+        read = {each for each in self._unread if not os.path.lexists(plan.folders(each)[0])}
+        self._unread -= read
 
     def _note(self, **cause: object) -> None:
         assert self._request.plan is not None

@@ -72,14 +72,15 @@ class _Live:
 class BranchWatch:
     """Waits for the end of a run; `on_ended` is called with each branch as it ends.
 
-    `refused` says in words why branches could not leave the run, by their index.
+    `refused` says in words why branches could not leave the run, by their index; `left` are those
+    that have.
     """
 
     def __init__(self, on_ended: Ended) -> None:
         self._on_ended = on_ended
         self._live: dict[int, _Live] = {}
         self._read = 0
-        self._left: set[int] = set()
+        self.left: set[int] = set()
         self.refused: dict[int, str] = {}
 
     def __call__(
@@ -152,10 +153,10 @@ class BranchWatch:
             return
         if "refused" in entry:
             self.refused[index] = str(entry["refused"])[:500]
-        elif "process" in entry and index not in self._left:
+        elif "process" in entry and index not in self.left:
             process = entry["process"]
             handle, own = _of(process, start.pid), OwnTime(int(process))
-            self._left.add(index)
+            self.left.add(index)
             recording, written = request.plan.folders(index)
             moved = replace(request, folder=recording)
             if request.written is not None:
