@@ -260,6 +260,14 @@ def test_a_launch_file_that_is_not_read_in_time_is_reported_so(call, tmp_path):
     assert '"code": "limit"' in out
 
 
+def test_a_run_that_a_full_disk_may_have_ended_is_reported_so(call, tmp_path, quick, monkeypatch):
+    monkeypatch.setattr("tracerisk.pipeline.run.ended_run._is_full", lambda _: True)
+    put({"cell.py": quick("raise OSError")})
+    exit_code, out = call("run cell.py --no-draft")
+    assert exit_code == ExitCode.CONTROLLER_FAILED
+    assert_reported("machine", out, tmp_path)
+
+
 @pytest.mark.parametrize("code", RUNS)
 def test_a_run_that_fails_is_reported_so(code, call, tmp_path, quick):
     act, options = RUNS[code]
@@ -325,7 +333,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
     # tests/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
-    others = {"edit", "unequal", "contact", "dependency", "limit", "render", "sandbox"}
+    others = {"edit", "unequal", "contact", "dependency", "limit", "machine", "render", "sandbox"}
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 
 

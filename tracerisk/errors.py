@@ -210,6 +210,20 @@ class LimitError(TraceRiskError, RuntimeError):
     code = "limit"
 
 
+class MachineError(LimitError):
+    """The machine lacks disk or memory: what a run showed meanwhile is no result of the run."""
+
+    code = "machine"
+
+
+def disk_full(folder: str) -> MachineError:
+    """Return the error of a full disk that holds a folder with temporary files."""
+    return MachineError(
+        f"the disk that holds {folder} is full, and so the run is not whole; free some of it, or "
+        "name a folder on another one with TMPDIR, and run the command again"
+    )
+
+
 def one_of(names: Iterable[str], found: str | None = None) -> str:
     """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
     ordered = sorted(names)

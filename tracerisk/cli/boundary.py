@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import signal
 import sys
@@ -11,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.shared.output import note, print_json, scenario_advice
-from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.errors import ExitCode, TraceRiskError, disk_full
 
 if TYPE_CHECKING:
     import argparse
@@ -41,6 +42,10 @@ def guarded(options: argparse.Namespace) -> int:
         return _internal_error() if found is None else _failed(options, found)
     except (KeyboardInterrupt, BrokenPipeError):
         raise
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            return _internal_error()
+        return _failed(options, disk_full(str(error.filename or "the temporary files")))
     except Exception:  # noqa: BLE001 - the one boundary
         return _internal_error()
 

@@ -26,6 +26,7 @@ from typing import NoReturn
 from tracerisk.errors import LimitError, Location
 from tracerisk.limits import Limit, Limits
 from tracerisk.sandbox.process import end, passed_environment, start
+from tracerisk.sandbox.scratch import scratch
 
 POLL_S = 0.02
 """How often a process is looked at [s]."""
@@ -181,7 +182,7 @@ def run_limited(
     with (
         contextlib.closing(mark),
         tempfile.TemporaryFile() as given,
-        tempfile.TemporaryDirectory(prefix="tracerisk-") as scratch,
+        scratch() as folder_of_its_own,
     ):
         given.write(request)
         given.seek(0)
@@ -190,7 +191,7 @@ def run_limited(
             *arguments,
             sandbox=limits.sandbox if is_strange else None,
             reads=reads or (),
-            writes=(Path(scratch),),
+            writes=(folder_of_its_own,),
             environment={
                 name: value
                 for name, value in {
@@ -198,7 +199,7 @@ def run_limited(
                     **(environment or {}),
                     **mark.environment(limits.own),
                     _MEMORY: str(limits.memory_bytes),
-                    "TMPDIR": scratch,
+                    "TMPDIR": str(folder_of_its_own),
                 }.items()
                 if value is not None
             },

@@ -304,7 +304,8 @@ def _batches_done(
                 for cells in _split([*left.values()], batch_sizes(len(left), jobs))
             ]
         spent_s = time.monotonic() - began
-        workers = Workers(jobs, executor, None if most_s is None else most_s - spent_s)
+        left_s = None if most_s is None else most_s - spent_s
+        workers = Workers(jobs, executor, left_s, plan.nominal.folder)
         for _, done in workers.run(run_batch, parts):
             for each in done.cells:
                 left.pop(each.key, None)

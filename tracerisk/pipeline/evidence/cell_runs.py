@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 import contextlib
-import functools
 import hashlib
 import io
 import pickle
 import shutil
-import tempfile
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -35,6 +31,7 @@ from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, GRAPH_USE, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.success import Condition
+from tracerisk.sandbox.scratch import new_scratch, scratch
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 
@@ -42,7 +39,6 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 _KEPT = "nominal.pickle"
-_TRIES, _BETWEEN_S = 20, 0.1  # to remove a folder
 _MORE_SHARE, _MORE_S = 2.0, 30.0
 """A run with a failure may take this much of the time of the run without, and more [s]."""
 
@@ -170,11 +166,7 @@ def _run(
         Branch(index, (Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s),), cell.time_s)
         for index, cell in ((index, cells[index]) for index in todo)
     ]
-    folder = Path(tempfile.mkdtemp(prefix="tracerisk-cells-"))
-    # A worker whose campaign was killed ends in the middle of this.
-    remove = functools.partial(_remove, folder)
-    atexit.register(remove)
-    try:
+    with scratch("cells-") as folder:
         for result in run_branches(
             nominal.controller,
             nominal.settings,
@@ -189,18 +181,6 @@ def _run(
             judged = _judged(nominal, cell, result.done, result.error, kept)
             yield result.branch.index, judged, "" if result.is_branched else result.reason
             shutil.rmtree(kept, ignore_errors=True)
-    finally:
-        remove()
-        atexit.unregister(remove)
-
-
-def _remove(folder: Path) -> None:
-    """Remove a folder into which a process that is about to end may still write."""
-    for _ in range(_TRIES):
-        shutil.rmtree(folder, ignore_errors=True)
-        if not folder.exists():
-            return
-        time.sleep(_BETWEEN_S)
 
 
 def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
@@ -227,8 +207,7 @@ def nominal_of(controller: str, options: tuple[tuple[str, Any], ...]) -> Nominal
     """
     from tracerisk.pipeline.stages import load_hardware, load_settings
 
-    folder = Path(tempfile.mkdtemp(prefix="tracerisk-evidence-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    folder = new_scratch("evidence-")
     loaded = load_controller(controller)
     settings = load_settings(loaded, dict(options))
     with contextlib.redirect_stderr(io.StringIO()):

@@ -7,9 +7,8 @@ import hashlib
 import io
 import itertools
 import json
-import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from tracerisk.pipeline.stages import annotate, build, load_hardware, load_setti
 from tracerisk.pipeline.stages import trace_controller as traced
 from tracerisk.pipeline.trace.cache import FOLDER
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.sandbox.scratch import scratch
 
 PARAMETER, SCENARIO = "param:", "scenario:"
 SETTINGS = (
@@ -97,18 +97,20 @@ def sweep(
     kept = _Kept(loaded.root / FOLDER, loaded, given)
     found = {} if fresh else kept.read(mine)
     todo = [_Job(str(controller), given, each) for each in mine if each not in found]
-    for job, (point, inputs) in (workers or Workers()).run(run_point, todo, progress):
-        found[job.point] = point
-        kept.add(job.point, point, inputs)
+    with scratch("sweep-") as folder:
+        workers = replace(workers or Workers(), folder=folder)
+        for job, (point, inputs) in workers.run(run_point, todo, progress):
+            found[job.point] = point
+            kept.add(job.point, point, inputs)
     return tuple(found[each] for each in points if each in found)
 
 
 def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
     """Run one point; return it with what it depended on, as the lock keeps it."""
     loaded = load_controller(job.controller)
-    with tempfile.TemporaryDirectory(prefix="tracerisk-sweep-") as folder:
+    with scratch("sweep-") as folder:
         settings = load_settings(loaded, dict(job.options))
-        settings = _varied(settings, job.point, Path(folder))
+        settings = _varied(settings, job.point, folder)
         values = dict(job.point)
         try:
             with contextlib.redirect_stderr(io.StringIO()):
@@ -162,8 +164,8 @@ def _try_first(
     controller: Controller, options: Mapping[str, Any], point: Sequence[tuple[str, Any]]
 ) -> None:
     """Raise what is wrong with the factors before anything runs."""
-    with tempfile.TemporaryDirectory(prefix="tracerisk-sweep-") as folder:
-        _varied(load_settings(controller, options), point, Path(folder))
+    with scratch("sweep-") as folder:
+        _varied(load_settings(controller, options), point, folder)
 
 
 def _varied(settings: Settings, point: Sequence[tuple[str, Any]], folder: Path) -> Settings:

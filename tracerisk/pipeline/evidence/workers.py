@@ -6,6 +6,7 @@ import atexit
 import contextlib
 import multiprocessing
 import os
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +14,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import TypeVar
 
 from tracerisk.errors import ControllerFailedError
@@ -26,6 +28,8 @@ CellProgress = Callable[[int, int, float], None]
 
 # Forked processes would share the threads and files of this one.
 _CONTEXT = multiprocessing.get_context("spawn")
+_ENDING_S = 10.0
+"""How long workers may take to end [s]."""
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
 
@@ -34,12 +38,14 @@ _POOLS = 3
 class Workers:
     """Who does jobs: `jobs` local processes, one a core by default, or those of an `executor`.
 
-    After `most_s` no further job begins [s].
+    After `most_s` no further job begins [s]. `folder` is one for temporary files of local ones,
+    which whoever gives it removes: they end in the middle of what they do.
     """
 
     jobs: int | None = None
     executor: Executor | None = None
     most_s: float | None = None
+    folder: Path | None = None
 
     def run(
         self, function: Callable[[J], R], todo: Sequence[J], progress: CellProgress | None = None
@@ -54,7 +60,8 @@ class Workers:
         for attempt in range(_POOLS):
             workers = min(self.jobs or os.cpu_count() or 1, max(1, len(left)))
             alive, end = _CONTEXT.Pipe(duplex=False)
-            pool = self.executor or _pool(workers, alive)
+            before = set(multiprocessing.active_children())
+            pool = self.executor or _pool(workers, alive, self.folder)
             pending: dict[Future[R], J] = {}
             try:
                 while left or pending:
@@ -80,21 +87,30 @@ class Workers:
                         "kept: run it again with fewer workers (-j 1)"
                     ) from None
             finally:
+                started = set(multiprocessing.active_children()) - before
                 if self.executor is None:
                     pool.shutdown(wait=False, cancel_futures=True)
                 # Whoever interrupts this waits for no job: workers end in the middle of theirs.
                 end.close()
                 alive.close()
+                if self.executor is None:
+                    for each in started:
+                        each.join(_ENDING_S)
 
 
-def _pool(workers: int, alive: Connection) -> ProcessPoolExecutor:
+def _pool(workers: int, alive: Connection, folder: Path | None) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
-        workers, mp_context=_CONTEXT, initializer=_end_with, initargs=(alive,)
+        workers, mp_context=_CONTEXT, initializer=_begin, initargs=(alive, folder)
     )
 
 
-def _end_with(alive: Connection) -> None:
-    """End this process where its parent closes the other end, or ends, however that does."""
+def _begin(alive: Connection, folder: Path | None) -> None:
+    """Begin a worker: its temporary files go into the folder, and it ends with its parent.
+
+    It ends where its parent closes the other end, or ends, however that does.
+    """
+    if folder is not None:
+        os.environ["TMPDIR"] = tempfile.tempdir = tempfile.mkdtemp(prefix="worker-", dir=folder)
 
     def watch() -> None:
         with contextlib.suppress(OSError, EOFError):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,6 +22,7 @@ from tracerisk.pipeline.stages import load_hardware
 from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
 from tracerisk.report.html.evidence import render_evidence
 from tracerisk.report.html.fault_report import render_fault_report
+from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import Fault
 
@@ -82,10 +81,9 @@ def cells_that_matter(found: Evidence) -> list[Cell]:
 
 
 def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[tuple[Cell, str]]:
-    kept = Path(tempfile.mkdtemp(prefix="tracerisk-replays-"))
     branches = [Branch(n, (_fault(each),), each.time_s) for n, each in enumerate(cells)]
     pages = []
-    try:
+    with scratch("replays-") as kept:
         for result in run_branches(
             nominal.controller, nominal.settings, nominal.run, branches, keep=kept
         ):
@@ -95,8 +93,6 @@ def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[t
             folder = kept / str(result.branch.index)
             fault = _fault(cell)
             pages.append((cell, _page(result.run.trace, fault, _lines(cell), hardware, folder)))
-    finally:
-        shutil.rmtree(kept, ignore_errors=True)
     return pages
 
 

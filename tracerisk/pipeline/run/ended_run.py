@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -37,6 +38,10 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.twin.robots.robot import Robot
+
+
+_LEAST_FREE = 4 * 1024**2
+"""A disk with less is full for a recording, which is written in larger pieces [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +92,34 @@ def ended_run(
 
     Its trace is to be judged `beside` another run, as `make_trace` says.
 
-    Raises LogError or LimitError at what is no recording, and the error with which it refused.
+    Raises LogError or LimitError at what is no recording, the error with which it refused, and
+    MachineError where it ended badly and the disk is full: nobody knows whose doing that was.
     """
+    folder = Path(request.folder)
+    try:
+        done = _read(controller, robot, settings, request, process_end, progress, beside)
+    except (TraceRiskError, RuntimeError) as error:
+        if _is_full(folder):
+            raise errors.disk_full(str(folder.parent)) from error
+        raise
+    if not done.trace.end.is_good and _is_full(folder):
+        raise errors.disk_full(str(folder.parent))
+    return done
+
+
+def _is_full(folder: Path) -> bool:
+    return folder.is_dir() and shutil.disk_usage(folder).free < _LEAST_FREE
+
+
+def _read(
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    request: RunRequest,
+    process_end: ProcessEnd,
+    progress: Progress | None,
+    beside: Recording | None,
+) -> ControllerRun:
     folder = Path(request.folder)
     recording = _recording(folder, request)
     _raise_failure(recording)
@@ -189,7 +220,7 @@ def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settin
             f"with --memory-limit (default: {Settings().memory_limit_mb})"
         )
     if process.code == -signal.SIGKILL:
-        raise errors.LimitError(
+        raise errors.MachineError(
             "the process of the run was ended by SIGKILL before it began: the system may be short "
             "of memory; free some"
         )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import shutil
 import stat
-import subprocess
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from tracerisk import errors
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import DEFINITIONS, MOST_ROWS, MOST_TEXT
+from tracerisk.sandbox.scratch import new_scratch, remove_scratch
 
 
 @contextlib.contextmanager
@@ -27,7 +27,7 @@ def run_folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
         except OSError as error:
             message = f"is not a folder that a recording can be kept in: {error.strerror}"
             raise errors.InputError(message, Location(str(keep))) from error
-    top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
+    top = new_scratch()
     recording, written = top / "recording", top / "written"
     try:
         recording.mkdir()
@@ -38,7 +38,7 @@ def run_folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
             if keep is not None:
                 keep_recording(recording, keep)
         finally:
-            _remove(top)
+            remove_scratch(top)
 
 
 def keep_recording(recording: Path, keep: Path) -> None:
@@ -52,20 +52,10 @@ def keep_recording(recording: Path, keep: Path) -> None:
                 (keep / each.name).unlink(missing_ok=True)
                 shutil.copyfile(each, keep / each.name, follow_symlinks=False)
     except OSError as error:
+        if error.errno == errno.ENOSPC:
+            raise errors.disk_full(str(keep)) from error
         message = f"cannot keep the recording: {error.strerror}"
         raise errors.InputError(message, Location(str(keep))) from error
-
-
-def _remove(folder: Path) -> None:
-    """Remove a folder, however deep a controller has made it."""
-    try:
-        shutil.rmtree(folder)
-    except (OSError, RecursionError):
-        for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
-            with contextlib.suppress(OSError):
-                subprocess.run(
-                    [*command, "--", str(folder)], stderr=subprocess.DEVNULL, check=False
-                )
 
 
 def check_left(folder: Path) -> None:

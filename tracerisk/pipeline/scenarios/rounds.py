@@ -6,7 +6,6 @@ it is left out.
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -42,6 +41,7 @@ from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.sandbox.fork_server import several_come
+from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -252,9 +252,9 @@ class Rounds:
     ) -> Trace:
         """Run the controller with these entries; raise what keeps it from running."""
         wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
-        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+        with scratch() as folder:
             # Files that the base names stand in its own folder.
-            path = Path(folder, self.draft_name)
+            path = folder / self.draft_name
             path.write_text(self.text(entries), encoding="utf-8", newline="")
             settings = replace(
                 self._settings,

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tracerisk import dependencies
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.errors import InputError, MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.branching.watch import BranchWatch
@@ -75,7 +75,8 @@ def run_branches(
     leave the run, or dies, runs from the beginning on threads; so do all where the run on
     greenlets is not that of `nominal`.
     Raises InputError for a unit or mode that the robot does not have, for an instant that the
-    nominal run does not reach, and for an index given twice.
+    nominal run does not reach, and for an index given twice; MachineError where the machine lacks
+    disk or memory.
     """
     before_s = nominal.trace.end.simulated_s
     wanted = [
@@ -123,6 +124,8 @@ def _results(
                     quiet=True,
                     beside=beside,
                 )
+            except MachineError:
+                raise
             except (TraceRiskError, RuntimeError) as raised:
                 error = raised
         yield BranchResult(branch, nominal.trace, done, not reason, reason, error)
@@ -173,6 +176,8 @@ def _branched(
             if keep is not None:
                 (keep / str(index)).mkdir(parents=True, exist_ok=True)
                 keep_recording(folder, keep / str(index))
+        except MachineError:
+            raise
         except (TraceRiskError, RuntimeError, OSError) as error:
             found.reasons[index] = f"its branch left nothing to read: {error}"
             return
@@ -203,6 +208,8 @@ def _branched(
                 quiet=True,
                 watch=watch,
             )
+        except MachineError:
+            raise
         except (TraceRiskError, RuntimeError) as error:
             left = frozenset({*watch.left, *watch.refused})
             return _Found(f"the run on greenlets left nothing to read: {error}", left)

@@ -1,0 +1,120 @@
+"""A campaign that is interrupted, at any moment and however, goes on and ends with the same bytes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_evidence import HARDWARE
+
+# Batches of a few cells, and a moment in the middle of writing the file.
+CAMPAIGN = """\
+import os, pathlib, sys, time
+from tracerisk.cli import main
+from tracerisk.pipeline.evidence import campaign
+campaign.MOST_IN_BATCH = 2
+dump = campaign.dump_evidence
+def slow(found):
+    if "WRITING" in os.environ:
+        pathlib.Path(os.environ["WRITING"]).touch()
+        time.sleep(3.0)
+    return dump(found)
+campaign.dump_evidence = slow
+sys.exit(main(["evidence", "controller.py", "--cells", "6", "-j", "2", "-q"]))
+"""
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
+MOMENTS = ("start", "nominal run", "first batch", "between batches", "writing")
+LONGEST_S = 120.0
+
+
+def settled(folder, quick):
+    folder.write("controller.py", quick())
+    folder.write("one.yaml", HARDWARE)
+    folder.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
+    return folder
+
+
+def begun(folder, temporary: Path, writing: Path | None = None) -> subprocess.Popen[bytes]:
+    environment = {**os.environ, "TMPDIR": str(temporary), "TRACERISK_TEST_MARK": str(temporary)}
+    if writing is not None:
+        environment["WRITING"] = str(writing)
+    return subprocess.Popen(
+        [sys.executable, "-c", CAMPAIGN],
+        cwd=folder.folder,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+def ours(temporary: Path) -> list[str]:
+    """Return the processes of campaigns with this folder for temporary files."""
+    found = []
+    for each in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if f"TRACERISK_TEST_MARK={temporary}".encode() in each.read_bytes().split(b"\0"):
+                found.append(each.parent.name)
+        except OSError:
+            continue
+    return found
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory, example_in):
+    """The bytes of a campaign that nobody interrupts."""
+    from tests.conftest import quick_controller
+
+    folder = settled(example_in(tmp_path_factory.mktemp("whole") / "controller"), quick_controller)
+    temporary = tmp_path_factory.mktemp("whole_temporary")
+    assert begun(folder, temporary).wait() == 0
+    assert not list(temporary.iterdir())
+    return folder.read("tracerisk.evidence")
+
+
+@pytest.mark.parametrize(
+    ("moment", "number"),
+    [
+        each
+        if each == ("between batches", signal.SIGKILL)
+        else pytest.param(*each, marks=pytest.mark.slow)
+        for each in [(moment, number) for moment in MOMENTS for number in SIGNALS]
+    ],
+)
+def test_it_goes_on_and_leaves_nothing(moment, number, whole, tmp_path, example_in, quick):
+    folder = settled(example_in(tmp_path / "controller"), quick)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    writing = tmp_path / "writing"
+    cache = folder.folder / ".tracerisk_cache"
+    reached = {
+        "start": lambda: True,
+        "nominal run": lambda: any(temporary.glob("tracerisk-evidence-*")),
+        "first batch": lambda: any(temporary.glob("*/worker-*/tracerisk-cells-*")),
+        "between batches": lambda: any(each.stat().st_size for each in cache.glob("evidence-*")),
+        "writing": writing.exists,
+    }[moment]
+    process = begun(folder, temporary, writing if moment == "writing" else None)
+    deadline = time.monotonic() + LONGEST_S
+    while not reached() and time.monotonic() < deadline:
+        assert process.poll() is None, "it ended before the moment came"
+        time.sleep(0.01)
+    process.send_signal(number)
+    # Python itself may be starting yet, and then knows no better end.
+    assert process.wait() != 0
+    while ours(temporary) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not ours(temporary)
+    if number != signal.SIGKILL:
+        assert not list(temporary.iterdir())
+
+    assert begun(folder, temporary).wait() == 0
+    assert folder.read("tracerisk.evidence") == whole
+    assert not list(temporary.iterdir())
+    assert not list(cache.glob("evidence-*"))
+    assert not list(folder.folder.glob(".*.tmp"))
