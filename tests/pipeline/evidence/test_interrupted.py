@@ -118,3 +118,22 @@ def test_it_goes_on_and_leaves_nothing(moment, number, whole, tmp_path, example_
     assert not list(temporary.iterdir())
     assert not list(cache.glob("evidence-*"))
     assert not list(folder.folder.glob(".*.tmp"))
+
+
+def test_a_worker_that_is_killed_loses_no_more_than_its_batch(whole, tmp_path, example_in, quick):
+    folder = settled(example_in(tmp_path / "controller"), quick)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    process = begun(folder, temporary)
+    deadline = time.monotonic() + LONGEST_S
+    while not any(temporary.glob("*/worker-*/tracerisk-cells-*")) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    workers = [
+        each
+        for each in ours(temporary)
+        if b"spawn_main" in Path("/proc", each, "cmdline").read_bytes()
+    ]
+    os.kill(int(workers[0]), signal.SIGKILL)
+    assert process.wait() == 0
+    assert folder.read("tracerisk.evidence") == whole
+    assert not list(temporary.iterdir())
