@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any, NoReturn
 
@@ -30,7 +32,9 @@ def parse(given: list[str]) -> argparse.Namespace:
     """Return the options of a command line; end with exit code 2 where it is wrong."""
     # The verb is found first: only its own options and its own imports are then made.
     verb = next((word for word in given if not word.startswith("-")), None)
-    parser = _parser(verb if verb in VERBS else None, as_json="--json" in given)
+    # Where it stands first, nobody can ask for the others either.
+    known = (verb,) if verb in VERBS and verb == given[0] else tuple(VERBS)
+    parser = _parser(verb if verb in VERBS else None, as_json="--json" in given, known=known)
     if verb is not None and verb not in VERBS:
         parser.error(_unknown_verb(verb))
     options: argparse.Namespace = parser.parse_args(given)
@@ -53,26 +57,51 @@ def whole_parser() -> argparse.ArgumentParser:
     return _parser(*VERBS, as_json=False)
 
 
-def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
+def _parser(
+    *chosen: str | None, as_json: bool, known: Sequence[str] = tuple(VERBS)
+) -> argparse.ArgumentParser:
     parser = _Command(
         prog="tracerisk",
         description="Redo the risk assessment of a robot arm at every commit of its controller.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=partial(_fitted, argparse.RawDescriptionHelpFormatter),
     )
     parser.verb = chosen[0] if as_json and chosen else None
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
-    for verb, summary in VERBS.items():
+    verbs = parser.add_subparsers(
+        dest="verb", metavar="VERB", required=True, parser_class=_Parser, prog=parser.prog
+    )
+    for verb in known:
+        summary = VERBS[verb]
         sub = verbs.add_parser(
-            verb, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
+            verb,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.",
+            formatter_class=partial(_fitted, argparse.HelpFormatter),
         )
         if verb in chosen:
             sub.verb = parser.verb
             parser.chosen = sub
             import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
-            sub.shorten_usage()
     return parser
+
+
+def _fitted(kind: type[argparse.HelpFormatter], prog: str) -> argparse.HelpFormatter:
+    """Return a formatter that fits the terminal, without the import of `shutil` for it alone."""
+    return kind(prog, width=_columns() - 2)
+
+
+def _columns() -> int:
+    try:
+        given = int(os.environ["COLUMNS"])
+    except (KeyError, ValueError):
+        given = 0
+    if given > 0:
+        return given
+    try:
+        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
+    except (AttributeError, ValueError, OSError):  # no terminal, or no stream
+        return 80
 
 
 class _Parser(argparse.ArgumentParser):
@@ -103,7 +132,15 @@ class _Parser(argparse.ArgumentParser):
             getattr(options, verb._list or "argv").extend(last)
         return options
 
-    def shorten_usage(self) -> None:
+    def format_usage(self) -> str:
+        self._shorten_usage()
+        return super().format_usage()
+
+    def format_help(self) -> str:
+        self._shorten_usage()
+        return super().format_help()
+
+    def _shorten_usage(self) -> None:
         """Name only what must be given: all else is listed below, in its groups."""
         needed = [each for each in self._actions if each.required or not each.option_strings]
         if len(self._actions) - len(needed) > _MOST_IN_USAGE:
