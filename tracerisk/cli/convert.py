@@ -187,7 +187,7 @@ def _chain_texts(chain: ExplicitChain, target: ModelFormat, output: str) -> dict
         return {output: write_prism(chain)}
     from tracerisk.prm.formats.explicit import write_labels, write_transitions
 
-    labels = str(labels_beside(output))
+    labels = labels_beside(output)
     if labels == output:
         raise InputError(f"--output {output}: the labels go to a .lab beside it; name it .tra")
     return {output: write_transitions(chain), labels: write_labels(chain)}

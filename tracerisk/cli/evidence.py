@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
-    bar_of_cells,
     note,
     print_json,
     print_text,
@@ -17,6 +16,7 @@ from tracerisk.cli.shared.output import (
     use_color,
     write_file,
 )
+from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
@@ -65,6 +64,8 @@ def spreads_of_files(
     """
     if options.hardware is None:
         return None
+    from pathlib import Path
+
     from tracerisk.hardware.formats import read_description
 
     hardware = read_description(Path(options.hardware))

@@ -8,7 +8,7 @@ from tracerisk.cli.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.hardware_spread import add_run_uncertainty, check_run_uncertainty
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import add_against, check_against
-from tracerisk.cli.shared.output import progress_bar
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.errors import InputError
 
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
-    bar_of_cells,
     print_json,
     print_text,
     terminal_width,
     use_color,
     write_file,
 )
+from tracerisk.cli.shared.progress import bar_of_cells
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.evidence.sweep import SweepPoint

@@ -7,14 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import (
-    note,
-    print_json,
-    progress_bar,
-    scenario_advice,
-    show,
-    write_file,
-)
+from tracerisk.cli.shared.output import note, print_json, scenario_advice, show, write_file
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.cli.shared.run_report import (
     failure_of,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.cli.shared.model_format import ModelFormat, detected
@@ -69,7 +69,7 @@ def read_model(
     if kind is ModelFormat.EXPLICIT:
         from tracerisk.prm.formats.explicit import read_explicit
 
-        labels = files[1] if len(files) == 2 else str(labels_beside(first))
+        labels = files[1] if len(files) == 2 else labels_beside(first)
         return read_explicit(text, read_text(labels), transitions_file=first, labels_file=labels)
     if kind is ModelFormat.LINKED:
         from tracerisk.prm.formats import linked_json
@@ -80,9 +80,9 @@ def read_model(
     return model_json.loads(text, first)
 
 
-def labels_beside(transitions: str) -> Path:
+def labels_beside(transitions: str) -> str:
     """Return the file of labels that belongs to a file of transitions."""
-    return Path(transitions).with_suffix(".lab")
+    return f"{os.path.splitext(transitions)[0]}.lab"  # noqa: PTH122 - as in `model_format`
 
 
 def read_text(name: str) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import enum
+import os
 import re
-from pathlib import PurePath
 
 from tracerisk.text.patterns import pattern
 
@@ -72,7 +72,7 @@ def detected(data: bytes, name: str) -> ModelFormat | None:
     for start_of, found in _TEXTS:
         if start_of.match(text, place, place + _HEAD):
             return found
-    return SUFFIXES.get(PurePath(name).suffix.lower())
+    return SUFFIXES.get(os.path.splitext(name)[1].lower())  # noqa: PTH122 - no start needs pathlib
 
 
 def _json_format(text: bytes) -> ModelFormat:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import re
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, get_args
 
-from tracerisk.config import ActiveMode, FailOn
 from tracerisk.errors import InputError
 from tracerisk.text.patterns import pattern
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from tracerisk.adder.merge.merge import MergePolicy
 
 _WEIGHT = pattern(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
@@ -194,6 +193,8 @@ def add_log(group: argparse._ArgumentGroup) -> None:
 
 def add_hardware_options(parser: argparse.ArgumentParser) -> None:
     """Add what turns use into probabilities."""
+    from tracerisk.config import ActiveMode
+
     group = parser.add_argument_group("the hardware")
     group.add_argument(
         "--hardware", metavar="FILE", help="hardware description (default: that of the robot)"
@@ -236,9 +237,10 @@ def add_campaign_options(group: argparse._ActionsContainer, thing: str) -> None:
 
 def _shard(text: str) -> tuple[int, int]:
     index, slash, of = text.partition("/")
-    with contextlib.suppress(ValueError):
-        if slash and 1 <= int(index) <= int(of) <= 10_000:
-            return int(index), int(of)
+    if slash and index.isdecimal() and of.isdecimal() and len(of) <= 5:
+        found = int(index), int(of)
+        if 1 <= found[0] <= found[1] <= 10_000:
+            return found
     raise argparse.ArgumentTypeError(f"'{text}': expected I/N such as 1/4, I from 1 to N")
 
 
@@ -253,6 +255,8 @@ def add_explain(parser: argparse.ArgumentParser) -> None:
 
 def add_fail_on(parser: argparse.ArgumentParser) -> None:
     """Add the findings on which a run fails."""
+    from tracerisk.config import FailOn
+
     parser.add_argument(
         "--fail-on",
         metavar="KIND",
@@ -399,6 +403,8 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
 
 def profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
     """Return the profile as exact fractions."""
+    from fractions import Fraction
+
     return {
         function: {target: Fraction(share) for target, share in row.items()}
         for function, row in profile.items()

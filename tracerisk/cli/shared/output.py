@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
-import math
 import os
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TextIO
 
 from tracerisk.errors import InputError, Location
@@ -34,6 +29,8 @@ _PLAIN_SIGNS = str.maketrans(
 
 def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     """Print what a verb found as JSON: sorted keys, the same bytes for the same input."""
+    import json
+
     envelope = {"schema": SCHEMA, "version": VERSION, "verb": verb, "exit_code": exit_code}
     text = json.dumps(
         {**envelope, **data}, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False
@@ -47,6 +44,8 @@ def write_file(path: str, text: str) -> None:
 
     Raises InputError when it cannot be written.
     """
+    from pathlib import Path
+
     try:
         Path(path).write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
@@ -78,7 +77,7 @@ def show(*lines: str, to_errors: bool = False) -> None:
 
 def _fitted(text: str, stream: TextIO) -> str:
     """Return a line as it fits the terminal; as it is, where there is none."""
-    if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not _is_dumb():
+    if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not is_dumb():
         return broken(text, os.get_terminal_size(stream.fileno()).columns)
     return text
 
@@ -140,14 +139,16 @@ def use_color() -> bool:
     """
     if os.environ.get("NO_COLOR"):
         return False
-    return bool(os.environ.get("FORCE_COLOR")) or (sys.stdout.isatty() and not _is_dumb())
+    return bool(os.environ.get("FORCE_COLOR")) or (sys.stdout.isatty() and not is_dumb())
 
 
 def terminal_width() -> int:
     """Return the columns of the terminal, 80 where there is none."""
+    if not sys.stdout.isatty():
+        return 80
     import shutil
 
-    return shutil.get_terminal_size((80, 24)).columns if sys.stdout.isatty() else 80
+    return shutil.get_terminal_size((80, 24)).columns
 
 
 def print_text(text: str) -> None:
@@ -161,91 +162,8 @@ def print_text(text: str) -> None:
     sys.stdout.flush()
 
 
-@contextlib.contextmanager
-def progress_bar(
-    most_s: float | None = None, *, quiet: bool, controller: str | None = None
-) -> Iterator[Callable[[str, float], None] | None]:
-    """Yield what shows the phase and the simulated seconds; `None` where there is no terminal.
-
-    `most_s` is the simulated time [s] after which a run is over, where it is known. Of a
-    `controller` that `tracerisk.lock` knows, the time left is shown, as if it ran as long again.
-    What is printed on standard error meanwhile stands above the bar, which is gone at the end.
-    """
-    if quiet or not sys.stderr.isatty() or _is_dumb():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    usual_s = None
-    if controller is not None:
-        from tracerisk.pipeline.check.cached_run import last_duration_s
-
-        usual_s = last_duration_s(controller)
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description:<17}"),
-        BarColumn(bar_width=20),
-        TextColumn("{task.fields[simulated]}"),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[left]}"),
-    )
-    bar = Progress(
-        *columns,
-        console=Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR"))),
-        transient=True,
-        redirect_stdout=False,
-    )
-    with bar:
-        # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
-        task = bar.add_task("reading", total=None, simulated="", left="")
-        first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
-
-        def notify(phase: str, simulated_s: float) -> None:
-            nonlocal first
-            most = "" if most_s is None else f" of at most {most_s:g}"
-            simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
-            left, done, total = "", None, None
-            if usual_s is not None and simulated_s > 0.0:
-                now = time.monotonic()
-                first = first or (now, simulated_s)
-                done, total = min(simulated_s, usual_s), usual_s
-                if (gained := simulated_s - first[1]) > 0.0:
-                    left_s = (total - done) * (now - first[0]) / gained
-                    left = f"about {math.ceil(left_s)} s left"
-            bar.update(
-                task, description=phase, simulated=simulated, left=left, total=total, completed=done
-            )
-
-        yield notify
-
-
-@contextlib.contextmanager
-def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] | None]:
-    """Yield what shows how many parts of a campaign are done; `None` without a terminal."""
-    if quiet or not sys.stderr.isatty() or _is_dumb():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=20),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[left]}"),
-    )
-    console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
-    with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
-        task = bar.add_task("failures", total=None, left="the run without a failure")
-
-        def notify(done: int, of: int, left_s: float) -> None:
-            bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
-
-        yield notify
-
-
-def _is_dumb() -> bool:
+def is_dumb() -> bool:
+    """Return whether the terminal says that it shows lines alone."""
     return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
 
 

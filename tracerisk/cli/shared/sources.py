@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
@@ -24,13 +23,16 @@ _HAS_EVIDENCE = pattern(rb"RiskAnnotation [^\n]*with evidence")
 def read_file(name: str) -> bytes:
     """Return the bytes of a file; raise InputError when it cannot be read."""
     try:
-        return Path(name).read_bytes()
+        with open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
+            return file.read()
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
 
 
 def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
     """Build the model of the blocks in the files."""
+    from pathlib import Path
+
     from tracerisk.pipeline import build
 
     if len(set(files)) != len(files):

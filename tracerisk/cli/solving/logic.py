@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared.output import note
@@ -27,7 +27,7 @@ class LogicFile:
     @property
     def name(self) -> str:
         """What the model is called; that of its file where it is called nothing."""
-        return self.model.name or PurePath(self.file).name
+        return self.model.name or os.path.basename(self.file)  # noqa: PTH119 - no start needs pathlib
 
     def with_values(self, values: Mapping[str, float]) -> LogicFile:
         """Return the model with parameters, events, house events or groups set."""

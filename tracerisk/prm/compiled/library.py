@@ -7,9 +7,9 @@ Where there is none, the functions of the same names run as Python, to the same 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import DependencyError
@@ -17,7 +17,7 @@ from tracerisk.errors import DependencyError
 if TYPE_CHECKING:
     import ctypes
 
-FILE = Path(__file__).with_name("loops.so")
+FILE = os.path.join(os.path.dirname(__file__), "loops.so")  # noqa: PTH118, PTH120 - no start needs pathlib
 VERSION = 1
 """Of the functions and their arguments, as `loops.h` says it: an older library is not used."""
 _MAPPED = 1 << 16
@@ -27,7 +27,7 @@ _MAPPED = 1 << 16
 @cache
 def library() -> ctypes.CDLL | None:
     """Return the compiled loops; `None` where they were not built, or for another machine."""
-    if not FILE.exists():
+    if not os.path.exists(FILE):  # noqa: PTH110
         return None
     import ctypes
 

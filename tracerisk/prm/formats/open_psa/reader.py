@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
+from typing import TYPE_CHECKING
 
 from tracerisk.prm.formats.open_psa.collecting import CONTAINERS, ROOT, Collector
 from tracerisk.prm.formats.open_psa.linking import Linker
 from tracerisk.prm.formats.open_psa.xml_elements import Element, parse
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.prm.numbers.gc_pause import collection_paused
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _WHOLE = f"xpointer(/{ROOT}/*)"
 """What of a file is included: all that its root holds."""
@@ -21,7 +25,7 @@ def read_open_psa(path: Path | str, *more: Path | str) -> LogicModel:
     Raises ModelError with file, line and column, and what is allowed, when a file cannot be read,
     is not XML, declares entities, or holds what Open-PSA or this reader does not allow.
     """
-    return _read([(Path(each), str(each)) for each in (path, *more)])
+    return _read([(name, name) for name in map(str, (path, *more))])
 
 
 def loads_open_psa(text: str | bytes, file: str) -> LogicModel:
@@ -32,7 +36,7 @@ def loads_open_psa(text: str | bytes, file: str) -> LogicModel:
     return _read([(text.encode() if isinstance(text, str) else text, file)])
 
 
-def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
+def _read(sources: list[tuple[str | bytes, str]]) -> LogicModel:
     collector = Collector()
     try:
         with collection_paused():
@@ -42,9 +46,9 @@ def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
         collector.release()
 
 
-def _collected(sources: list[tuple[Path | bytes, str]], collector: Collector) -> LogicModel:
+def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> LogicModel:
     # Each with the files that include it, the outermost first.
-    waiting: list[tuple[Path | bytes, str, tuple[Path, ...]]] = [(*each, ()) for each in sources]
+    waiting: list[tuple[str | bytes, str, tuple[str, ...]]] = [(*each, ()) for each in sources]
     for count, (source, file, above) in enumerate(waiting, start=1):
         includes: list[Element] = []
         root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
@@ -53,13 +57,14 @@ def _collected(sources: list[tuple[Path | bytes, str]], collector: Collector) ->
         if count > _MOST_FILES:
             root.fail(f"more than {_MOST_FILES} files make up the model; join some")
         collector.finish_file(root)
-        chain = above if isinstance(source, bytes) else (*above, source.resolve())
-        waiting += [(*_included(each, source, chain), chain) for each in includes]
+        chain = above if isinstance(source, bytes) else (*above, os.path.realpath(source))
+        paths = [_included(each, source, chain) for each in includes]
+        waiting += [(path, path, chain) for path in paths]
     return Linker(collector).model()
 
 
-def _included(element: Element, source: Path | bytes, above: tuple[Path, ...]) -> tuple[Path, str]:
-    """Return the file that an element includes, and its name in messages."""
+def _included(element: Element, source: str | bytes, above: tuple[str, ...]) -> str:
+    """Return the file that an element includes."""
     element.check_attributes("href", "xpointer")
     pointer = element.attributes.get("xpointer", _WHOLE)
     if pointer.replace(" ", "") not in (_WHOLE, f"/{ROOT}/*"):
@@ -67,7 +72,7 @@ def _included(element: Element, source: Path | bytes, above: tuple[Path, ...]) -
     if isinstance(source, bytes):
         element.fail("includes a file, which a text without a folder cannot; read it from a file")
     href = element.attribute("href")
-    path = source.parent / href
-    if path.resolve() in above:
+    path = os.path.join(os.path.dirname(source), href)  # noqa: PTH118, PTH120 - no start needs pathlib
+    if os.path.realpath(path) in above:
         element.fail(f"'{href}' includes itself; break the cycle")
-    return path, str(path)
+    return path

@@ -7,7 +7,6 @@ has taken is let go, so that a file of any size fits.
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import BinaryIO, NoReturn
 from xml.parsers import expat
 
@@ -68,14 +67,16 @@ class Element:
 
 
 def parse(
-    source: Path | bytes,
+    source: str | bytes,
     file: str,
     containers: frozenset[str],
     enter: Callable[[Element], None],
     take: Callable[[Element], None],
     include: Callable[[Element], None] | None = None,
 ) -> Element:
-    """Parse XML and return its root; `file` is its name in messages.
+    """Parse XML, the bytes or the path of a file, and return its root.
+
+    `file` is its name in messages.
 
     `enter` is called with each container, `take` with each child of one once it is whole, and
     with the container itself after those; its label and attributes stay in it. `include` is
@@ -141,7 +142,7 @@ def parse(
         if isinstance(source, bytes):
             parser.Parse(source, True)
         else:
-            with source.open("rb") as stream:
+            with open(source, "rb") as stream:  # noqa: PTH123 - no start needs pathlib
                 parser.ParseFile(stream)
     except expat.ExpatError as error:
         place = Location(file, error.lineno, error.offset + 1)
@@ -156,7 +157,7 @@ def parse(
     return roots[0]
 
 
-def _explain(parser: expat.XMLParserType, source: Path | bytes, error: expat.ExpatError) -> str:
+def _explain(parser: expat.XMLParserType, source: str | bytes, error: expat.ExpatError) -> str:
     index = parser.ErrorByteIndex
     if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS] and index <= 0:
         return "is empty; it should be an XML file"
@@ -171,10 +172,10 @@ def _explain(parser: expat.XMLParserType, source: Path | bytes, error: expat.Exp
     return f"is not well-formed XML: {reason}; is the file whole?"
 
 
-def _byte(source: Path | bytes, index: int) -> bytes:
+def _byte(source: str | bytes, index: int) -> bytes:
     if isinstance(source, bytes):
         return source[index : index + 1]
     stream: BinaryIO
-    with source.open("rb") as stream:
+    with open(source, "rb") as stream:  # noqa: PTH123 - no start needs pathlib
         stream.seek(max(index, 0))
         return stream.read(1)

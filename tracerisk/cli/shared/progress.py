@@ -1,0 +1,96 @@
+"""Show at a terminal how far a run or a campaign is."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+from tracerisk.cli.shared.output import is_dumb
+
+
+@contextlib.contextmanager
+def progress_bar(
+    most_s: float | None = None, *, quiet: bool, controller: str | None = None
+) -> Iterator[Callable[[str, float], None] | None]:
+    """Yield what shows the phase and the simulated seconds; `None` where there is no terminal.
+
+    `most_s` is the simulated time [s] after which a run is over, where it is known. Of a
+    `controller` that `tracerisk.lock` knows, the time left is shown, as if it ran as long again.
+    What is printed on standard error meanwhile stands above the bar, which is gone at the end.
+    """
+    if quiet or not sys.stderr.isatty() or is_dumb():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    usual_s = None
+    if controller is not None:
+        from tracerisk.pipeline.check.cached_run import last_duration_s
+
+        usual_s = last_duration_s(controller)
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description:<17}"),
+        BarColumn(bar_width=20),
+        TextColumn("{task.fields[simulated]}"),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
+    )
+    bar = Progress(
+        *columns,
+        console=Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR"))),
+        transient=True,
+        redirect_stdout=False,
+    )
+    with bar:
+        # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
+        task = bar.add_task("reading", total=None, simulated="", left="")
+        first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
+
+        def notify(phase: str, simulated_s: float) -> None:
+            nonlocal first
+            most = "" if most_s is None else f" of at most {most_s:g}"
+            simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
+            left, done, total = "", None, None
+            if usual_s is not None and simulated_s > 0.0:
+                now = time.monotonic()
+                first = first or (now, simulated_s)
+                done, total = min(simulated_s, usual_s), usual_s
+                if (gained := simulated_s - first[1]) > 0.0:
+                    left_s = (total - done) * (now - first[0]) / gained
+                    left = f"about {math.ceil(left_s)} s left"
+            bar.update(
+                task, description=phase, simulated=simulated, left=left, total=total, completed=done
+            )
+
+        yield notify
+
+
+@contextlib.contextmanager
+def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] | None]:
+    """Yield what shows how many parts of a campaign are done; `None` without a terminal."""
+    if quiet or not sys.stderr.isatty() or is_dumb():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[left]}"),
+    )
+    console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
+    with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
+        task = bar.add_task("failures", total=None, left="the run without a failure")
+
+        def notify(done: int, of: int, left_s: float) -> None:
+            bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
+
+        yield notify
