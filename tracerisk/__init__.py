@@ -6,9 +6,11 @@ The names below are the public Python API; each is imported when it is first use
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.api import assess as assess
     from tracerisk.api import check as check
     from tracerisk.api import overrides as overrides

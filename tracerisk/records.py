@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from operator import attrgetter, ge, gt, le, lt
-from typing import TYPE_CHECKING, Any
 
 _FIELDS, _OPTIONS = "__tracerisk_fields__", "__tracerisk_options__"
 _ORDERS = (lt, le, gt, ge)
@@ -362,6 +361,7 @@ def _asdict(value: Any) -> Any:
     return value
 
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dataclasses import MISSING as MISSING
     from dataclasses import asdict as asdict
@@ -370,6 +370,7 @@ if TYPE_CHECKING:
     from dataclasses import fields as fields
     from dataclasses import is_dataclass as is_dataclass
     from dataclasses import replace as replace
+    from typing import Any
 else:
     MISSING, asdict, dataclass, field = _MISSING, _asdict, _dataclass, _Field
     fields, is_dataclass, replace = _fields, _is_dataclass, _replace

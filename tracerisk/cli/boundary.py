@@ -9,13 +9,14 @@ import signal
 import sys
 import warnings
 from importlib import import_module
-from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.shared.output import note, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError, disk_full
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
+    from typing import NoReturn
 
 _format = warnings.formatwarning
 _FAULT_ADVICE = "this is an internal error of tracerisk; please report it with the lines above"
@@ -23,8 +24,10 @@ _FAULT_ADVICE = "this is an internal error of tracerisk; please report it with t
 
 def guarded(options: argparse.Namespace) -> int:
     """Run the chosen verb and return its exit code."""
-    with contextlib.suppress(ValueError):  # only the main thread may say what signals do
+    try:  # noqa: SIM105 - no start needs contextlib
         signal.signal(signal.SIGTERM, _terminated)
+    except ValueError:  # only the main thread may say what signals do
+        pass
     warnings.formatwarning = _one_line
     # The options speak to the tables, the progress bar and the libraries alike in these words.
     if getattr(options, "color", "auto") != "auto":

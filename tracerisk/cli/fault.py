@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_file
-from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import (
     finding_line,
     headline,

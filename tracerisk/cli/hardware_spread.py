@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.adder.figures.instances import ComponentInstances
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads

@@ -6,6 +6,7 @@ import argparse
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     print_json,
@@ -14,7 +15,6 @@ from tracerisk.cli.shared.output import (
     use_color,
     write_file,
 )
-from tracerisk.cli.shared.progress import bar_of_cells
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.evidence.sweep import SweepPoint

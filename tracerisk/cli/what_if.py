@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.hardware_spread import add_hardware_spread
 from tracerisk.cli.shared import options as shared
@@ -13,7 +12,10 @@ from tracerisk.cli.shared.output import print_text, terminal_width, use_color
 from tracerisk.errors import InputError, one_of
 from tracerisk.records import asdict
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel

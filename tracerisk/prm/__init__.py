@@ -1,9 +1,8 @@
 """The probabilistic risk model: fault trees, Markov chains, their link, and solving them."""
 
-from typing import TYPE_CHECKING
-
 from tracerisk.on_demand import on_demand
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.bayes.network import BayesianNetwork, Given
     from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from tracerisk.report.tables import WIDE, Column, plain, render_parts, render_table, table_of
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.solution import DynamicImportance
     from tracerisk.prm.event_trees.solution import EventTreeSolution

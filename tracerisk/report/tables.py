@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from tracerisk.records import dataclass
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table

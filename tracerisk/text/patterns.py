@@ -7,12 +7,16 @@ loads.
 from __future__ import annotations
 
 import re
-from typing import Any, AnyStr, cast
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, AnyStr
 
 
 def pattern(text: AnyStr, flags: int = 0) -> re.Pattern[AnyStr]:
     """Return what `re.compile` does, compiled when one of its methods is first asked for."""
-    return cast("re.Pattern[AnyStr]", _Pattern(text, flags))
+    found: Any = _Pattern(text, flags)
+    return found  # type: ignore[no-any-return]
 
 
 class _Pattern:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.cli.shared.model_format import ModelFormat, detected
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.errors import InputError, Location
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats.explicit_chain import ExplicitChain
     from tracerisk.prm.hybrid.hybrid import HybridModel

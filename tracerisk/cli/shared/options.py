@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import TYPE_CHECKING, Any, get_args
 
 from tracerisk.errors import InputError
 from tracerisk.text.patterns import pattern
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from fractions import Fraction
+    from typing import Any
 
     from tracerisk.adder.merge.merge import MergePolicy
 
@@ -193,6 +194,8 @@ def add_log(group: argparse._ArgumentGroup) -> None:
 
 def add_hardware_options(parser: argparse.ArgumentParser) -> None:
     """Add what turns use into probabilities."""
+    from typing import get_args
+
     from tracerisk.config import ActiveMode
 
     group = parser.add_argument_group("the hardware")
@@ -255,6 +258,8 @@ def add_explain(parser: argparse.ArgumentParser) -> None:
 
 def add_fail_on(parser: argparse.ArgumentParser) -> None:
     """Add the findings on which a run fails."""
+    from typing import get_args
+
     from tracerisk.config import FailOn
 
     parser.add_argument(

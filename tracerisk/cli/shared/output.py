@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TextIO
 
 from tracerisk.errors import InputError, Location
 from tracerisk.text.printable import printable
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any, TextIO
+
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
     from tracerisk.report.sarif import Alert

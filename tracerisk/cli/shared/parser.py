@@ -8,9 +8,13 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
-from typing import Any, NoReturn
 
 from tracerisk.cli import GROUPS, VERBS
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
 
 _EPILOG = """\
 Begin with `tracerisk run FILE`; `tracerisk VERB --help` lists a verb's options.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
@@ -12,6 +11,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.used_evidence import edited_evidence
 from tracerisk.text.patterns import pattern
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.linked import LinkedModel

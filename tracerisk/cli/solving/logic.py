@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
@@ -12,7 +11,10 @@ from tracerisk.errors import InputError
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.records import asdict, dataclass, replace
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 

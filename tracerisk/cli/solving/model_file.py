@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared.model_files import read_model, read_text
@@ -14,7 +13,10 @@ from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
 from tracerisk.records import asdict
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.prm.linked.what_if import FigureSweep
     from tracerisk.prm.properties import PropertyFile
     from tracerisk.prm.questions.time_curve import Curve

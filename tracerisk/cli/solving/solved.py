@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.errors import InputError, one_of
 from tracerisk.records import dataclass
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any, Protocol
+
     from tracerisk.prm.questions.uncertainty import Uncertainty
+else:
+    Protocol = object
 
 Render = Callable[..., str]
 
@@ -36,27 +40,21 @@ class Solvable(Protocol):
     @property
     def name(self) -> str:
         """What the model is called."""
-        ...
 
     def with_values(self, values: Mapping[str, float]) -> Solvable:
         """Return the model with figures set; raise InputError for an unknown name."""
-        ...
 
     def value_of(self, name: str) -> float:
         """Return the figure that the model has now."""
-        ...
 
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve the model, or the part of it that one figure needs."""
-        ...
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return the uncertainty of a figure."""
-        ...
 
     def at(self, mission_time_h: float) -> Solvable:
         """Return the model with another mission time."""
-        ...
 
 
 def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
@@ -13,6 +12,10 @@ from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
 from tracerisk.records import dataclass
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @dataclass(frozen=True, slots=True)

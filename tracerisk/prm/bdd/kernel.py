@@ -14,12 +14,14 @@ a BDD package", DAC 1990.
 
 from __future__ import annotations
 
-from typing import Any
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
-Integers = Any
-"""A list of integers, or an array of them."""
-Floats = Any
-"""A list of floats, or an array of them."""
+    Integers = Any
+    """A list of integers, or an array of them."""
+    Floats = Any
+    """A list of floats, or an array of them."""
 
 OUT_OF_NODES = -1
 

@@ -9,11 +9,11 @@ An OR is the complement of an AND of complements, so that the graph needs one ki
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.records import dataclass
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.trees.fault_tree import FaultTree
 

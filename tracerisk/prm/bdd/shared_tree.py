@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from operator import mul
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram, module_pair
@@ -14,7 +13,10 @@ from tracerisk.prm.bdd.modules import Module, grouped, modules
 from tracerisk.prm.bdd.simplify import simplified
 from tracerisk.prm.numbers.probability import Probability
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 EventValues = Mapping[str, Probability]

@@ -5,7 +5,9 @@ The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has t
 
 from __future__ import annotations
 
-from tracerisk.prm.bdd.kernel import Floats, Integers
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from tracerisk.prm.bdd.kernel import Floats, Integers
 
 EXACT_ENOUGH = 16.0
 """A subtraction may lose this factor of the relative precision, not more."""

@@ -10,12 +10,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import DependencyError
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     import ctypes
+    from typing import Any
 
 FILE = os.path.join(os.path.dirname(__file__), "loops.so")  # noqa: PTH118, PTH120 - no start needs pathlib
 VERSION = 1

@@ -5,10 +5,9 @@ It has one point value, in which a deviate stands for its mean, and can be sampl
 Names and semantics follow the Open-PSA Model Exchange Format 2.0d.
 """
 
-from typing import TYPE_CHECKING
-
 from tracerisk.on_demand import on_demand
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.arithmetic import (
         Call,

@@ -6,12 +6,12 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
-from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions.node import Expression
 from tracerisk.records import dataclass
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array
 

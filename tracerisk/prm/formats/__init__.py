@@ -1,9 +1,8 @@
 """The formats in which models and assessments leave and enter."""
 
-from typing import TYPE_CHECKING
-
 from tracerisk.on_demand import on_demand
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.formats.model_json import dumps, loads

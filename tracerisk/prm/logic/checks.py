@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, Number, depends_on_mission_time, references
 from tracerisk.prm.trees.gates import check_gate
 from tracerisk.records import fields, is_dataclass
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.prm.logic.model import LogicModel
 
 ALWAYS, NEVER = "#true", "#false"

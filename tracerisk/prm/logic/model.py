@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
@@ -15,10 +14,15 @@ from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate
 from tracerisk.records import dataclass, field, replace
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Protocol
+
     from tracerisk.prm.event_trees.elements import InitiatingEvent
     from tracerisk.prm.event_trees.event_tree import EventTree
     from tracerisk.prm.trees.common_cause import CommonCauseLaw
+else:
+    Protocol = object
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,7 +263,6 @@ class Placed(Protocol):
     @property
     def location(self) -> Location:
         """Where it stands."""
-        ...
 
 
 class Locations(Mapping[tuple[str, str], Location]):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Evaluation, ExpressionModel, Reference
@@ -14,6 +13,7 @@ from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.forest import Forest
 from tracerisk.prm.trees.gates import Gate, GateKind
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.trees.common_cause import CommonCauseGroup
 

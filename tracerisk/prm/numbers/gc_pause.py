@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 _FEW = 1000
 
 
-@contextmanager
-def collection_paused(objects: int = _FEW) -> Iterator[None]:
+class collection_paused:  # noqa: N801 - it is called as a function
     """Pause cyclic garbage collection while many objects are made and all of them are kept.
 
     `objects` is about how many, where that is known before; for few there is no pause.
@@ -19,15 +16,17 @@ def collection_paused(objects: int = _FEW) -> Iterator[None]:
     of some thousand gates.
     They are then old at once, and looked through when all that is old is.
     """
-    if objects < _FEW:
-        yield
-        return
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
+
+    def __init__(self, objects: int = _FEW) -> None:
+        self._objects = objects
+
+    def __enter__(self) -> None:
+        self._was_enabled = self._objects >= _FEW and gc.isenabled()
+        if self._was_enabled:
+            gc.disable()
+
+    def __exit__(self, *_: object) -> None:
+        if self._was_enabled:
             if gc.get_freeze_count() == 0:
                 gc.freeze()
                 gc.unfreeze()

@@ -9,22 +9,32 @@ Nowhere is 1-x taken of an x that was computed.
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from collections.abc import Iterable, Sequence
 from itertools import accumulate
 from operator import mul
-from typing import NamedTuple
 
 from tracerisk.errors import ModelError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import NamedTuple
+
+    class _Pair(NamedTuple):
+        p: float
+        q: float
+
+else:
+    _Pair = namedtuple("_Pair", ("p", "q"))
 
 MANY = 64
 """From so many inputs on, products of complements are taken by logarithms."""
 
 
-class Probability(NamedTuple):
+class Probability(_Pair):
     """The probability `p` of an event, and `q` of its complement, each to full precision."""
 
-    p: float
-    q: float
+    __slots__ = ()
 
     @classmethod
     def of(cls, p: float) -> Probability:

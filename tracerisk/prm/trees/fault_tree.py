@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from operator import mul
-from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.notebook.display import DisplayedGraph
@@ -19,7 +18,10 @@ from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_sha
 from tracerisk.prm.trees.numbering import Numbering, numbered
 from tracerisk.records import dataclass, field
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Protocol
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
     from tracerisk.prm.trees.building import Figure, Formula
     from tracerisk.prm.trees.conditional_tops import Conditional
     from tracerisk.prm.trees.fault_tree_solution import FaultTreeSolution
+
+else:
+    Protocol = object
 
 _pair = tuple.__new__
 
@@ -41,7 +46,6 @@ class FailureModel(Protocol):
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability that the event happens within the mission, [h]."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

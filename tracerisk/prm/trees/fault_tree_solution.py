@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Literal
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters
-from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.records import dataclass, replace
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Literal
+
+    from tracerisk.prm.numbers.table import Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +64,8 @@ class FaultTreeSolution:
         A parameter that several events share changes in all of them; by event, each event is
         taken for itself.
         """
+        from tracerisk.prm.numbers.table import Table
+
         if by not in ("parameter", "event"):
             raise ModelError(f"importance by '{by}'; {one_of(('parameter', 'event'), by)}")
         tree, values = self.tree, self.values

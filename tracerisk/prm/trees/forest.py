@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TypeVar
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.records import dataclass
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import TypeVar
+
+    _Named = TypeVar("_Named", Gate, BasicEvent, HouseEvent)
+
 Settings = tuple[tuple[str, bool], ...]
 """States of house events that differ from their own, in the order of their names."""
 Occurrence = tuple[str, bool, Settings]
 """A gate or event, whether it happens, and the house events set for it."""
-
-_Named = TypeVar("_Named", Gate, BasicEvent, HouseEvent)
 
 
 @dataclass(frozen=True, slots=True)

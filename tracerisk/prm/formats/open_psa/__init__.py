@@ -1,9 +1,8 @@
 """The Open-PSA Model Exchange Format 2.0d, XML, as SCRAM 0.16 reads it."""
 
-from typing import TYPE_CHECKING
-
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa, read_open_psa
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.formats.open_psa.writer import dumps_open_psa, write_open_psa
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
-from typing import NamedTuple
 
 from tracerisk.errors import one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, read_formula
-from tracerisk.prm.formats.open_psa.rewriting import NAMES_MARK, NO_HOME, NameForm, read_name
+from tracerisk.prm.formats.open_psa.rewriting import NAMES_MARK, NO_HOME, read_name
 from tracerisk.prm.formats.open_psa.scopes import Scope
 from tracerisk.prm.formats.open_psa.stochastic import UNITS, read_bool, read_expression, read_float
 from tracerisk.prm.formats.open_psa.xml_elements import Element
@@ -16,16 +16,23 @@ from tracerisk.prm.logic.model import Alignment, Attribute, Container, HouseDefi
 from tracerisk.prm.trees.fault_tree import HouseEvent
 from tracerisk.records import dataclass, replace
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import NamedTuple
+
+    from tracerisk.prm.formats.open_psa.rewriting import NameForm
+
+    class Home(NamedTuple):
+        """Where a definition stands: the path of its home, and whether it is private there."""
+
+        path: str
+        private: bool
+
+else:
+    Home = namedtuple("Home", ("path", "private"))
 ROOT = "opsa-mef"
 CONTAINERS = frozenset((ROOT, "model-data", "define-fault-tree", "define-component"))
 _NOTES = ("label", "attributes")
-
-
-class Home(NamedTuple):
-    """Where a definition stands: the path of its home, and whether it is private there."""
-
-    path: str
-    private: bool
 
 
 @dataclass(slots=True)

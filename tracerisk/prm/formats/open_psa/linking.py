@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
@@ -26,6 +25,7 @@ from tracerisk.prm.logic.model import (
 )
 from tracerisk.prm.trees.gates import Gate
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.formats.open_psa.event_trees import EventTrees
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
 from tracerisk.prm.formats.open_psa.collecting import CONTAINERS, ROOT, Collector
 from tracerisk.prm.formats.open_psa.linking import Linker
@@ -11,6 +10,7 @@ from tracerisk.prm.formats.open_psa.xml_elements import Element, parse
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.prm.numbers.gc_pause import collection_paused
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from pathlib import Path
 

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Literal
 
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.records import dataclass, replace
 from tracerisk.text.patterns import pattern
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Literal
+
+    NameForm = Literal["readable", "escaped", ""]
+    """How a file's names are written, as its mark says: see `written_name`; `escaped` is that of
+    earlier versions, without spaces and indices; empty where they are as they are."""
 
 NAMES_MARK = "tracerisk-names"
 GATE_MARK = "tracerisk-gate"
@@ -23,10 +30,6 @@ END_STATE_MARK = "tracerisk-end-state"
 """Holds the end state of a sequence; Open-PSA has none."""
 NO_HOME = "#"
 """The fault tree of gates that are in none: Open-PSA has no gates elsewhere."""
-
-NameForm = Literal["readable", "escaped", ""]
-"""How a file's names are written, as its mark says: see `written_name`; `escaped` is that of
-earlier versions, without spaces and indices; empty where they are as they are."""
 
 _ESCAPE = pattern(r"_x([0-9A-F]{4,6})_")
 # A space between two words is `-_`, `[2]` at the end `__2`.

@@ -7,10 +7,14 @@ has taken is let go, so that a file of any size fits.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import BinaryIO, NoReturn
 from xml.parsers import expat
 
 from tracerisk.errors import Location, ModelError, one_of
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import BinaryIO, NoReturn
+
 
 GREATEST_DEPTH = 200
 """How deep elements may nest; what reads them recurses."""
