@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
@@ -238,12 +238,16 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     Raises TooLargeError when none fits the last budget, DependencyError when none fits what is
     tried without the compiled loops, and there are none.
     """
-    walked = _orders(walked_orders(graph, module), limits)
-    trials = _trials(graph, module, walked)
     loops = fastest_loops()
-    if limits.small_nodes:
-        for local in trials.values():
-            found, _ = _built(local, limits.small_nodes, loops)
+    walked: dict[str, Order] = {}
+    trials: dict[str, _Local] = {}
+    for name, order in _orders(walked_orders(graph, module), limits):
+        if order in walked.values():
+            continue
+        walked[name] = order
+        trials[name] = local_of(graph, module, order)
+        if limits.small_nodes:
+            found, _ = _built(trials[name], limits.small_nodes, loops)
             if found is not None:
                 return found
     reached: dict[str, int] = {}
@@ -255,13 +259,15 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
             if found is not None:
                 return found
         if number == 0:
-            drawn = _orders(drawn_orders(graph, module), limits)
-            others = _trials(graph, module, drawn, known=walked.values())
-            for name, local in others.items():
-                found, reached[name] = _built(local, budget, loops)
+            known = {*walked.values()}
+            for name, order in _orders(drawn_orders(graph, module), limits):
+                if order in known:
+                    continue
+                known.add(order)
+                trials[name] = local_of(graph, module, order)
+                found, reached[name] = _built(trials[name], budget, loops)
                 if found is not None:
                     return found
-            trials |= others
         # FORCE comes far early and can then stand still, so that one of each kind stays.
         ranked = sorted(trials, key=lambda name: -reached[name])
         kept = 1 if number else _GO_ON
@@ -279,33 +285,20 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     )
 
 
-def _orders(named: Iterable[tuple[str, Order]], limits: Limits) -> dict[str, Order]:
-    """Return the orders by name, neighbours swapped where the limits say so."""
+def _orders(named: Iterable[tuple[str, Order]], limits: Limits) -> Iterable[tuple[str, Order]]:
+    """Return the orders with their names, neighbours swapped where the limits say so."""
     if not limits.swapped:
-        return dict(named)
-    return {
-        name: tuple(
-            order[level ^ 1] if level ^ 1 < len(order) else order[level]
-            for level in range(len(order))
+        return named
+    return (
+        (
+            name,
+            tuple(
+                order[level ^ 1] if level ^ 1 < len(order) else order[level]
+                for level in range(len(order))
+            ),
         )
         for name, order in named
-    }
-
-
-def _trials(
-    graph: LogicGraph,
-    module: Module,
-    named: Mapping[str, Order],
-    known: Iterable[Order] = (),
-) -> dict[str, _Local]:
-    """Return what is needed to build with each order, equal orders once."""
-    seen = set(known)
-    trials = {}
-    for name, order in named.items():
-        if order not in seen:
-            seen.add(order)
-            trials[name] = local_of(graph, module, order)
-    return trials
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ An OR is the complement of an AND of complements, so that the graph needs one ki
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from operator import neg
 
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.records import dataclass
@@ -83,15 +84,13 @@ class LogicBuilder:
 
     def conjunction(self, literals: Iterable[int]) -> int:
         """Return the literal that happens when all of `literals` do."""
-        signs: dict[int, int] = {}
-        for literal in literals:
-            if literal == TRUE:
-                continue
-            if literal == FALSE or signs.setdefault(abs(literal), literal) != literal:
-                return FALSE
-        if len(signs) < 2:
-            return next(iter(signs.values()), TRUE)
-        key = tuple(signs[node] for node in sorted(signs))
+        distinct = set(literals)
+        distinct.discard(TRUE)
+        if FALSE in distinct or not distinct.isdisjoint(map(neg, distinct)):
+            return FALSE
+        if len(distinct) < 2:
+            return next(iter(distinct), TRUE)
+        key = tuple(sorted(distinct, key=abs))
         found = self._known.get(key)
         if found is None:
             found = self._known[key] = len(self.arguments)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import chain
 
 from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph
 
@@ -22,26 +23,24 @@ _MOST_WORK = 3_000_000
 
 def simplified(graph: LogicGraph) -> LogicGraph:
     """Return an equal graph that is smaller where the rules find something."""
-    for _ in range(MOST_ROUNDS):
-        before = graph
-        for rule in (_restricted, _factored, _merged):
-            graph = rule(graph)
-        if graph == before:
+    rules = (_restricted, _factored, _merged)
+    in_vain = 0
+    for rule in rules * MOST_ROUNDS:
+        before, graph = graph, rule(graph)
+        in_vain = in_vain + 1 if graph == before else 0
+        if in_vain == len(rules):
             break
     return graph
 
 
-def _uses(graph: LogicGraph, order: Sequence[int]) -> list[int]:
+def _uses(graph: LogicGraph, order: Sequence[int]) -> Counter[int]:
     """Return how many gates each node is an argument of."""
-    uses = [0] * len(graph.arguments)
+    uses = Counter(map(abs, chain.from_iterable(graph.arguments[node] for node in order)))
     uses[abs(graph.top)] += 1
-    for node in order:
-        for argument in graph.arguments[node]:
-            uses[abs(argument)] += 1
     return uses
 
 
-def _contexts(graph: LogicGraph, order: Sequence[int], uses: Sequence[int]) -> list[frozenset[int]]:
+def _contexts(graph: LogicGraph, order: Sequence[int], uses: Counter[int]) -> list[frozenset[int]]:
     """Return for each gate the literals that are true whenever its value matters.
 
     They are arguments of gates above it, on every way from the top: where one of them is false,
