@@ -1,6 +1,7 @@
 """Solve Open-PSA fault trees exactly, beside SCRAM: seconds, memory and errors of each model.
 
     python benchmarks/fault_trees.py --models DIR [--peer scram] [--models-only a,b] [--cut-sets]
+        [--python INSTALLED]
 
 DIR holds Open-PSA XML files and `expected.csv` with the columns model and p_top: the figure that
 is known, in as many digits as are known, or nothing.
@@ -8,7 +9,8 @@ Like is compared with like, process with process and analysis with analysis:
 
 - cold: processor seconds (user and system) of a process that reads the file, solves it, prints the
   figure and does nothing else, its start included; its bytecode was written by one before it.
-- command: the same of `tracerisk solve FILE`, which prints a table.
+- command: the same of `tracerisk solve FILE`, which prints a table. What users have is a wheel in
+  an environment of its own, whose Python `--python` names; by default it is this environment.
 - peer cold: the same of SCRAM's fastest exact run, a diagram with products of one event only.
 - warm: wall seconds in this process from the tree that was read to the probability.
 - peer warm: what SCRAM's report says that its own analysis of the tree took.
@@ -89,6 +91,11 @@ class Row:
     def cold_ratio(self) -> float | None:
         """How many times the processor seconds that the peer's process takes."""
         return self.peer_cold_s / self.cold_s if self.peer_cold_s and self.cold_s else None
+
+    @property
+    def command_ratio(self) -> float | None:
+        """The same of the command."""
+        return self.peer_cold_s / self.command_s if self.peer_cold_s and self.command_s else None
 
     @property
     def warm_ratio(self) -> float | None:
@@ -193,18 +200,19 @@ def in_a_process(
     return least, printed
 
 
-def cold(path: Path, limit_s: float, bytecode: str) -> tuple[float | None, float | None]:
+def cold(
+    path: Path, limit_s: float, python: Path, environment: dict[str, str]
+) -> tuple[float | None, float | None]:
     """Return the processor seconds and the peak memory, [MB], of a process that solves a model."""
-    command = [sys.executable, "-c", PROGRAM, str(path)]
-    taken, printed = in_a_process(command, limit_s, with_bytecode(bytecode))
+    command = [str(python), "-c", PROGRAM, str(path)]
+    taken, printed = in_a_process(command, limit_s, environment)
     return (taken, float(printed.split()[-1])) if taken is not None else (None, None)
 
 
 def with_bytecode(folder: str) -> dict[str, str]:
     """Return the environment in which Python keeps what it has compiled, as installed it does."""
     left = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    root = str(Path(__file__).parents[1])
-    return left | {"PYTHONPYCACHEPREFIX": folder, "PYTHONPATH": root}
+    return left | {"PYTHONPYCACHEPREFIX": folder}
 
 
 def peer_times(peer: str, path: Path, limit_s: float) -> tuple[float | None, float | None]:
@@ -239,14 +247,16 @@ def error_to(expected: str, found: float | None) -> float | None:
     return float(apart / abs(known))
 
 
-def measure(path: Path, expected: str, options: argparse.Namespace, bytecode: str) -> Row:
+def measure(
+    path: Path, expected: str, options: argparse.Namespace, environment: dict[str, str]
+) -> Row:
     p_top, warm_s, read_s = least_seconds(top_of, path)
     cold_s = command_s = peak_mb = to_order = cut_sets_s = None
     peer_cold_s = peer_warm_s = peer_cut_sets_s = None
     if p_top is not None:
-        cold_s, peak_mb = cold(path, options.time_limit, bytecode)
-        command = [sys.executable, "-m", "tracerisk", "solve", str(path)]
-        command_s, _ = in_a_process(command, options.time_limit, with_bytecode(bytecode))
+        cold_s, peak_mb = cold(path, options.time_limit, options.python, environment)
+        command = [str(options.python.with_name("tracerisk")), "solve", str(path)]
+        command_s, _ = in_a_process(command, options.time_limit, environment)
         other = top_by_other_order(path)
         to_order = abs(other / p_top - 1.0) if p_top else None
         if options.cut_sets:
@@ -304,6 +314,12 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--models-only", default="", help="names of some models: a,b")
     parser.add_argument("--peer", choices=["scram"], help="solve with this one too")
     parser.add_argument("--cut-sets", action="store_true", help="time all minimal cut sets too")
+    parser.add_argument(
+        "--python",
+        type=Path,
+        default=Path(sys.executable),
+        help="of the environment whose tracerisk is measured cold (this one)",
+    )
     parser.add_argument("--time-limit", type=float, default=120.0, help="of a process, [s]")
     options = parser.parse_args()
     if not options.models:
@@ -334,11 +350,13 @@ def main() -> int:
     )
     rows = []
     with tempfile.TemporaryDirectory() as bytecode:
-        cold(paths[0], options.time_limit, bytecode)
+        environment = with_bytecode(bytecode)
+        cold(paths[0], options.time_limit, options.python, environment)
         for path in paths:
-            rows.append(measure(path, expected.get(path.stem, ""), options, bytecode))
+            rows.append(measure(path, expected.get(path.stem, ""), options, environment))
             print_row(rows[-1], options)
     report_ratios("cold", [row.cold_ratio for row in rows])
+    report_ratios("command", [row.command_ratio for row in rows])
     report_ratios("warm", [row.warm_ratio for row in rows])
     wrong = [
         row.model for row in rows if max(row.to_expected or 0.0, row.to_order or 0.0) > MOST_ERROR

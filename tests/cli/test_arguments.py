@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.cli import VERBS, _plain_check
+from tracerisk.cli import VERBS, _plain
 from tracerisk.cli.shared.parser import _parser
 
 
@@ -46,14 +46,18 @@ def test_an_option_that_is_unknown_is_one_wherever_it_is_given(capsys):
         assert "unknown option --sped" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("verb", ["check", "solve"])
 @pytest.mark.parametrize(
     "words",
     [[], ["a.py"], ["-q"], ["a.py", "-q", "b c.py"], ["--quiet", "a.py"], ["", "a.py", "-q", "-q"]],
 )
-def test_a_plain_check_needs_no_parser_and_reads_the_same(words):
-    options = _plain_check(["check", *words])
-    assert options is not None
-    assert vars(options) == parsed("check", *words)
+def test_files_alone_need_no_parser_and_are_read_the_same(verb, words):
+    options = _plain([verb, *words])
+    if verb == "solve" and set(words) <= {"-q"}:
+        assert options is None  # the parser says that it needs a file
+    else:
+        assert options is not None
+        assert vars(options) == parsed(verb, *words)
 
 
 @pytest.mark.parametrize(
@@ -69,8 +73,8 @@ def test_a_plain_check_needs_no_parser_and_reads_the_same(words):
             "check -- a.py",
         ),
         *("check --min-coverage 1 a.py", "check --bas x", "check --watch", "check -x", "checks"),
-        *("run a.py", "check -"),
+        *("run a.py", "check -", "solve", "solve -q", "solve a.py --json", "solve -- a.py"),
     ],
 )
 def test_every_other_command_line_is_for_the_parser(line):
-    assert _plain_check(line.split()) is None
+    assert _plain(line.split()) is None

@@ -9,10 +9,12 @@ import gc
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
+    from typing import Any
 
 VERBS = {
     "init": "write what a repository needs to begin, after showing it",
@@ -105,7 +107,7 @@ def _guarded(given: list[str]) -> int:
 
 def _run(given: list[str]) -> int:
     try:
-        options = _plain_check(given)
+        options = _plain(given)
         if options is None:
             from tracerisk.cli.shared.parser import parse
 
@@ -118,14 +120,42 @@ def _run(given: list[str]) -> int:
         sys.stdout.flush()
 
 
-def _plain_check(given: list[str]) -> argparse.Namespace | None:
-    """Return the options of `check` with files alone, or `-q`; `None` for all else.
+def _plain(given: list[str]) -> argparse.Namespace | None:
+    """Return the options of a verb that has files alone, or `-q`; `None` for all else.
 
-    A hook runs it at every commit: it is not to wait for a parser of everything.
+    A hook runs `check` at every commit, and a script `solve` for many a model: they are not to
+    wait for a parser of everything.
     """
     files = [word for word in given[1:] if word not in ("-q", "--quiet")]
-    if given[:1] != ["check"] or any(word.startswith("-") for word in files):
+    is_plain = not any(word.startswith("-") for word in files)
+    if (
+        not is_plain
+        or given[:1] not in (["check"], ["solve"])
+        or (given[0] == "solve" and not files)
+    ):
         return None
-    from tracerisk.cli.check import plain_options
+    from types import SimpleNamespace
 
-    return plain_options(files, quiet=len(files) + 1 < len(given))
+    defaults = _Defaults()
+    import_module(f"tracerisk.cli.{given[0]}").add_options(defaults)
+    stated = {"verb": given[0], "version": None, "files": files}
+    is_quiet = len(files) + 1 < len(given)
+    plain: Any = SimpleNamespace(**{**defaults.values, **stated, "quiet": is_quiet})
+    return plain  # type: ignore[no-any-return]
+
+
+class _Defaults:
+    """Takes the options of a verb as a parser does, and keeps what they are where none is given."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+
+    def add_argument(
+        self, *names: str, dest: str = "", default: Any = None, action: str = "", **_: Any
+    ) -> None:
+        name = next((each for each in names if each.startswith("--")), names[-1])
+        dest = dest or name.lstrip("-").replace("-", "_")
+        self.values[dest] = False if action == "store_true" else default
+
+    def add_argument_group(self, *_: str) -> _Defaults:
+        return self

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, NoReturn, cast
+from typing import TYPE_CHECKING, NoReturn
 
+from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_sarif
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.source.language import is_c
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    from tracerisk.cli.shared import options as shared
-
     parser.add_argument(
         "files",
         metavar="FILE",
@@ -45,23 +43,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_sarif(parser)
     shared.add_json(parser)
-
-
-def plain_options(files: Sequence[str], *, quiet: bool) -> argparse.Namespace:
-    """Return what the parser makes of a command line with nothing but files, and maybe `-q`."""
-    plain = SimpleNamespace(
-        verb="check",
-        version=None,
-        files=files,
-        min_coverage=None,
-        base=None,
-        watch=False,
-        sarif=None,
-        json=False,
-        color="auto",
-        quiet=quiet,
-    )
-    return cast("argparse.Namespace", plain)
 
 
 def run(options: argparse.Namespace) -> int:

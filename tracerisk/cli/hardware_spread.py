@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 
 from tracerisk.cli.shared import options as shared
@@ -11,6 +10,7 @@ from tracerisk.errors import InputError, Location
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
     from typing import Any
 
     from tracerisk.adder.figures.instances import ComponentInstances

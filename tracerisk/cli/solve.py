@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
-
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
@@ -13,6 +11,10 @@ from tracerisk.cli.shared.output import print_json, show
 from tracerisk.cli.shared.sources import linked_model, model_of_files
 from tracerisk.errors import InputError
 from tracerisk.records import asdict
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Callable, Iterable, Sequence
 
@@ -14,6 +13,7 @@ from tracerisk.records import asdict
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
     from typing import Any
 
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
@@ -367,6 +367,8 @@ def _named(text: str, option: str, form: str) -> tuple[str, str]:
 
 def probability(text: str, where: str) -> float:
     """Read a probability; raise InputError with `where` when it is none."""
+    import argparse
+
     try:
         return shared.probability(text)
     except argparse.ArgumentTypeError as error:

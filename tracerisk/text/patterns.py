@@ -6,10 +6,9 @@ loads.
 
 from __future__ import annotations
 
-import re
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import re
     from typing import Any, AnyStr
 
 
@@ -25,6 +24,8 @@ class _Pattern:
         self._flags = flags
 
     def __getattr__(self, name: str) -> Any:
+        import re
+
         found = getattr(re.compile(self._text, self._flags), name)
         # The next time the attribute is there.
         setattr(self, name, found)

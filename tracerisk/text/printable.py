@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from tracerisk.text.patterns import pattern
 
 MOST_CHARACTERS = 20_000
@@ -11,7 +9,7 @@ MOST_CHARACTERS = 20_000
 
 # Control characters but line feed and tab, and those that turn the direction of writing.
 _UNSAFE = pattern(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-_COMMAND = pattern(r"^(?=\s*(?:::|##\[))", re.MULTILINE)
+_COMMAND = pattern(r"(?m)^(?=\s*(?:::|##\[))")
 
 
 def printable(text: str) -> str:

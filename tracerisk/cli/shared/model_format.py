@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import os
-import re
 
 from tracerisk.text.patterns import pattern
 
@@ -36,7 +35,7 @@ SUFFIXES = {
 _HEAD = 65_536
 _SCHEMA = pattern(rb'"schema"\s*:\s*"tracerisk-(hybrid|linked)-model"')
 _OPENPRA = pattern(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
-_SKIPPED = pattern(rb"(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*", re.DOTALL)
+_SKIPPED = pattern(rb"(?s)(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*")
 _TEXTS = (
     (pattern(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
     (

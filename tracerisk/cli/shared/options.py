@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
-import re
-
 from tracerisk.errors import InputError
 from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
     from fractions import Fraction
     from typing import Any
 
     from tracerisk.adder.merge.merge import MergePolicy
 
 _WEIGHT = pattern(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
+_COLON = pattern(r"(?<!:):(?!:)")
 
 ProfileText = dict[str, dict[str, str]]
 
@@ -244,7 +243,7 @@ def _shard(text: str) -> tuple[int, int]:
         found = int(index), int(of)
         if 1 <= found[0] <= found[1] <= 10_000:
             return found
-    raise argparse.ArgumentTypeError(f"'{text}': expected I/N such as 1/4, I from 1 to N")
+    raise _refused(f"'{text}': expected I/N such as 1/4, I from 1 to N")
 
 
 def add_explain(parser: argparse.ArgumentParser) -> None:
@@ -389,7 +388,7 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
             profile |= found
             continue
         # Two colons are part of a name in C++.
-        function, *rest = re.split(r"(?<!:):(?!:)", text, maxsplit=1)
+        function, *rest = _COLON.split(text, maxsplit=1)
         if not rest or not function:
             raise InputError(f"--profile {text}: expected FUNCTION:TARGET=SHARE,...")
         if function in profile:
@@ -416,11 +415,18 @@ def profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
     }
 
 
+def _refused(message: str) -> Exception:
+    """Return the error at which the parser says where it stands."""
+    import argparse
+
+    return argparse.ArgumentTypeError(message)
+
+
 def probability(text: str) -> float:
     """Read a probability of the command line."""
     value = _number(text)
     if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a probability; allowed: 0 to 1")
+        raise _refused(f"{text} is not a probability; allowed: 0 to 1")
     return value
 
 
@@ -428,7 +434,7 @@ def percentage(text: str) -> float:
     """Read a percentage of the command line, which may be above 100."""
     value = _number(text)
     if not 0.0 <= value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text} is not a percentage from 0 up")
+        raise _refused(f"{text} is not a percentage from 0 up")
     return value
 
 
@@ -436,7 +442,7 @@ def positive(text: str) -> float:
     """Read a number above 0 of the command line."""
     value = _number(text)
     if not 0.0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text} is not a number above 0 and below 1e9")
+        raise _refused(f"{text} is not a number above 0 and below 1e9")
     return value
 
 
@@ -444,18 +450,18 @@ def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+        raise _refused(f"{text!r} is not a number") from None
 
 
 def _cycles(text: str) -> int:
     value = count(text)
     if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is below 1")
+        raise _refused(f"{text} is below 1")
     return value
 
 
 def count(text: str) -> int:
     """Read a whole number of the command line, from 0 up."""
     if not text.isascii() or not text.isdigit() or len(text) > 18:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 up")
+        raise _refused(f"{text!r} is not a whole number from 0 up")
     return int(text)

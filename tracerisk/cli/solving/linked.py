@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,8 @@ from tracerisk.cli.shared.output import note, print_json, print_text, terminal_w
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
+    import argparse
+
     from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.numbers.distributions import Distribution
     from tracerisk.prm.questions.uncertainty import Uncertainty

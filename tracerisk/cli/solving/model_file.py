@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping, Sequence
 
 from tracerisk.cli import what_if as asked
@@ -15,6 +14,7 @@ from tracerisk.records import asdict
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
     from typing import Any
 
     from tracerisk.prm.linked.what_if import FigureSweep

@@ -6,7 +6,6 @@ A mark counts only as far as it still fits what it stands at: the formula has th
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
@@ -34,12 +33,11 @@ NO_HOME = "#"
 _ESCAPE = pattern(r"_x([0-9A-F]{4,6})_")
 # A space between two words is `-_`, `[2]` at the end `__2`.
 _FORBIDDEN = pattern(
-    r"(?P<space>(?<=[0-9A-Za-z_]) (?=[0-9A-Za-z_]))"
+    r"(?s)(?P<space>(?<=[0-9A-Za-z_]) (?=[0-9A-Za-z_]))"
     r"|_(?=x[0-9A-F])"  # Would be read as an escape.
     r"|(?<!.)[^A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
     r"|[^-0-9A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
-    r"|-(?![0-9A-Za-z\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF])",
-    re.DOTALL,
+    r"|-(?![0-9A-Za-z\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF])"
 )
 _INDEX = pattern(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
 _WRITTEN_INDEX = pattern(r"__([0-9A-Za-z]+)\Z")
