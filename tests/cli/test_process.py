@@ -301,7 +301,7 @@ NOT_FOR_CHECK = {
     *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.sandbox"),
     *("tracerisk.sandbox.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
     *("tracerisk.twin", "tracerisk.instrument", "tracerisk.pipeline.review"),
-    *("tracerisk.cli.shared.options", "tracerisk.cli.shared.parser"),
+    "tracerisk.cli.shared.parser",
     *(
         "tracerisk.adder.merge.merge",
         "tracerisk.adder.sources.c_source",
@@ -321,6 +321,39 @@ def test_check_imports_only_what_it_needs(annotated):
     modules = modules_of(annotated, LISTING.format(arguments=["check", "controller.py"]))
     assert "tracerisk.pipeline.check.check" in modules
     assert not NOT_FOR_CHECK & modules
+
+
+NOT_FOR_A_TREE = {
+    *("argparse", "contextlib", "dataclasses", "decimal", "fractions", "gettext", "inspect"),
+    *("json", "locale", "numpy", "pathlib", "re", "rich", "shutil", "typing", "urllib"),
+    *("tracerisk.cli.shared.parser", "tracerisk.config", "tracerisk.pipeline", "tracerisk.trace"),
+    *("tracerisk.prm.cut_sets", "tracerisk.prm.hybrid", "tracerisk.prm.markov"),
+}
+"""What a small fault tree would spend more time on than on its solution."""
+
+TREE = """\
+<opsa-mef>
+  <define-fault-tree name="t">
+    <define-gate name="top"><or><event name="a"/><event name="b"/></or></define-gate>
+    <define-basic-event name="a"><float value="0.1"/></define-basic-event>
+    <define-basic-event name="b"><float value="0.2"/></define-basic-event>
+  </define-fault-tree>
+</opsa-mef>
+"""
+
+
+def test_a_tree_is_solved_without_what_takes_longer_to_import(example):
+    (example.folder / "tree.xml").write_text(TREE, encoding="utf-8")
+    code = LISTING.format(arguments=["solve", "tree.xml"])
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", f"import sys; sys.path[:0] = {sys.path!r}\n{code}"],
+        cwd=example.folder,
+        capture_output=True,
+        check=True,
+    )
+    modules = set(done.stderr.decode().split())
+    assert "tracerisk.prm.logic.trees" in modules
+    assert not NOT_FOR_A_TREE & modules
 
 
 def test_help_imports_nothing_of_the_stages(example):
