@@ -148,6 +148,43 @@ def test_a_robot_that_is_given_counts(cell):
     assert "ur5" in wrong.err
 
 
+UNNAMED = """\
+import moveit_commander, rospy
+rospy.init_node("x")
+arm = moveit_commander.MoveGroupCommander("manipulator")
+arm.go([0.1, -1.0, 1.0, 0.0, 0.5, 0.0], wait=True)
+"""
+
+
+def test_a_robot_that_is_given_is_that_of_the_next_run(repository):
+    repository.write("pick.py", UNNAMED)
+    unknown = repository.run("init")
+    assert "robot: unknown (pick.py names none that is known" in unknown.out
+    outcome = repository.run("init", "--yes", "--robot", "ur5e")
+    assert outcome.code == 0, outcome.err
+    settings = repository.read("pyproject.toml").decode()
+    assert 'robot = "ur5e"\nhardware = "hardware.yaml"\n' in settings
+    ran = repository.run("run", "pick.py")
+    assert ran.code == 0, ran.err
+    assert "on ur5e" in ran.err
+
+
+def test_settings_that_are_there_and_name_no_robot_are_to_be_completed(repository):
+    repository.write("pick.py", UNNAMED)
+    assert repository.run("init", "--yes").code == 0
+    outcome = repository.run("init", "--yes", "--robot", "ur5e")
+    lack = 'add to [tool.tracerisk]: robot = "ur5e", hardware = "hardware.yaml"'
+    assert f"pyproject.toml is kept as it is; {lack}" in outcome.out
+
+
+def test_hardware_of_one_robot_is_not_that_of_a_controller_whose_robot_is_unknown(cell):
+    cell.write("other/other.py", UNNAMED)
+    assert cell.run("init", "--yes").code == 0
+    settings = cell.read("pyproject.toml").decode()
+    assert '[tool.tracerisk.controllers."src/pick.py"]\nhardware = "hardware.yaml"' in settings
+    assert settings.count("hardware = ") == 1
+
+
 def test_without_a_controller_or_git_it_still_helps(example):
     outcome = example.run("init", "--yes")
     assert outcome.code == 0, outcome.err

@@ -58,6 +58,7 @@ def run(options: argparse.Namespace) -> int:
     if start.files and not is_written:
         show("Nothing was written; `tracerisk init --yes` writes it.")
         return 0
+    show(*start.settings_lack)
     for name in list(start.asked)[:_MOST_SHOWN]:
         show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
@@ -73,8 +74,9 @@ def _show(start: ProjectStart) -> None:
         show(f"  and {count - _MOST_SHOWN} more")
     for robot, files in start.robots.items():
         show(f"robot: {robot}" + ("" if len(start.robots) == 1 else f", of {', '.join(files)}"))
-    if not start.robots:
-        show(f"robot: unknown ({start.robot_why}); --robot NAME says it")
+    if start.robot_why:
+        why = f"{start.robot_why}; `tracerisk robots` lists those that are known"
+        show(f"robot: unknown ({why}); --robot NAME says it")
     for name, asked in list(start.asked.items())[:_MOST_SHOWN]:
         more = f" and {len(asked) - _MOST_ASKED} more" if len(asked) > _MOST_ASKED else ""
         show(f"{name} asks its cell for {', '.join(asked[:_MOST_ASKED])}{more}")

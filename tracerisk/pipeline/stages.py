@@ -150,7 +150,8 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
     if hardware.robot is not None and robot not in ("", hardware.robot):
         raise HardwareError(
             f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
-            "description of that robot, or leave 'robot' out of one that fits several",
+            "description of that robot, or leave 'robot' out of one that fits several; if the "
+            f"controller drives '{hardware.robot}', say so by --robot or the setting robot",
             Location(hardware.file),
         )
     return hardware

@@ -91,7 +91,9 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
             findings=finding_lines(typed),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
             tables=done.figures.tables(terminal_width()),
-            following=_following(options) if sys.stdout.isatty() and not options.verbose else None,
+            following=_following(options, typed)
+            if sys.stdout.isatty() and not options.verbose
+            else None,
         )
     if not options.diff:
         print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
@@ -99,9 +101,15 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     return int(code)
 
 
-def _following(options: argparse.Namespace) -> list[str]:
+def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
     """Return what to do next, a line each."""
     name = options.controller
+    reasons = () if trace.verdict is None else trace.verdict.open_reasons
+    if any(each.code == "robot-assumed" or each.object == "robot" for each in reasons):
+        return [
+            f"Next: name the robot, `tracerisk run {name} --robot NAME`; `tracerisk robots` lists "
+            "those that are known, docs/howto-robot.md says how to give your own."
+        ]
     return [
         f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
         "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."

@@ -51,8 +51,9 @@ class StartFile:
 class ProjectStart:
     """What was found in a repository, and what it lacks.
 
-    `robots` are those of its controllers, each with the controllers that drive it; where there
-    are none, `robot_why` says why. `asked` is what the source of a controller asks its cell for,
+    `robots` are those of its controllers, each with the controllers that drive it; `robot_why`
+    says why there is none of a controller, `settings_lack` what settings that are there should
+    say of the robot. `asked` is what the source of a controller asks its cell for,
     in words: what a scenario may have to give.
     """
 
@@ -60,6 +61,7 @@ class ProjectStart:
     controllers: tuple[str, ...]
     robots: Mapping[str, tuple[str, ...]]
     robot_why: str
+    settings_lack: tuple[str, ...]
     asked: Mapping[str, tuple[str, ...]]
     files: tuple[StartFile, ...]
 
@@ -84,7 +86,8 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             files.append(StartFile(path, text.encode(), words))
         if text is not None or (root / path).exists():
             described[name] = path
-    files += _settings(root, controllers, robots, described)
+    settings, lacking = _settings(root, controllers, robots, described, robot)
+    files += settings
     if not (root / ".pre-commit-config.yaml").exists():
         files.append(
             StartFile(
@@ -107,7 +110,8 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             if action == _ANY_ACTION:
                 why_ci += "; replace OWNER in it by who keeps tracerisk"
         files.append(StartFile(places[ci], content, why_ci))
-    return ProjectStart(root, controllers, robots, why, _asked(root, controllers), tuple(files))
+    asked = _asked(root, controllers)
+    return ProjectStart(root, controllers, robots, why, tuple(lacking), asked, tuple(files))
 
 
 def _controllers(root: Path) -> Iterator[str]:
@@ -153,18 +157,22 @@ def _robots(
         return {} if given is None else {given: controllers}, "the simulator is not installed"
     from tracerisk.pipeline.stages import load_robot, load_settings
     from tracerisk.pipeline.workspace.controller import load_controller
+    from tracerisk.twin.robots.generic import NAME as GENERIC
     from tracerisk.twin.robots.robot import load_robot as load_named
 
     if given is not None:
         return {load_named(given).name: controllers}, ""
     found: dict[str, list[str]] = {}
-    why = "no controller was found"
+    why = "" if controllers else "no controller was found"
     for each in controllers[:_MOST_READ]:
         try:
             controller = load_controller(root / each)
             robot = load_robot(controller, load_settings(controller))
         except TraceRiskError as error:
-            why = f"{each}: {error.message}"
+            why = why or f"{each}: {error.message}"
+            continue
+        if robot.name == GENERIC:
+            why = why or f"{each} names none that is known"
             continue
         found.setdefault(robot.name, []).append(each)
     return {name: tuple(files) for name, files in found.items()}, why
@@ -219,9 +227,13 @@ def _settings(
     controllers: Sequence[str],
     robots: Mapping[str, Sequence[str]],
     described: Mapping[str, str],
-) -> Iterator[StartFile]:
-    """Yield the settings of each root of controllers: a package of a workspace has its own."""
-    from tracerisk.config import controller_root, is_root
+    given: str | None,
+) -> tuple[list[StartFile], list[str]]:
+    """Return the settings of each root of controllers: a package of a workspace has its own.
+
+    And what those that are there lack of the robot that is `given`.
+    """
+    from tracerisk.config import controller_root, is_root, read_settings
 
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
@@ -233,36 +245,56 @@ def _settings(
             folder = root  # the settings written there will make it the root
         name = Path(os.path.relpath(path, folder)).as_posix()
         names.setdefault(folder, {})[name] = robot_of.get(each, "")
+    files: list[StartFile] = []
+    lacking: list[str] = []
     for folder, found in names.items():
         paths = {
             robot: Path(os.path.relpath(root / file, folder)).as_posix()
             for robot, file in described.items()
         }
-        yield from _settings_of(root, folder, found, paths)
+        path = folder / "pyproject.toml"
+        shown = Path(os.path.relpath(path, root)).as_posix()
+        settings = read_settings(folder)
+        before = path.read_bytes() if path.exists() else b""
+        named = given
+        if given is not None and Path(given).is_file():
+            named = Path(os.path.relpath(given, folder)).as_posix()
+        own = _lines_of(found, paths, named)
+        if b"[tool.tracerisk" not in before:
+            files.append(_settings_of(shown, before, own, found, paths))
+        elif given is not None and settings.robot is None:
+            lacking.append(f"{shown} is kept as it is; add to [tool.tracerisk]: {', '.join(own)}")
+    return files, lacking
+
+
+def _lines_of(
+    robot_of: Mapping[str, str], described: Mapping[str, str], given: str | None
+) -> list[str]:
+    """Return the settings of all controllers of a folder: a robot that was given, its data."""
+    own = [] if given is None else [f"robot = {json.dumps(given)}"]
+    used = set(robot_of.values()) or set(described)
+    if len(used) == 1:
+        own += [f"hardware = {json.dumps(described[each])}" for each in used & set(described)]
+    return own
 
 
 def _settings_of(
-    root: Path, folder: Path, robot_of: Mapping[str, str], described: Mapping[str, str]
-) -> Iterator[StartFile]:
-    """Yield the settings of a folder, whose controllers have these robots, if it has none."""
-    from tracerisk.config import read_settings
-
-    path = folder / "pyproject.toml"
-    before = path.read_bytes() if path.exists() else b""
-    read_settings(folder)
-    if b"[tool.tracerisk" in before:
-        return
-    used = set(filter(None, robot_of.values())) or set(described)
-    lines = ["[tool.tracerisk]"]
-    if len(used) == 1:
-        lines += [f"hardware = {json.dumps(described[each])}" for each in used & set(described)]
-    lines += [
+    shown: str,
+    before: bytes,
+    own: Sequence[str],
+    robot_of: Mapping[str, str],
+    described: Mapping[str, str],
+) -> StartFile:
+    """Return the settings of a folder, whose controllers have these robots."""
+    lines = [
+        "[tool.tracerisk]",
+        *own,
         "# The mission is not trusted where less of the code that can move the arm has run.",
         "# min_coverage = 0.8",
         "# No commit may make a mission fail more often than this.",
         "# max_failure_probability = 1e-5",
     ]
-    if len(used) > 1:
+    if len(set(robot_of.values())) > 1:
         for name, robot in robot_of.items():
             if robot in described:
                 table = f"[tool.tracerisk.controllers.{json.dumps(name)}]"
@@ -270,10 +302,9 @@ def _settings_of(
     newline = "\r\n" if b"\r\n" in before else "\n"
     gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
     text = gap + newline.join(lines) + newline
-    shown = Path(os.path.relpath(path, root)).as_posix()
     inside = Path(shown).parent.as_posix()
     words = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
-    yield StartFile(shown, before + text.encode(), words, is_new=not before)
+    return StartFile(shown, before + text.encode(), words, is_new=not before)
 
 
 def _action() -> str:

@@ -155,11 +155,11 @@ def _unconfirmed(
     for each in entries:
         file, line, _ = each["location"].values()
         text = f": {each['words']}" if each["words"] else ""
+        what = " ".join(dict.fromkeys((each["section"], each["name"])))
         place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
         yield (
             each["name"],
-            f"{each['section']} {each['name']} of the scenario is assumed{text}; delete its mark "
-            "to confirm it",
+            f"{what} of the scenario is assumed{text}; delete its mark to confirm it",
             place,
         )
 
