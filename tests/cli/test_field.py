@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -85,6 +86,14 @@ def test_the_table_says_what_follows(field):
     outcome = example.run("field", *names)
     assert "3 missions in the field" in outcome.out
     assert "pick 0.25" in outcome.out
+
+
+def test_the_title_of_a_small_table_stays_on_one_line(example):
+    name = "a_controller_with_a_long_name.py"
+    example.write("m.json", trace_json.dumps(replace(mission(2.0), controller=name)))
+    outcome = example.run("field", "m.json", "-o", "field.json")
+    assert outcome.out.startswith(f"{name} on panda: 1 mission in the field\n")
+    assert "the profile of 1 mission\n" in outcome.err
 
 
 def test_the_twin_is_reported_apart_where_it_leaves_the_intervals(field):

@@ -68,7 +68,7 @@ def test_the_shipped_description_of_a_robot_is_shown(example):
     outcome = example.run("hardware", "show", "--robot", "baxter")
     assert outcome.code == 0, outcome.err
     (row,) = [line for line in outcome.out.splitlines() if line.startswith("gripper ")]
-    assert row.split()[:4] == ["gripper", "2", "all", "needed"]
+    assert row.split()[:4] == ["gripper", "2,", "all", "needed"]
 
 
 def test_what_an_optional_part_the_robot_lacks_is_reported(example):

@@ -134,6 +134,14 @@ POINTS = (
 )
 
 
+def test_a_point_whose_run_raised_says_what(example, quick):
+    example.write("controller.py", quick().replace("panda_arm", "other_arm"))
+    outcome = example.run("sweep", "controller.py", "--over", "robot=panda", "-j1", "--json")
+    (point,) = outcome.json["points"]
+    assert "other_arm" in point["error"]
+    assert point["failure_probability"] is None
+
+
 def test_a_point_without_a_figure_says_why():
     text = render_points(POINTS, width=100)
     assert "none" in text

@@ -147,6 +147,14 @@ def test_a_reason_may_be_demanded_and_a_threshold_set(project):
     assert "above the max_failure_probability of 0.1" in message
 
 
+def test_of_a_controller_that_is_gone_nothing_else_is_said(project):
+    (project.folder / "c.py").unlink()
+    outcome = project.run("check")
+    assert outcome.code == 1
+    assert "c.py: gone" in outcome.out
+    assert "gives it" not in outcome.err
+
+
 def test_a_block_that_is_gone_is_missing_and_comes_back(project):
     text = project.read("c.py").decode()
     block = re.search(r"(?:    # \|.*\n)+", text)[0]

@@ -10,6 +10,7 @@ from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.verdict import sources_verdict
 from tracerisk.cli.what_if import add_set, set_in, sets_a_rate
+from tracerisk.report.tables import counted
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -50,8 +51,8 @@ def run(options: argparse.Namespace) -> int:
         print(text, end="")
     trees = sum(1 for state in model.states if state.tree.events)
     note(
-        f"{model.name}: {len(model.states)} functions, {trees} fault trees, "
-        f"{len(model.parameters)} components",
+        f"{model.name}: {counted(len(model.states), 'function')}, {counted(trees, 'fault tree')}, "
+        f"{counted(len(model.parameters), 'component')}",
         quiet=options.quiet,
     )
     return 0

@@ -166,7 +166,7 @@ def _notes(checked: Sequence[Checked]) -> Iterator[str]:
     for each in checked:
         if is_c(each.path.name):
             continue
-        if each.verdict is None and all(one.kind != "unknown" for one in each.findings):
+        if each.verdict is None and {"unknown", "gone"}.isdisjoint(f.kind for f in each.findings):
             yield (
                 f"{each.path}: its lock is of a tracerisk without verdicts; "
                 f"`tracerisk refresh {each.path}` gives it one"

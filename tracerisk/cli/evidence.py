@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         found = api.evidence(options.controller)
     else:
         reasons: list[str] = []
-        with bar_of_cells(quiet=options.quiet) as progress:
+        with bar_of_cells("failures", "the run without a failure", quiet=options.quiet) as progress:
             found = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
@@ -137,7 +137,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
 def _replay(options: argparse.Namespace, found: Evidence) -> None:
     from tracerisk import api
 
-    with bar_of_cells(quiet=options.quiet) as progress:
+    with bar_of_cells("replays", quiet=options.quiet) as progress:
         number = api.evidence_replays(
             options.controller,
             found,

@@ -48,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.pipeline.recordings.messages import is_recording
     from tracerisk.pipeline.results.field_profile import apart_from_twin, gather_field, read_mission
     from tracerisk.report.series.field import render_field
+    from tracerisk.report.tables import counted
 
     def read(name: str) -> Trace:
         path = Path(name)
@@ -60,7 +61,8 @@ def run(options: argparse.Namespace) -> int:
     code = ExitCode.WOULD_CHANGE if apart else ExitCode.FINE
     if options.output is not None:
         write_file(options.output, dump_field(found))
-        note(f"{options.output}: the profile of {found.missions} missions", quiet=options.quiet)
+        missions = counted(found.missions, "mission")
+        note(f"{options.output}: the profile of {missions}", quiet=options.quiet)
     if options.json:
         print_json(
             "field", exit_code=int(code), field=field_data(found), apart=list(map(str, apart))

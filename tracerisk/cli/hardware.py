@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, note_warnings, print_json, show
+from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
@@ -99,7 +100,8 @@ def _show(options: argparse.Namespace) -> int:
         return 0
     from tracerisk.report.hardware_table import hardware_table
 
-    show(f"{hardware.file}:", *hardware_table(hardware, bound))
+    width = terminal_width() if sys.stdout.isatty() else None
+    show(f"{hardware.file}:", *hardware_table(hardware, bound, width))
     return 0
 
 

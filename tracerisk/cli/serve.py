@@ -28,7 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=PORT,
         help=f"the port of 127.0.0.1 to listen on, 0 for any that is free ({PORT})",
     )
-    parser.add_argument("-q", "--quiet", action="store_true", help="suppress notes")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print only errors")
     parser.epilog = _HOW
 
 

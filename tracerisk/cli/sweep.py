@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk import api
     from tracerisk.report.series import sweep as report
 
-    with bar_of_cells(quiet=options.quiet) as progress:
+    with bar_of_cells("points", quiet=options.quiet) as progress:
         points = api.sweep(
             options.controller,
             options.over,

@@ -4,47 +4,67 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
+from textwrap import wrap
 
 from tracerisk.adder.blocks.values import computed_redundancy
 from tracerisk.hardware.binding import BoundComponent
 from tracerisk.hardware.load import exponent_text
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
 
-_TITLES = ("component", "quantity", "redundancy", "figures of one unit", "seen at", "source")
+_TITLES = ("component", "units", "figures of one unit", "seen at", "source")
+_GAP = "  "
+_LEAST = 8  # columns of a cell that is broken
 
 
 def hardware_table(
-    hardware: Hardware, bound: Mapping[str, BoundComponent] | None = None
+    hardware: Hardware,
+    bound: Mapping[str, BoundComponent] | None = None,
+    width: int | None = None,
 ) -> list[str]:
     """Return the lines of a table of the components, and the sources that it numbers.
 
     `bound` are the components that a robot has, by name: then quantities are those of the robot,
-    and optional components that it lacks are marked.
+    and optional components that it lacks are marked. Cells go on below where a table would be
+    wider than `width`.
     """
     sources: list[str] = []
     rows: list[Sequence[str]] = [_TITLES]
     for component in hardware.components:
         found = None if bound is None else bound.get(component.name)
         if bound is not None and found is None:
-            rows.append((component.name, "0", "", "", "the robot has none", ""))
+            rows.append((component.name, "0", "", "the robot has none", ""))
             continue
         quantity = component.quantity if found is None else found.quantity
         cells = (
             [component.name],
-            ["as the robot has" if quantity is None else str(quantity)],
-            list(_redundancy(component)),
+            list(_units(component, quantity)),
             list(_figures(component)),
             list(_places(component)),
             list(_source(component, hardware.source, sources)),
         )
         rows += zip_longest(*cells, fillvalue="")
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    widths = _fitted([max(map(len, column)) for column in zip(*rows, strict=True)], width)
     lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        _GAP.join(map(str.ljust, line, widths)).rstrip()
         for row in rows
+        for line in zip_longest(*map(_broken, row, widths), fillvalue="")
     ]
     numbered = [f"[{number}] {text}" for number, text in enumerate(sources, start=1)]
     return [*lines, *([""] if numbered else []), *numbered]
+
+
+def _fitted(widths: list[int], width: int | None) -> list[int]:
+    """Return the widths of columns side by side in `width`: names whole, the widest narrower."""
+    while width is not None and sum(widths) + len(_GAP) * (len(widths) - 1) > width:
+        widest = widths.index(max(widths[1:]), 1)
+        if widths[widest] <= _LEAST:
+            break
+        widths[widest] -= 1
+    return widths
+
+
+def _broken(cell: str, width: int) -> list[str]:
+    return wrap(cell, width, subsequent_indent=" ") or [""]
 
 
 def figure_text(figure: FailureFigure) -> str:
@@ -62,13 +82,17 @@ def figure_text(figure: FailureFigure) -> str:
     return text
 
 
-def _redundancy(component: Component) -> Iterator[str]:
+def _units(component: Component, quantity: int | None) -> Iterator[str]:
+    """Yield how many there are, and how many of them must work."""
+    if quantity is None:
+        yield "as the robot has"
+    number = "" if quantity is None else f"{quantity}, "
     group = component.redundancy
     if not group:
-        yield "all needed" if component.quantity != 1 else "-"
+        yield "1" if component.quantity == 1 else f"{number}all needed"
         return
     words = computed_redundancy(group).text.split(", ")
-    yield "one suffices" if words[0] == "true" else f"{group.required} must work"
+    yield number + ("one suffices" if words[0] == "true" else f"{group.required} must work")
     yield from words[1:]
     if component.test_interval_s is not None:
         yield f"tested every {component.test_interval_s / 3600:g} h"
@@ -119,7 +143,7 @@ def _joined(names: Sequence[str]) -> str:
 
 
 def _source(component: Component, default: str | None, sources: list[str]) -> Iterator[str]:
-    """Yield a word and the number of each source; `sources` takes those that are new."""
+    """Yield the number of each source; `sources` takes those that are new."""
     given = [
         *(each.source for each in component.figures),
         component.source if component.source is not None else default,
@@ -132,5 +156,4 @@ def _source(component: Component, default: str | None, sources: list[str]) -> It
     for text in texts:
         if text not in sources:
             sources.append(text)
-        word = "assumed " if text.lower().startswith("assumed") else ""
-        yield f"{word}[{sources.index(text) + 1}]"
+        yield f"[{sources.index(text) + 1}]"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import math
 import os
 import sys
@@ -21,8 +22,13 @@ def progress_bar(
     `most_s` is the simulated time [s] after which a run is over, where it is known. Of a
     `controller` that `tracerisk.lock` knows, the time left is shown, as if it ran as long again.
     What is printed on standard error meanwhile stands above the bar, which is gone at the end.
+    Where it is `quiet`, what a controller prints meanwhile goes nowhere.
     """
-    if quiet or not sys.stderr.isatty() or is_dumb():
+    if quiet:
+        with contextlib.redirect_stderr(_Nowhere()):
+            yield None
+        return
+    if not sys.stderr.isatty() or is_dumb():
         yield None
         return
     from rich.console import Console
@@ -72,9 +78,19 @@ def progress_bar(
 
 
 @contextlib.contextmanager
-def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] | None]:
-    """Yield what shows how many parts of a campaign are done; `None` without a terminal."""
-    if quiet or not sys.stderr.isatty() or is_dumb():
+def bar_of_cells(
+    what: str, first: str = "", *, quiet: bool
+) -> Iterator[Callable[[int, int, float], None] | None]:
+    """Yield what shows how many parts of a campaign are done; `None` without a terminal.
+
+    `what` are the parts, `first` is what is done before them.
+    Where it is `quiet`, what a controller prints meanwhile goes nowhere.
+    """
+    if quiet:
+        with contextlib.redirect_stderr(_Nowhere()):
+            yield None
+        return
+    if not sys.stderr.isatty() or is_dumb():
         yield None
         return
     from rich.console import Console
@@ -88,9 +104,16 @@ def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] |
     )
     console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
     with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
-        task = bar.add_task("failures", total=None, left="the run without a failure")
+        task = bar.add_task(what, total=None, left=first)
 
         def notify(done: int, of: int, left_s: float) -> None:
             bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
 
         yield notify
+
+
+class _Nowhere(io.TextIOBase):
+    """A stream without a file descriptor that takes text and drops it."""
+
+    def write(self, text: str) -> int:
+        return len(text)

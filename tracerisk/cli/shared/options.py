@@ -22,7 +22,9 @@ ProfileText = dict[str, dict[str, str]]
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Add `--json`, `--quiet` and `--color`."""
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="suppress notes and progress")
+    parser.add_argument(
+        "-q", "--quiet", action="store_true", help="print only errors and what was asked for"
+    )
     parser.add_argument(
         "--color",
         metavar="WHEN",

@@ -114,7 +114,8 @@ def plan_campaign(
     nominal = nominal_of(str(controller), given)
     trace = nominal.trace
     if not trace.is_usable or not trace.functions:
-        message = trace.end.message if trace.functions else "it commanded no hardware"
+        is_idle = trace.end.is_good and not trace.functions
+        message = "it commanded no hardware" if is_idle else trace.end.message
         raise ControllerFailedError(
             f"there is no mission to fail: {message}", trace.end.location, trace.end.scenario
         )

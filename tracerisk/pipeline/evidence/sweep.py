@@ -121,7 +121,8 @@ def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
         verdict = "" if trace.verdict is None else trace.verdict.kind
         seconds = trace.end.simulated_s
         if not trace.is_usable or not trace.functions:
-            message = trace.end.message if trace.functions else "it commanded no hardware"
+            is_idle = trace.end.is_good and not trace.functions
+            message = "it commanded no hardware" if is_idle else trace.end.message
             return SweepPoint(values, None, verdict, seconds, error=message), inputs
         try:
             hardware = load_hardware(settings, trace.robot)

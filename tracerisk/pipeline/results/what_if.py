@@ -32,7 +32,7 @@ SLOWEST, FASTEST = 0.25, 4.0
 _MOST_UNITS = 12
 _NO_PAYLOAD = (
     "Payload is not offered: what a load does to torques and times takes a run; "
-    "`tracerisk sweep` runs a controller over values of its scenario."
+    "the verb sweep runs a controller over values of its scenario."
 )
 
 

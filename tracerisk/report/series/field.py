@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from tracerisk.field.profile import Estimate, FieldProfile
-from tracerisk.report.tables import rendered, table_of
+from tracerisk.report.tables import Column, counted, render_table
 
 
 def render_field(found: FieldProfile, *, width: int = 80, color: bool = False) -> str:
     """Return the functions with visits, times and what follows, with 90 % intervals."""
-    missions = f"{found.missions} mission{'' if found.missions == 1 else 's'}"
     on = f" on {found.robot}" if found.robot else ""
-    table = table_of(f"{found.controller or 'A log'}{on}: {missions} in the field")
-    for heading in ("function", "visits a mission", "seconds a visit", "next"):
-        is_text = heading in ("function", "next")
-        table.add_column(heading, justify="left" if is_text else "right", overflow="fold")
-    for step in found.steps:
-        table.add_row(
+    title = f"{found.controller or 'A log'}{on}: {counted(found.missions, 'mission')} in the field"
+    columns = [
+        Column("function"),
+        Column("visits a mission", is_number=True),
+        Column("seconds a visit", is_number=True),
+        Column("next"),
+    ]
+    rows = [
+        (
             step.name,
             _words(step.per_mission),
             "unknown" if step.duration_s is None else _words(step.duration_s),
@@ -24,7 +26,9 @@ def render_field(found: FieldProfile, *, width: int = 80, color: bool = False) -
                 for target, each in step.following.items()
             ),
         )
-    return rendered(lambda console: console.print(table), width=width, color=color)
+        for step in found.steps
+    ]
+    return render_table(title, columns, rows, width=width, color=color)
 
 
 def _words(found: Estimate) -> str:
