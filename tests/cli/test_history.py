@@ -53,6 +53,19 @@ def test_the_commit_that_raised_it_most_is_reported(grown):
     assert "largest rise: x4 by" in reported.out
 
 
+def test_small_rises_add_up_to_one_that_is_shown(repository, annotated_source):
+    for number in range(12):
+        source = annotated_source(pick=("done 1", f"gripper = {1 + number / 250:.4f}e-06"))
+        repository.write("cell.py", source)
+        repository.commit()
+    found = rows(repository.run("history", "cell.py", "--json"))["commits"]
+    figures = [each["failure_probability"] for each in found]
+    assert len(figures) < 12, "each alone is noise"
+    assert figures == sorted(figures)
+    assert figures[-1] == pytest.approx(1.044e-6, rel=0.01)
+    assert repository.run("history", "cell.py", "--above", "1.03e-6").code == 1
+
+
 @pytest.mark.parametrize(("limit", "since"), [("5e-7", 4), ("1.5e-7", 2), ("1e-6", None)])
 def test_since_which_commit_it_is_above_a_limit(grown, limit, since):
     outcome = grown.run("history", "cell.py", "--above", limit, "--json")

@@ -81,7 +81,9 @@ def _points(
     commits = _commits(repository, top, name, controller, most)
     if not commits:
         raise InputError("git has no commit of it; commit it first", Location(str(controller)))
+    # What the last point had, with which the next is compared: small rises add up.
     before, was = _NOTHING, ""
+    last = _NOTHING
     for commit in [*commits, _Commit("", "", "", name)]:
         here = WORKING_TREE if not commit.hash else commit.hash[:8]
         version = GitVersion(repository, here, f"{here}:", commit.hash or None)
@@ -90,13 +92,15 @@ def _points(
         except TraceRiskError as error:
             yield HistoryPoint(*commit.plain, None, None, error=error.message)
             continue
-        if (after.sources, after.entry) == (before.sources, before.entry):
+        if (after.sources, after.entry) == (last.sources, last.entry):
             continue
         point = _point(commit, before, after, was)
         if point.is_news:
             yield point
         if not point.error:
-            before, was = after, commit.path
+            last = after
+            if point.is_news:
+                before, was = after, commit.path
 
 
 @dataclass(frozen=True, slots=True)
