@@ -3,6 +3,8 @@
 The loop replays the recorded controls on the same model from the same state, so both do the
 same physics: the ratio is what following motions and sampling at every step cost. The whole
 time of the controller, with its imports, planning and inverse kinematics, stands beside it.
+Last comes what `tracerisk run --record` costs at 500 Hz, in processor time of the whole command;
+asked of it are at most 5 %.
 
     python benchmarks/run_overhead.py [CONTROLLER] [--repeat N]
 """
@@ -10,7 +12,10 @@ time of the controller, with its imports, planning and inverse kinematics, stand
 from __future__ import annotations
 
 import argparse
+import resource
 import statistics
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -38,6 +43,27 @@ def measure(script: Path) -> tuple[WallTime, Replay]:
         return WallTime.read(folder), plain
 
 
+def processor_s(script: Path, *options: str) -> float:
+    """Return the processor time of `tracerisk run --check` and all its processes [s]."""
+    command = [sys.executable, "-m", "tracerisk", "run", str(script), "--check", "-q", *options]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=False, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def recording_cost(script: Path, repeat: int) -> str:
+    """Return what a recording costs, in words; runs with and without one take turns."""
+    without, recorded = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(repeat):
+            without.append(processor_s(script))
+            recorded.append(processor_s(script, "--record", f"{folder}/run.mcap"))
+    # The least of several: what else the machine does only ever adds.
+    plain, more = min(without), min(recorded)
+    return f"--record: {more:.2f} s of {plain:.2f} s without it, {more / plain - 1.0:+.1%}"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("controller", nargs="?", type=Path, default=SAMPLE)
@@ -56,6 +82,7 @@ def main() -> None:
     simulation = statistics.median(ratio for ratio, _ in ratios)
     whole = statistics.median(ratio for _, ratio in ratios)
     print(f"median ratios: simulation {simulation:.2f}, whole controller {whole:.2f}")
+    print(recording_cost(options.controller, options.repeat))
 
 
 if __name__ == "__main__":
