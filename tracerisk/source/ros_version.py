@@ -13,7 +13,7 @@ RosVersion = Literal[1, 2]
 
 _ROS2 = re.compile(
     r"(rclpy|rclcpp|rcl_interfaces|builtin_interfaces|action_msgs|unique_identifier_msgs"
-    r"|lifecycle_msgs|ament_index_python|launch|launch_ros|rosidl_runtime_py|moveit|pymoveit2"
+    r"|lifecycle_msgs|ament_index_python|launch|launch_ros|rosidl_runtime_py|rosbag2_py|moveit|pymoveit2"
     r"|moveit_configs_utils|tf_transformations|composition_interfaces|ros2cli|ros2_numpy"
     r"|interbotix_xs_modules\.xs_robot|interbotix_common_modules\.common_robot)(\..*)?"
 )

@@ -1,0 +1,36 @@
+"""Stand-in for rosbag2_py: messages recorded in bags of ROS 2 and read from them (db3, MCAP)."""
+
+from ._bag import SequentialReader, SequentialWriter
+from ._description import (
+    BagMetadata,
+    ConverterOptions,
+    FileInformation,
+    Info,
+    ReadOrder,
+    ReadOrderSortBy,
+    StorageFilter,
+    StorageOptions,
+    TopicInformation,
+    TopicMetadata,
+    get_registered_readers,
+    get_registered_serializers,
+    get_registered_writers,
+)
+
+__all__ = [
+    "BagMetadata",
+    "ConverterOptions",
+    "FileInformation",
+    "Info",
+    "ReadOrder",
+    "ReadOrderSortBy",
+    "SequentialReader",
+    "SequentialWriter",
+    "StorageFilter",
+    "StorageOptions",
+    "TopicInformation",
+    "TopicMetadata",
+    "get_registered_readers",
+    "get_registered_serializers",
+    "get_registered_writers",
+]
