@@ -401,3 +401,30 @@ def test_a_switch_that_is_off_by_default_is_drafted_where_nothing_moves(example)
     ran = example.run("run", "c.py", "--check", "--json")
     names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
     assert names == ["~enabled"]
+
+
+SOUGHT = (
+    HEAD
+    + """\
+scene = moveit_commander.PlanningSceneInterface()
+scene.get_objects(["spare"])
+rospy.sleep(0.5)
+cube = scene.get_objects(["cube"])["cube"]
+tool = scene.get_attached_objects(["tool"])["tool"]
+assert cube.primitive_poses[0].position.z > 0.0 and tool.link_name
+turn(0.1)
+"""
+)
+
+
+def test_objects_that_another_node_adds_to_the_planning_scene_are_drafted(example):
+    example.write("c.py", SOUGHT)
+    assert example.run("run", "c.py", "--no-draft").code == 4
+    assert example.run("scenario", "c.py", "--write").code == 0
+    text = example.read("c.scenario.yaml").decode()
+    assert "name: cube  # assumed: a box that panda reaches" in text
+    assert "name: tool  # assumed: a box in the hand of panda" in text
+    # What is looked for and not missed is none.
+    assert "spare" not in text
+    given = example.run("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
+    assert given.json["verdict"]["kind"] == "partial"

@@ -283,6 +283,8 @@ class Node:
         rospy.Service("/grip", SetBool, self.on_grip)
         rospy.Service("/power", SetBool, self.on_power)
         rospy.Service("/stop", SetBool, self.on_grip)
+        rospy.Service("/record", SetBool, self.on_record)
+        rospy.Service("/guard", SetBool, self.on_guard)
         rospy.Subscriber("/suction", Bool, self.on_suction)
         rospy.Subscriber("/enabled", Bool, self.on_enabled)
 
@@ -291,6 +293,18 @@ class Node:
 
     def on_power(self, request):
         if request.data: self.start()
+
+    def on_record(self, request):
+        if request.data:
+            self.start()
+            return True
+        self.finish()
+        return True
+
+    def on_guard(self, request):
+        if request.data:
+            return False
+        return self.finish()
 
     def on_suction(self, message):
         wanted = message.data
@@ -308,6 +322,8 @@ class Node:
         ("call", "/grip", [True, False]),  # a branch for each
         ("call", "/power", [True]),
         ("call", "/stop", [False]),
+        ("call", "/record", [True, False]),  # the branch for the other is what follows
+        ("call", "/guard", [True]),
         ("topic", "/suction", [True, False]),
         ("topic", "/enabled", [True]),
     ],
@@ -323,6 +339,7 @@ def test_a_switch_is_turned_both_ways_where_the_code_has_a_branch_for_each(
     found = [draft.value for draft in drafts([missed], Interfaces(), values)]
     if kind == "call":
         assert [each["request"]["data"] for each in found] == expected
+        assert [each["wait"] for each in found] == [True, 5.0][: len(expected)]
     else:
         (entry,) = found
         sent = entry.get("messages") or [entry["message"]]

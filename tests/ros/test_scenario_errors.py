@@ -192,6 +192,12 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
         (BODY.replace("box: [0.1, 0.1, 0.1]", "xyz: [0, 0, 0]"), "expected exactly one of box"),
         (BODY.replace("[0.1, 0.1, 0.1]", "[0.1, 0.1, 0]"), "every length must be above 0"),
         (BODY + "    graspable: true\n", "'mass' is missing in objects[0]; give it one"),
+        (BODY + "    known: true\n    mass: 1\n", "unknown key 'mass' in objects[0]"),
+        (BODY + "    known: false\n    attached: hand\n", "is known to the planning scene"),
+        (
+            "calls:\n  - {service: /a, type: std_srvs/SetBool, wait: -1}\n",
+            "calls[0].wait: -1 is outside",
+        ),
         (
             BODY + "    graspable: false\n    mass: 1\n",
             "is only for what can be grasped; set graspable: true",

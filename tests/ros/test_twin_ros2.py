@@ -89,6 +89,23 @@ def test_a_gripper_is_driven(robot):
     assert sent.result.position == pytest.approx(0.02, abs=0.001)
 
 
+def test_a_parallel_gripper_is_driven_by_one_position(robot):
+    name = "control_msgs/ParallelGripperCommand"
+    goal = robot[1].action(name).Goal()
+    goal.command.name, goal.command.position = ["panda_finger_joint1"], [0.02]
+    sent, _ = pursue(robot, "/hand/gripper_cmd", name, goal)
+    assert sent.result.reached_goal
+    assert list(sent.result.state.position) == pytest.approx([0.02], abs=0.001)
+
+
+def test_a_parallel_gripper_takes_no_goal_of_several_positions(robot):
+    name = "control_msgs/ParallelGripperCommand"
+    goal = robot[1].action(name).Goal()
+    goal.command.position = [0.02, 0.02]
+    sent, _ = pursue(robot, "/hand/gripper_cmd", name, goal)
+    assert sent.state.name == "REJECTED"
+
+
 def test_a_goal_with_unknown_joints_is_rejected(robot):
     interfaces = robot[1]
     goal = interfaces.action("control_msgs/FollowJointTrajectory").Goal()

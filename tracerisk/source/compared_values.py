@@ -340,7 +340,7 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
                 if isinstance(pattern, ast.MatchValue) and isinstance(pattern.value, ast.Constant):
                     yield node.subject, pattern.value.value
         return
-    if isinstance(node, ast.If | ast.IfExp) and node.orelse:
+    if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
         yield from ((_asserted(node.test), each) for each in (True, False))
         return
     if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
@@ -369,6 +369,13 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     elif isinstance(operator, ast.Lt | ast.LtE):
         yield from ((left, _beyond(each, -1)) for each in _literals(right) if _is_number(each))
         yield from ((right, _beyond(each, +1)) for each in _literals(left) if _is_number(each))
+
+
+def _returns_late(node: ast.AST) -> bool:
+    """Return whether a branch does something and returns: what follows it is the other one."""
+    if not isinstance(node, ast.If) or len(node.body) < 2:
+        return False
+    return isinstance(node.body[-1], ast.Return)
 
 
 def _is_number(value: Any) -> bool:

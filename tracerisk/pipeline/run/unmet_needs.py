@@ -106,9 +106,10 @@ class UnmetNeeds:
         for text, place in self._unused():
             here = replace(place, file=Path(place.file).name)
             self._runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
-        if cause == "raised":
-            scheduler = self._runtime.scheduler
-            self._named = scheduler.needs.named_in(message, scheduler.now_ns)
+        scheduler = self._runtime.scheduler
+        named = scheduler.needs.named_in(message, scheduler.now_ns) if cause == "raised" else ()
+        sought = scheduler.needs.sought_in_vain
+        self._named = tuple(dict.fromkeys((*named, *sought)))
         shows_risk = cause in GOOD_ENDS and self._has_commanded()
         if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
             self._note_drafts(shows_risk=shows_risk)
@@ -281,7 +282,8 @@ class UnmetNeeds:
         return ()
 
     def _all(self) -> tuple[Missed, ...]:
-        return self._all_now() if self._at_end is None else self._at_end[1]
+        found = self._all_now() if self._at_end is None else self._at_end[1]
+        return (*found, *self._named)
 
     def _missed(self) -> tuple[Missed, ...]:
         missed = self._missed_now() if self._at_end is None else self._at_end[0]

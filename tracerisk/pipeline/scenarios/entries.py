@@ -104,6 +104,7 @@ def is_given(known: Scenario, draft: Draft) -> bool:
         "services": (each.name for each in known.services),
         "actions": (each.name for each in known.actions),
         "frames": (each.frame for each in known.frames),
+        "objects": (each.string("name") for each in known.objects),
         "calls": (
             str(each.get(key))
             for each in known.calls

@@ -7,17 +7,21 @@ where the controller asks, and forgotten when it is given.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_frame
 
-NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", "call", "goal"]
+NeedKind = Literal[
+    "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object"
+]
 
 KEYS = "keys that are pressed"
 """The name of the need of keys at a terminal."""
 _ASKED_IN_VAIN = 10
+_ERRORS_KEPT = 50
 _WORD = re.compile(r"\w+")
 _SWITCH = re.compile(r"(^|[/_.~])(enabled?|(auto_?)?start|run|execute|activ(e|ate)|arm(ed)?|go)$")
 
@@ -27,7 +31,8 @@ class Need:
     """A thing of the world: its kind, name and type (`std_srvs/Trigger`; empty: not known).
 
     `parent` is the frame in which a frame is looked up; `type_name` of a parameter is `string`,
-    `double_array` and so on, as far as the controller says it.
+    `double_array` and so on, as far as the controller says it, that of an object of the planning
+    scene `attached` where the robot must hold it.
     """
 
     kind: NeedKind
@@ -47,6 +52,7 @@ class Need:
             "input": "an answer to",
             "call": "calls of service",
             "goal": "goals for action server",
+            "object": "object of the planning scene",
         }[self.kind]
         if self.name == KEYS:
             return KEYS
@@ -72,6 +78,8 @@ class NeedLedger:
         self._asked: dict[tuple[NeedKind, str], int] = {}
         self._left_empty: dict[str, Missed] = {}
         self._left_off: dict[str, Missed] = {}
+        self._sought: dict[tuple[NeedKind, str], Missed] = {}
+        self._errors: list[str] = []
 
     @property
     def missed(self) -> tuple[Missed, ...]:
@@ -112,14 +120,37 @@ class NeedLedger:
         """The switches that are off by their default."""
         return tuple(self._left_off.values())
 
-    def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
-        """Return the parameters left empty that the message of an exception names."""
-        words = set(_WORD.findall(message))
+    def seek(self, need: Need, now_ns: int) -> None:
+        """Note a look for what need not be there: it is lacking where an error names it."""
+        self._sought[need.kind, need.name] = Missed(need, now_ns, now_ns, asking_place())
+
+    def note_error(self, message: str) -> None:
+        """Note the message of an error with which a library goes on, or of a line of the log."""
+        self._errors = [*self._errors[1 - _ERRORS_KEPT :], message]
+
+    @property
+    def sought_in_vain(self) -> tuple[Missed, ...]:
+        """What was looked for and not found, and is named in an error."""
+        return self._sought_named_in(self._errors)
+
+    def _sought_named_in(self, messages: Iterable[str]) -> tuple[Missed, ...]:
+        text = "\n".join(messages)
         return tuple(
-            replace(each, last_ns=now_ns)
+            each
+            for (_, name), each in self._sought.items()
+            if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text)
+        )
+
+    def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
+        """Return what the message of an exception names: parameters left empty, and objects."""
+        words = set(_WORD.findall(message))
+        empty = tuple(
+            each
             for name, each in self._left_empty.items()
             if name.replace(".", "/").rpartition("/")[2] in words
         )
+        found = (*empty, *self._sought_named_in([message]))
+        return tuple(replace(each, last_ns=now_ns) for each in found)
 
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""

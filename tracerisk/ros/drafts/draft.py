@@ -11,7 +11,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.split_answers import numbers_answer
-from tracerisk.ros.drafts.usable_values import UsableValues, is_on
+from tracerisk.ros.drafts.usable_values import BOX, UsableValues, is_on
 from tracerisk.ros.messages.fields import fields_of, type_of
 from tracerisk.source.compared_values import (
     compared_in_callback,
@@ -32,6 +32,7 @@ SECTIONS: Mapping[NeedKind, str] = {
     "call": "calls",
     "goal": "calls",
     "frame": "frames",
+    "object": "objects",
     "input": "answers",
 }
 """Where a scenario gives what is needed."""
@@ -53,6 +54,7 @@ _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geomet
 _MOST_IN_TURN = 6  # calls of one service, each with another value
 _TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
+_ON_S = 5.0  # before what was switched on is switched off
 _PRESSED_S = 1.0  # for how long each button of a game pad is pressed
 _BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
 _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
@@ -148,6 +150,8 @@ def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
         others = [each for each in literals if type(each) is type(now) and each != now]
         for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):
             more = {**draft.value, content: {**sent, name: value}}
+            if value is False:
+                more["wait"] = _ON_S
             yield replace(
                 draft, key=f"{draft.key}[{number}]", value=more, words="as the code compares it"
             )
@@ -293,6 +297,17 @@ def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     return need.name, entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
 
 
+def _object(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    del interfaces
+    need = missed.need
+    entry: dict[str, Any] = {"name": need.name, "box": list(BOX)}
+    if need.type_name == "attached" and values.group is not None:
+        entry["attached"] = values.group[1].tip_link
+        return need.name, entry, f"a box in the hand of {values.robot.name}"
+    entry |= {"xyz": list(values.pose.position), "known": True}
+    return need.name, entry, f"a box that {values.robot.name} reaches"
+
+
 def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     del interfaces
     need = missed.need
@@ -363,6 +378,7 @@ _ENTRIES = {
     "call": _call,
     "goal": _sent_goal,
     "frame": _frame,
+    "object": _object,
     "input": _answer,
     "parameter": _parameter,
 }

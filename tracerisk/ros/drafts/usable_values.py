@@ -52,7 +52,8 @@ _NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
 _GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
-_BOX = (0.04, 0.04, 0.1)  # a thing that a gripper can hold [m]
+BOX = (0.04, 0.04, 0.1)
+"""A thing that a gripper can hold [m]."""
 # Who sends a goal for the arm's joints leaves these out: the server's own count then.
 _LEFT_EMPTY = frozenset(
     {
@@ -231,7 +232,7 @@ class UsableValues:
         if kind == "geometry_msgs/Twist":
             return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
         if kind == "shape_msgs/SolidPrimitive":
-            return {"type": constants_of(message_class)["BOX"], "dimensions": list(_BOX)}
+            return {"type": constants_of(message_class)["BOX"], "dimensions": list(BOX)}
         if kind == "sensor_msgs/Joy":
             # As many as a common game pad has, the first stick moved and nothing pressed.
             return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}

@@ -47,6 +47,7 @@ def lookup_succeeded(frame_names: Sequence[str]) -> None:
 def callback_failed(what: str, error: BaseException) -> None:
     """Record that a callback raised an error with which the library goes on."""
     recorder = _recorder()
+    current().scheduler.needs.note_error(str(error))
     if recorder is not None:
         message = f"{what} raised {type(error).__name__}: {error}"
         place = error_place(error.__traceback__)
@@ -62,6 +63,7 @@ def error_logged(severity: str, text: str) -> None:
     if recorder is None or frame is None or is_library(frame.f_code.co_filename):
         return
     first = (text.strip().splitlines() or [""])[0]
+    current().scheduler.needs.note_error(first)
     recorder.failed(
         ERROR_LOGGED,
         f"it logged {severity}: {first}",

@@ -157,6 +157,16 @@ class MoveGroupServer(RobotGroups):
                 self._runtime.scheduler.needs.meet(need)
         return pose
 
+    def seek(self, name: str, how: str = "") -> None:
+        """Note that the controller looks for an object that the planning scene lacks."""
+        scheduler = self._runtime.scheduler
+        scheduler.needs.seek(Need("object", name, how), scheduler.now_ns)
+
+    def lack(self, name: str, message: str, how: str = "") -> None:
+        """Note that a command fails for want of an object of the planning scene."""
+        self.seek(name, how)
+        self._runtime.scheduler.needs.note_error(message)
+
     def object_pose(self, name: str) -> Pose | None:
         """Return the pose of an object of the scene in the planning frame, else None."""
         return self.changes.object_pose(name)

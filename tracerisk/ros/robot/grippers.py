@@ -1,4 +1,4 @@
-"""The twin's grippers as actions: GripperCommand, and the four of franka_gripper."""
+"""The twin's grippers as actions: the two of control_msgs, and the four of franka_gripper."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
+PARALLEL_COMMAND = "control_msgs/ParallelGripperCommand"
 _FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
@@ -78,7 +79,11 @@ class GripperServer:
             for package in FRANKA_PACKAGES
             for name, handler in {**named, "Stop": self._stop}.items()
         }
-        return {GRIPPER_COMMAND: self._gripper_command, **franka}
+        return {
+            GRIPPER_COMMAND: self._gripper_command,
+            PARALLEL_COMMAND: self._parallel_command,
+            **franka,
+        }
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Stop the fingers; the goal ends with their motion."""
@@ -96,11 +101,35 @@ class GripperServer:
         def end(motion: Motion, gripper: Gripper) -> None:
             result = self._messages.part(goal.client.type_name, "Result")
             result.position, result.effort = self._measured(gripper)
-            result.stalled = motion.stalled
-            result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
+            self._set_reached(result, motion)
             self._end(goal, motion, result, is_good=True)
 
         self._start(goal, wanted, effort, end)
+
+    def _parallel_command(self, goal: ActionGoal) -> None:
+        """Move the fingers as ROS 2's parallel_gripper_action_controller, by one position."""
+        command = goal.message.command
+        if len(command.position) != 1:
+            message = f"it has {len(command.position)} positions, and a gripper takes one"
+            self._report(goal, message)
+            goal.reject(message)
+            return
+        effort = float(command.effort[0]) if len(command.effort) else 0.0
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            result = self._messages.part(goal.client.type_name, "Result")
+            position, pressed = self._measured(gripper)
+            result.state.name = [gripper.joints[0]]
+            result.state.position, result.state.effort = [position], [pressed]
+            self._set_reached(result, motion)
+            self._end(goal, motion, result, is_good=True)
+
+        self._start(goal, float(command.position[0]), effort if effort > 0.0 else None, end)
+
+    @staticmethod
+    def _set_reached(result: Any, motion: Motion) -> None:
+        result.stalled = motion.stalled
+        result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
 
     def _move(self, goal: ActionGoal) -> None:
         self._start(goal, goal.message.width / 2, None, self._ended(goal))

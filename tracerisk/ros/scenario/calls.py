@@ -28,7 +28,7 @@ class ScenarioCall:
     """One entry of `calls`: sent at its times, or once when the controller begins to serve.
 
     What a call at a time finds nobody to serve is not sent. One that waits is sent when the entry
-    `before` it was answered and the robot has come to rest.
+    `before` it was answered and the robot has come to rest, or so many seconds later.
 
     Raises:
         ScenarioError: the entry is malformed, or what it sends does not fit its type.
@@ -69,7 +69,8 @@ class ScenarioCall:
         self._is_answered: Callable[[], bool] = lambda: False
         self._before = before
         self._rests = 0
-        waits = entry.boolean("wait", default=False)
+        waits, later_s = _turn(entry)
+        self._later_ns = round(later_s * 1e9)
         if waits and "at" in entry:
             entry.fail("wait", "a call is sent at a time or in its turn; keep one of at and wait")
         if waits:
@@ -101,7 +102,10 @@ class ScenarioCall:
         is_at_rest = twin is None or not twin.busy
         self._rests = self._rests + 1 if is_turn and is_at_rest and self._is_served else 0
         if self._rests >= _RESTS:
-            self._send()
+            if self._later_ns:
+                self._schedule.at(self._schedule.now_ns + self._later_ns, self._send)
+            else:
+                self._send()
             return
         awaited = self._schedule.now_ns < _PATIENCE_NS or self._rests > 0
         self._schedule.at(
@@ -149,3 +153,10 @@ class ScenarioCall:
             call, f"call of {self._name}", inherit=False, is_controllers=False
         )
         self._is_answered = lambda: thread.finished
+
+
+def _turn(entry: YamlMap) -> tuple[bool, float]:
+    """Return whether a call waits for its turn, and for how long then [s]."""
+    if isinstance(entry.get("wait"), bool | None):
+        return entry.boolean("wait", default=False), 0.0
+    return True, entry.number("wait", minimum=0.0, maximum=1e6)

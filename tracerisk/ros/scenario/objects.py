@@ -23,6 +23,9 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
     fixtures, graspable = list(scene.fixtures), list(scene.objects)
     taken = {each.name for each in fixtures} | {each.name for each in graspable}
     for entry in objects:
+        if is_known(entry):
+            _check_known(entry)
+            continue
         read = _object(entry)
         if read.name in taken:
             entry.fail("name", f"the scene has a '{read.name}' already; take another name")
@@ -38,10 +41,27 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
     return replace(scene, name=name, fixtures=tuple(fixtures), objects=tuple(graspable))
 
 
+def is_known(entry: YamlMap) -> bool:
+    """Return whether an object is one of the planning scene, which makes it a body."""
+    return entry.boolean("known", default="attached" in entry)
+
+
+def _check_known(entry: YamlMap) -> None:
+    entry.forbid_unknown({"name", *_SHAPES, "xyz", "rpy", "known", "attached"})
+    entry.string("name")
+    entry.string("attached", default="")
+    shape_of(entry)
+    triple(entry, "xyz")
+    triple(entry, "rpy")
+
+
 def _object(entry: YamlMap) -> Fixture | GraspableObject:
-    entry.forbid_unknown({"name", *_SHAPES, "xyz", "rpy", "mass", "graspable", "friction"})
+    keys = {"name", *_SHAPES, "xyz", "rpy", "mass", "graspable", "friction", "known", "attached"}
+    entry.forbid_unknown(keys)
+    if "attached" in entry:
+        entry.fail("attached", "what is attached is known to the planning scene; leave known out")
     name = entry.string("name")
-    shape = _shape(entry)
+    shape = shape_of(entry)
     xyz, rpy = triple(entry, "xyz"), triple(entry, "rpy")
     if not entry.boolean("graspable", default="mass" in entry):
         for key in ("mass", "friction"):
@@ -53,7 +73,8 @@ def _object(entry: YamlMap) -> Fixture | GraspableObject:
     return GraspableObject(name, xyz, rpy, mass, friction, (shape,))
 
 
-def _shape(entry: YamlMap) -> Shape:
+def shape_of(entry: YamlMap) -> Shape:
+    """Return the shape of an object."""
     given = [key for key in _SHAPES if key in entry]
     if len(given) != 1:
         entry.fail(

@@ -13,6 +13,7 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.scenario.actions import ScenarioAction
 from tracerisk.ros.scenario.calls import ScenarioCall
 from tracerisk.ros.scenario.frames import ScenarioFrames
+from tracerisk.ros.scenario.known_objects import add_known_objects
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.scenario.services import ScenarioService
@@ -38,6 +39,7 @@ class ScenarioWorld:
         self._actions = [
             ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
         ]
+        add_known_objects(runtime, interfaces, scenario.objects)
         ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
         self._calls: list[ScenarioCall] = []
         for each in scenario.calls:

@@ -48,6 +48,7 @@ class GroupPickPlace(GroupTargets):
         if object_name not in self._server.scene.world:
             known = one_of(self._server.scene.world, object_name)
             text = f"picking '{object_name}' failed: the planning scene has no such object; {known}"
+            self._server.lack(object_name, text)
             return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text))
         code = ErrorCode.FAILURE
         link = self._link("", "pick with")
@@ -132,6 +133,8 @@ class GroupPickPlace(GroupTargets):
             known = one_of(self._server.scene.attached, object_name)
             text = f"placing '{object_name}' failed: no such object is attached; {known}"
             self._fail(ErrorCode.INVALID_OBJECT_NAME, text)
+            if object_name not in self._server.scene.world:
+                self._server.lack(object_name, text, "attached")
             return False
         code = self._fail_without(
             locations, f"placing '{object_name}' failed: no location was given"

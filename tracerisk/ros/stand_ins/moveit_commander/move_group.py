@@ -220,12 +220,14 @@ class MoveGroupCommander(GroupPickPlace):
             return False
         if not self._server.attach(object_name, link, touch_links or [link]):
             known = self._server.scene.world
-            self._server.execution.report(
-                "attach_failure",
-                f"object '{object_name}' cannot be attached: the planning scene has no such "
-                f"object; {one_of(known, object_name)}",
-                object_name=object_name,
+            text = (
+                f"object '{object_name}' cannot be attached: the planning scene has no such object"
             )
+            self._server.execution.report(
+                "attach_failure", f"{text}; {one_of(known, object_name)}", object_name=object_name
+            )
+            if object_name not in self._server.scene.attached:
+                self._server.lack(object_name, text)
         return True
 
     def detach_object(self, name: str = "") -> bool:

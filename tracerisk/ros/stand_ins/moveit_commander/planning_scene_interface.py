@@ -1,6 +1,6 @@
 """PlanningSceneInterface: the objects of the planning scene."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -178,6 +178,7 @@ class PlanningSceneInterface:
 
     def get_object_poses(self, object_ids: Sequence[str]) -> dict[str, Any]:
         """Return the poses of objects in the planning frame, as Pose, by name."""
+        self._seek(object_ids, self._server.scene.world)
         return {
             item.name: _pose_message(item.pose)
             for item in self._world()
@@ -186,6 +187,7 @@ class PlanningSceneInterface:
 
     def get_objects(self, object_ids: Sequence[str] = ()) -> dict[str, Any]:
         """Return objects of the world, or all, as CollisionObject by name."""
+        self._seek(object_ids, self._server.scene.world)
         return {
             item.name: self._described(item, self._server.planning_frame)
             for item in self._world()
@@ -194,6 +196,7 @@ class PlanningSceneInterface:
 
     def get_attached_objects(self, object_ids: Sequence[str] = ()) -> dict[str, Any]:
         """Return attached objects, or all, as AttachedCollisionObject by name."""
+        self._seek(object_ids, self._server.scene.attached, "attached")
         return {
             name: AttachedCollisionObject(
                 link_name=item.link,
@@ -296,6 +299,12 @@ class PlanningSceneInterface:
     def _world(self) -> list[SceneObject]:
         return [item for _, item in sorted(self._server.scene.world.items())]
 
+    def _seek(self, names: Sequence[str], known: Mapping[str, Any], how: str = "") -> None:
+        """Note the objects that are looked for by name and not there."""
+        for name in names:
+            if name not in known:
+                self._server.seek(name, how)
+
     def _described(self, item: SceneObject, frame: str) -> Any:
         described = CollisionObject()
         for name in described.__slots__:
@@ -349,12 +358,10 @@ class PlanningSceneInterface:
         return compose(frame, message_pose(poses[0] if empty and poses else pose))
 
     def _report_unknown(self, name: str, known: Any, what: str) -> None:
-        self._server.execution.report(
-            "attach_failure" if what == "attached" else "planning_scene",
-            f"object '{name}' cannot be {what}: the planning scene has no such object; "
-            f"{one_of(known, name)}",
-            object_name=name,
-        )
+        kind = "attach_failure" if what == "attached" else "planning_scene"
+        text = f"object '{name}' cannot be {what}: the planning scene has no such object"
+        self._server.execution.report(kind, f"{text}; {one_of(known, name)}", object_name=name)
+        self._server.lack(name, text)
 
 
 def _primitive(name: str, pose: Any, kind: int, dimensions: Sequence[float]) -> Any:
