@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.ros.transforms.poses import (
+    Quaternion,
     compose,
     conjugate,
     multiply,
@@ -38,7 +40,9 @@ class PathRule:
     def __init__(self, constraints: Any, forward: Forward, frame: Frame) -> None:
         self._constraints = constraints
         self._forward = forward
-        self._frame = frame
+        # The rule is of one plan, in which nothing moves; it is looked at very many times.
+        self._frame = cache(frame)
+        self._turns = cache(self._turn)
 
     @property
     def is_empty(self) -> bool:
@@ -70,15 +74,14 @@ class PathRule:
             yield from self._position_parts(one, positions)
 
     def _orientation_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
-        base = self._frame(one.header.frame_id)
-        if base is None:
+        q = one.orientation
+        back = self._turns(one.header.frame_id, (q.x, q.y, q.z, q.w))
+        if back is None:
             yield _unknown(
                 f"an orientation constraint is in the unknown frame '{one.header.frame_id}'"
             )
             return
-        q = one.orientation
-        wanted = multiply(base.orientation, unit_quaternion((q.x, q.y, q.z, q.w)))
-        error = multiply(conjugate(wanted), self._forward(positions, one.link_name).orientation)
+        error = multiply(back, self._forward(positions, one.link_name).orientation)
         tolerances = (
             one.absolute_x_axis_tolerance,
             one.absolute_y_axis_tolerance,
@@ -92,6 +95,13 @@ class PathRule:
                 f"{tolerance:.3f} are allowed"
             )
             yield _Part(abs(angle) > tolerance + _SLACK, _beyond(angle, tolerance), words)
+
+    def _turn(self, frame: str, turn: Quaternion) -> Quaternion | None:
+        """Return the turn back from what is wanted in a frame, None where nobody has the frame."""
+        base = self._frame(frame)
+        if base is None:
+            return None
+        return conjugate(multiply(base.orientation, unit_quaternion(turn)))
 
     def _position_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
         base = self._frame(one.header.frame_id)

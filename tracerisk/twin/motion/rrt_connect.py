@@ -2,7 +2,8 @@
 
 J. Kuffner and S. LaValle, "RRT-Connect: an efficient approach to single-query path planning",
 ICRA 2000: two trees grow towards random samples and greedily towards one another.
-Bounded by a number of iterations, not by time, so that a plan does not depend on the machine.
+Bounded by numbers of iterations and of looks at a rule, not by time, so that a plan does not
+depend on the machine.
 Where a rule must be kept to, new points are projected onto it: D. Berenson and others,
 "Manipulation planning on constraint manifolds", ICRA 2009.
 """
@@ -25,6 +26,7 @@ _PROGRESS = 0.1  # of its reach, by which a projected step must still come neare
 _PROJECTIONS = 12  # steps of one projection
 _SLOPE_STEP = 1e-5  # by which a joint is moved to see how a rule changes [rad or m]
 _ITERATIONS = 3000
+_LOOKS = 100_000  # at a rule, in one search: some seconds, as long as MoveIt plans by default
 _SHORTCUTS = 120
 _SMOOTHINGS = 4
 _FINE = 0.02  # between two points of the path returned [rad or m]
@@ -60,6 +62,8 @@ def connect(
     ours, others = _Tree(start, project), _Tree(goal, project)
     forward = True
     for _ in range(_ITERATIONS):
+        if project is not None and project.looks > _LOOKS:
+            break
         sample = generator.uniform(lower, upper)
         reached = ours.grow(sample, is_free)
         if reached is not None:
@@ -84,12 +88,14 @@ class _Projection:
         self._excess = excess
         self._lower = lower
         self._upper = upper
+        self.looks = 0
 
     def __call__(self, position: Array) -> Array | None:
         """Return a position near by that keeps the rule, None where none was found."""
         here = position
         for _ in range(_PROJECTIONS):
             error = self._excess(here)
+            self.looks += 1 + len(here)
             if not np.isfinite(error).all():
                 return None
             if not error.any():
