@@ -198,3 +198,15 @@ def test_a_kernel_event_reads_the_clock_without_moving_it(world):
     with virtual_time(scheduler):
         scheduler.run_main(main)
     assert seen == [10_000.5] * 3
+
+
+def test_a_solver_that_times_itself_moves_no_clock(run):
+    solver = {"__name__": "qpsolvers.solvers.daqp_"}
+    exec("import time\ndef solve():\n    return time.perf_counter()\n", solver)
+
+    def main():
+        return [solver["solve"]() for _ in range(5)], [time.perf_counter() for _ in range(3)]
+
+    own, looks = run(main)
+    assert len(set(own)) == 1
+    assert looks[0] < looks[1] < looks[2]
