@@ -428,3 +428,32 @@ def test_objects_that_another_node_adds_to_the_planning_scene_are_drafted(exampl
     assert "spare" not in text
     given = example.run("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
     assert given.json["verdict"]["kind"] == "partial"
+
+
+SEVERAL = (
+    HEAD
+    + """\
+from std_srvs.srv import SetBool, SetBoolResponse
+
+
+def answer(request):
+    if request.data:
+        turn(0.2)
+    else:
+        turn(0.1)
+        raise KeyError("no way back")
+    return SetBoolResponse(True, "")
+
+
+rospy.Service("/pick", SetBool, answer)
+rospy.spin()
+"""
+)
+
+
+def test_a_value_that_only_makes_a_run_fail_is_left_out(example):
+    example.write("c.py", SEVERAL)
+    assert example.run("scenario", "c.py", "--write").code == 0
+    text = example.read("c.scenario.yaml").decode()
+    assert text.count("service: /pick") == 1
+    assert "request: {data: true}" in text

@@ -558,6 +558,36 @@ def test_what_a_controller_of_ros_2_serves_is_called(run2_in):
     assert run2_in(CALLS, main) == [True, False, False]
 
 
+TURNS = """
+calls:
+  - {service: /other, type: std_srvs/Trigger, wait: true}
+  - {service: /pick, type: std_srvs/SetBool, request: {data: true}, wait: true}
+  - {service: /pick, type: std_srvs/SetBool, request: {data: false}, wait: 5.0}
+"""
+
+
+def test_a_call_waits_for_its_turn_which_what_nobody_serves_does_not_take(run_in):
+    def main(scheduler):
+        import rospy
+        from std_srvs.srv import SetBool, SetBoolResponse
+
+        rospy.init_node("picker")
+        came = []
+
+        def pick(request):
+            came.append((seconds(scheduler), request.data))
+            return SetBoolResponse(True, "")
+
+        rospy.Service("/pick", SetBool, pick)
+        rospy.sleep(20.0)
+        return came
+
+    (first, on), (second, off) = run_in(TURNS, main)
+    assert (on, off) == (True, False)
+    assert 4.0 < first < 8.0
+    assert 5.0 < second - first < 7.0
+
+
 GOALS = "calls:\n  - {action: /grasp, type: TYPE, goal: {command: {position: 0.02}}}\n"
 
 

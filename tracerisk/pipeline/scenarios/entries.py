@@ -70,6 +70,12 @@ class Attempt:
         return self.trace is not None and self.trace.end.cause == "raised"
 
     @property
+    def is_faulted(self) -> bool:
+        """Whether the run shows risk, and that something went wrong."""
+        verdict = None if self.trace is None else self.trace.verdict
+        return self.is_traced and verdict is not None and verdict.kind == "faulted"
+
+    @property
     def score(self) -> tuple[bool, bool, int]:
         """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
         trace = self.trace
@@ -147,6 +153,15 @@ def names_own_joints(draft: Draft, written: Mapping[str, Any]) -> bool:
     if draft.need.type_name != "sensor_msgs/JointState":
         return True
     return {*written.get("name", ())} <= {*draft.value["message"]["name"]}
+
+
+def without_repeats(entries: Entries) -> Entries:
+    """Return entries that call each service and action once, with the first value alone."""
+    fewer = entries.copy()
+    for key in entries.drafts:
+        if key[0] == "calls" and key[1].endswith("]"):
+            del fewer.drafts[key]
+    return fewer
 
 
 def one_by_one(best: Entries, tried: Entries) -> list[Entries]:

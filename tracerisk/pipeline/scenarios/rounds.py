@@ -30,6 +30,7 @@ from tracerisk.pipeline.scenarios.entries import (
     names_own_joints,
     one_by_one,
     useful_drafts,
+    without_repeats,
 )
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
@@ -205,6 +206,8 @@ class Rounds:
         elsewhere = self._elsewhere(self.best)
         if elsewhere is not None:
             yield elsewhere
+        if self.best.is_faulted:
+            yield without_repeats(self.best.entries)
         if not self.best.is_traced and self._may_need_arguments(attempt):
             if self._lines is None:
                 self._lines = list(command_lines(self._controller, self._written.arguments))

@@ -54,6 +54,7 @@ _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geomet
 _MOST_IN_TURN = 6  # calls of one service, each with another value
 _TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
+_BESIDE = 0.1  # from one drafted object to the next [m]
 _ON_S = 5.0  # before what was switched on is switched off
 _PRESSED_S = 1.0  # for how long each button of a game pad is pressed
 _BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
@@ -113,7 +114,16 @@ def drafts(
     once: dict[tuple[str, str], Draft] = {}
     for each in found:
         once.setdefault((each.section, each.key), each)
+    _set_apart([each for each in once.values() if each.need.kind == "object"])
     return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
+
+
+def _set_apart(objects: Iterable[Draft]) -> None:
+    """Move drafted objects aside, so that none stands in another."""
+    free = [each for each in objects if "xyz" in each.value]
+    for number, each in enumerate(free):
+        for entry in (each.value, *each.others):
+            entry["xyz"][1] = round(entry["xyz"][1] + number * _BESIDE, 3)
 
 
 def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from tracerisk.text.yaml_reader import YamlMap
 _KEYS = {"service": "request", "action": "goal"}
 _LOOK_NS = 500_000_000
 _RESTS = 2  # looks at which nothing moves
+_PASSED_OVER = 10  # looks at which this one is served, and nobody serves the entries above
 _PATIENCE_NS = 120_000_000_000  # how long a run goes on for a turn that does not come
 
 
@@ -28,7 +29,8 @@ class ScenarioCall:
     """One entry of `calls`: sent at its times, or once when the controller begins to serve.
 
     What a call at a time finds nobody to serve is not sent. One that waits is sent when the entry
-    `before` it was answered and the robot has come to rest, or so many seconds later.
+    `before` it was answered and the robot has come to rest, or so many seconds later. What nobody
+    serves is passed over.
 
     Raises:
         ScenarioError: the entry is malformed, or what it sends does not fit its type.
@@ -69,6 +71,7 @@ class ScenarioCall:
         self._is_answered: Callable[[], bool] = lambda: False
         self._before = before
         self._rests = 0
+        self._served_for = 0
         waits, later_s = _turn(entry)
         self._later_ns = round(later_s * 1e9)
         if waits and "at" in entry:
@@ -98,7 +101,9 @@ class ScenarioCall:
     def _look(self) -> None:
         """Send the call if it is its turn; else look again."""
         twin = self._runtime.twin
-        is_turn = self._before is None or self._before._is_answered()
+        self._served_for += self._is_served
+        before = self._last_served() if self._served_for > _PASSED_OVER else self._before
+        is_turn = before is None or before._is_answered()
         is_at_rest = twin is None or not twin.busy
         self._rests = self._rests + 1 if is_turn and is_at_rest and self._is_served else 0
         if self._rests >= _RESTS:
@@ -111,6 +116,13 @@ class ScenarioCall:
         self._schedule.at(
             self._schedule.now_ns + _LOOK_NS, self._look, awaited=awaited, background=not awaited
         )
+
+    def _last_served(self) -> ScenarioCall | None:
+        """Return the last entry above that was sent or can be; a turn nobody takes is passed."""
+        before = self._before
+        while before is not None and not (before._is_sent or before._is_served):
+            before = before._before
+        return before
 
     @property
     def _is_served(self) -> bool:
