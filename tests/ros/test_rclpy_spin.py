@@ -481,3 +481,39 @@ def test_two_runs_are_the_same(run_ros2):
         return seen
 
     assert run_ros2(main) == run_ros2(main)
+
+
+def test_a_task_of_asyncio_awaits_a_future_beside_its_own_spinning(run_ros2):
+    """Until ROS 2 Jazzy, `Future.__await__` yields nothing, so that asyncio can await it."""
+
+    def main():
+        import asyncio
+
+        import rclpy
+        from std_srvs.srv import SetBool
+
+        rclpy.init()
+        node, other = rclpy.create_node("cell"), rclpy.create_node("gripper")
+
+        def answer(request, response):
+            response.success = request.data
+            return response
+
+        other.create_service(SetBool, "suction", answer)
+        client = node.create_client(SetBool, "suction")
+
+        async def spin():
+            while rclpy.ok():
+                rclpy.spin_once(other, timeout_sec=0)
+                rclpy.spin_once(node, timeout_sec=0)
+                await asyncio.sleep(0.005)
+
+        async def work():
+            spinning = asyncio.ensure_future(spin())
+            response = await client.call_async(SetBool.Request(data=True))
+            spinning.cancel()
+            return response.success
+
+        return asyncio.run(work())
+
+    assert run_ros2(main) is True

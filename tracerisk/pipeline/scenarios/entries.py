@@ -156,11 +156,18 @@ def names_own_joints(draft: Draft, written: Mapping[str, Any]) -> bool:
 
 
 def without_repeats(entries: Entries) -> Entries:
-    """Return entries that call each service and action once, with the first value alone."""
+    """Return entries that call each service and action once, with the first value alone.
+
+    Of the objects that are held, and of the others, the first stay: those of the first values.
+    """
     fewer = entries.copy()
-    for key in entries.drafts:
-        if key[0] == "calls" and key[1].endswith("]"):
-            del fewer.drafts[key]
+    repeats = [key for key in entries.drafts if key[0] == "calls" and key[1].endswith("]")]
+    objects = [each for each in entries.drafts.items() if each[0][0] == "objects"]
+    for is_held in (True, False):
+        alike = [key for key, each in objects if ("attached" in each.value) is is_held]
+        repeats += alike[1:] if repeats else []
+    for key in repeats:
+        del fewer.drafts[key]
     return fewer
 
 

@@ -120,7 +120,7 @@ def drafts(
 
 def _set_apart(objects: Iterable[Draft]) -> None:
     """Move drafted objects aside, so that none stands in another."""
-    free = [each for each in objects if "xyz" in each.value]
+    free = [each for each in objects if "attached" not in each.value]
     for number, each in enumerate(free):
         for entry in (each.value, *each.others):
             entry["xyz"][1] = round(entry["xyz"][1] + number * _BESIDE, 3)
@@ -311,8 +311,8 @@ def _object(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     del interfaces
     need = missed.need
     entry: dict[str, Any] = {"name": need.name, "box": list(BOX)}
-    if need.type_name == "attached" and values.group is not None:
-        entry["attached"] = values.group[1].tip_link
+    if need.type_name == "attached" and values.hand is not None:
+        entry["xyz"], entry["attached"] = list(values.hand[1]), values.hand[0]
         return need.name, entry, f"a box in the hand of {values.robot.name}"
     entry |= {"xyz": list(values.pose.position), "known": True}
     return need.name, entry, f"a box that {values.robot.name} reaches"

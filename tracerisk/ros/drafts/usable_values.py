@@ -24,6 +24,7 @@ from tracerisk.ros.messages.fields import (
     fields_of,
     type_of,
 )
+from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.source.compared_values import Compared
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Group, Joint, Robot
@@ -32,8 +33,8 @@ from tracerisk.twin.urdf.text import urdf_text
 _DEEPEST = 5  # of nested messages: what lies deeper, but for poses, is left at its defaults
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
 _TRIED = 400  # postures among which one with the tool in front of the arm is looked for
-_SOLVED = 24  # of the best of them, for how many the pose above is tried
-_ABOVE = 0.1  # a pose is approached from so far above [m]
+_ABOVE = ((0.2, 8), (0.1, 24))
+"""From how far above a pose is approached [m], and for how many of the best that is tried."""
 _AHEAD = 0.4  # of the arm's reach: how far before its base a pose should be
 _HEIGHT = 0.15  # of its reach: how high above the base's foot
 _APART = 0.1  # poses are so far apart [m]
@@ -79,7 +80,7 @@ class UsableValues:
     ) -> None:
         self.robot = robot
         self._forward = forward
-        self._inverse = inverse
+        self._solve = inverse
         self._number = 0
 
     def fields(
@@ -141,6 +142,21 @@ class UsableValues:
         found = list(self._reachable())
         return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
 
+    @cached_property
+    def hand(self) -> tuple[str, tuple[float, ...]] | None:
+        """The tip of the arm, and where its gripper holds a thing, in the frame of that link."""
+        if self.group is None or self.group[1].tip_link is None:
+            return None
+        tip, state = self.group[1].tip_link, dict(self.robot.initial_state)
+        pads = [pad for gripper in self.robot.grippers[:1] for pad in gripper.pads]
+        if not pads:
+            return tip, (0.0, 0.0, BOX[2])
+        places = [self._forward(state, pad).position for pad in pads]
+        x, y, z = (sum(each) / len(places) for each in zip(*places, strict=True))
+        seen = inverse(self._forward(state, tip))
+        middle = compose(seen, Pose((x, y, z), (0.0, 0.0, 0.0, 1.0)))
+        return tip, tuple(round(each, 3) + 0.0 for each in middle.position)
+
     def _reachable(self) -> Iterator[Pose]:
         if self.group is None or self.group[1].tip_link is None:
             return
@@ -156,25 +172,26 @@ class UsableValues:
         # The orientation of a known state is one that its author works with.
         upright = min(poses[: 1 + len(states)], key=_tilt)
         found: list[Pose] = []
-        for each in ranked[:_SOLVED]:
+        tried = ((above, each) for above, most in _ABOVE for each in ranked[:most])
+        for above, each in tried:
             if any(math.dist(each.position, other.position) < _APART for other in found):
                 continue
             orientations = [each.orientation]
             if _tilt(upright) < _UPRIGHT:
                 orientations.insert(0, upright.orientation)
             made = (_rounded(Pose(each.position, orientation)) for orientation in orientations)
-            reached = next((pose for pose in made if self._is_reached(name, pose)), None)
+            reached = next((pose for pose in made if self._is_reached(name, pose, above)), None)
             if reached is not None:
                 found.append(reached)
                 yield reached
             if len(found) == _POSES:
                 return
 
-    def _is_reached(self, group: str, pose: Pose) -> bool:
+    def _is_reached(self, group: str, pose: Pose, above: float) -> bool:
         x, y, z = pose.position
         try:
-            self._inverse(group, pose)
-            self._inverse(group, Pose((x, y, z + _ABOVE), pose.orientation))
+            self._solve(group, pose)
+            self._solve(group, Pose((x, y, z + above), pose.orientation))
         except PlanningError:
             return False
         return True

@@ -19,6 +19,7 @@ from tracerisk.ros.scenario.scenario import triple
 from tracerisk.ros.transforms.poses import quaternion_from_rpy
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import Robot
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -45,8 +46,18 @@ def add_known_objects(runtime: Runtime, interfaces: Any, objects: Sequence[YamlM
                 f"robot '{runtime.twin.robot.name}' has no link '{link}'; {one_of(names, link)}",
                 entry.key_location("attached"),
             )
-        pads = [pad for gripper in runtime.twin.robot.grippers for pad in gripper.pads]
-        changes.attach(entry.string("name"), link, [link, *pads])
+        changes.attach(entry.string("name"), link, _hand_links(runtime.twin.robot, link))
+
+
+def _hand_links(robot: Robot, link: str) -> list[str]:
+    """Return the links that move as one with a link, and all that they carry."""
+    above = {each.child: each for each in robot.attachments}
+    while link in above and above[link].type == "fixed":
+        link = above[link].parent
+    found = [link]
+    for each in found:
+        found += [one.child for one in robot.attachments if one.parent == each]
+    return found
 
 
 def _message(interfaces: Any, entry: YamlMap) -> Any:

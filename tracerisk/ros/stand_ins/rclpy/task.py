@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import sys
 import warnings
 from collections.abc import Callable, Generator
 from contextlib import nullcontext
@@ -38,7 +39,13 @@ class Future:
 
     def __await__(self) -> Generator[Any, None, Any]:
         while not self._done:
-            yield self
+            asyncio = sys.modules.get("asyncio")
+            if asyncio is None or asyncio._get_running_loop() is None:
+                yield self
+            else:
+                # A task of asyncio comes back in the next round of its loop, which spins.
+                run().scheduler.touch()
+                yield
         return self.result()
 
     def cancel(self) -> None:
