@@ -457,3 +457,47 @@ def test_a_value_that_only_makes_a_run_fail_is_left_out(example):
     text = example.read("c.scenario.yaml").decode()
     assert text.count("service: /pick") == 1
     assert "request: {data: true}" in text
+
+
+NAVIGATED = """\
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from nav2_simple_commander.robot_navigator import BasicNavigator, TaskResult
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+NAMES = [f"panda_joint{number}" for number in range(1, 8)]
+
+
+def move(node, pub):
+    point = JointTrajectoryPoint(positions=[0.1] * 3 + [-2.0, 0.1, 1.5, 0.7])
+    point.time_from_start.sec = 1
+    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))
+    rclpy.spin_once(node, timeout_sec=3.0)
+
+
+rclpy.init()
+nav = BasicNavigator()
+pub = nav.create_publisher(JointTrajectory, "/arm_controller/joint_trajectory", 1)
+nav.waitUntilNav2Active()
+goal = PoseStamped()
+goal.header.frame_id = "map"
+nav.goToPose(goal)
+while not nav.isTaskComplete():
+    nav.getFeedback()
+if nav.getResult() == TaskResult.SUCCEEDED:
+    move(nav, pub)
+"""
+
+
+def test_a_base_that_nav2_drives_is_drafted_though_drivers_serve_the_same_names(example):
+    """Drivers of arms serve `get_state` too, of other types."""
+    example.write("c.py", NAVIGATED)
+    assert example.run("scenario", "c.py", "--robot", "panda", "--write").code == 0
+    text = example.read("c.scenario.yaml").decode()
+    for name in ("/amcl/get_state", "/bt_navigator/get_state", "/navigate_to_pose", "/amcl_pose"):
+        assert name in text
+    assert "label: active" in text
+    given = example.run("run", "c.py", "--json", "--check", "--robot", "panda", "--scenario",
+                        "c.scenario.yaml")  # fmt: skip
+    assert given.json["verdict"]["kind"] == "partial"
+    assert [each["ref"]["name"] for each in given.json["trace"]["functions"]] == ["move"]

@@ -178,13 +178,18 @@ class UnmetNeeds:
         if need.name.startswith("~") or "/" not in need.type_name:
             return True
         if need.kind == "service":
-            return graph.service(need.name) is not None
+            return self._is_served(need)
         if need.kind == "action":
             return actions.server(need.name, need.type_name) is not None or self._is_arms(need)
         if need.kind == "topic":
             is_twins = _OF_THE_TWIN.match(need.type_name) is not None
             return is_twins or bool(graph.publications(need.name))
         return True
+
+    def _is_served(self, need: Need) -> bool:
+        """Return whether somebody serves a service, of the type that is asked for."""
+        server = self._runtime.graph.service(need.name, need.type_name or None)
+        return server is not None and need.type_name in ("", server.type_name)
 
     def _is_arms(self, need: Need) -> bool:
         (draft,) = drafts([Missed(need, 0, 0, None)], self._interfaces, self._values)
@@ -323,7 +328,7 @@ class UnmetNeeds:
     def _missed_now(self) -> tuple[Missed, ...]:
         graph, actions = self._runtime.graph, self._runtime.client(Actions)
         given: dict[NeedKind, Callable[[Missed], bool]] = {
-            "service": lambda each: graph.service(each.need.name) is not None,
+            "service": lambda each: self._is_served(each.need),
             "action": lambda each: actions.server(each.need.name, each.need.type_name) is not None,
             "parameter": lambda each: graph.parameters.has(each.need.name),
         }

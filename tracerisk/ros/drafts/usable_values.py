@@ -246,6 +246,8 @@ class UsableValues:
             return turn
         if kind == "geometry_msgs/Transform":
             return {"translation": position, "rotation": turn}
+        if kind == "lifecycle_msgs/State":
+            return {"id": 3, "label": "active"}
         if kind == "geometry_msgs/Twist":
             return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
         if kind == "shape_msgs/SolidPrimitive":

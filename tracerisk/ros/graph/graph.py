@@ -373,15 +373,18 @@ class Graph:
         self._offers.setdefault(base_name, {}).setdefault(type_name, (handle, node))
 
     def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
-        """Return who serves a name, if anybody; a service of the twin's begins with that."""
+        """Return who serves a name, if anybody; a service of the twin's begins with that.
+
+        One of another type than whoever asks means does not: many drivers have a `get_state`.
+        """
         known = self._services.get(name)
         parts = name.rsplit("/", 2)
         offered = {
             **self._offers.get("/".join(parts[-2:]), {}),
             **self._offers.get(parts[-1], {}),
         }
-        if known is None and offered:
-            kind = type_name if type_name in offered else next(iter(offered))
+        if known is None and offered and (type_name is None or type_name in offered):
+            kind = next(iter(offered)) if type_name is None else type_name
         elif (
             known is not None
             and not known.is_callback
