@@ -276,6 +276,36 @@ def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_pa
     assert len({each.key for each in found}) == 2
 
 
+DETECTED = """\
+def on_tags(message):
+    for detection in message.detections:
+        if detection.id != 7 or detection.family != "tag36h11":
+            continue
+        go(detection)
+
+def on_all(message):
+    for _, each in enumerate(message.detections):
+        if each.family == "tag25h9":
+            go(each)
+
+node.create_subscription(AprilTagDetectionArray, "/tags", on_tags, 10)
+node.create_subscription(AprilTagDetectionArray, "/all", on_all, 10)
+"""
+
+
+@pytest.mark.parametrize(("name", "expected"), [("/tags", (7, "tag36h11")), ("/all", ("tag25h9",))])
+def test_what_a_loop_compares_of_each_item_of_a_list_is_in_the_first(
+    tmp_path, values, name, expected
+):
+    path = tmp_path / "c.py"
+    path.write_text(DETECTED)
+    line = next(i for i, text in enumerate(DETECTED.splitlines(), 1) if f'"{name}"' in text)
+    need = Need("topic", name, "apriltag_msgs/AprilTagDetectionArray")
+    (draft,) = drafts([Missed(need, 0, 0, Location(str(path), line))], Interfaces2(), values)
+    (first,) = draft.value["message"]["detections"]
+    assert set(expected) <= {first["id"], first["family"]}
+
+
 SWITCHED = """\
 import rospy
 class Node:

@@ -237,6 +237,26 @@ told = client.get_result().error_string
     assert "no named state or motion 'rech'; did you mean 'reach'?" in ran["told"]
 
 
+def test_a_motion_of_the_parameters_comes_before_a_state_of_that_name(run_on):
+    ran = run_on(
+        "panda",
+        """
+import actionlib, rospy
+from play_motion_msgs.msg import PlayMotionAction, PlayMotionGoal
+rospy.init_node('player')
+rospy.set_param('/play_motion/motions/ready', {
+    'joints': ['panda_joint%d' % i for i in range(1, 8)],
+    'points': [{'positions': [0.4, -0.7, 0.0, -2.3, 0.0, 1.5, 0.7], 'time_from_start': 2.0}],
+})
+client = actionlib.SimpleActionClient('/play_motion', PlayMotionAction)
+client.wait_for_server()
+done = client.send_goal_and_wait(PlayMotionGoal(motion_name='ready'))
+""",
+    )
+    assert ran["done"] == 3
+    assert ran.position("panda_joint1") == pytest.approx(0.4, abs=0.01)
+
+
 def test_sawyers_motion_controller_goes_through_joints_or_to_a_pose(run_on):
     ran = run_on(
         "sawyer",

@@ -36,6 +36,7 @@ _NAMED = frozenset(
         "get_planning_component",
     }
 )
+_THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
 _OF_GOAL = frozenset({"request", "goal"})
 
 
@@ -295,6 +296,11 @@ def _flow(
                     known[dotted_name(target)] = path
                     if isinstance(target, ast.Attribute):
                         kept[dotted_name(target)] = path
+        elif isinstance(node, ast.For | ast.comprehension):
+            # What is in a list has the path of the list.
+            item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
+            if path is not None and item:
+                known[item] = path
     for node in ast.walk(function):
         _compare(node, known, found)
         if isinstance(node, ast.Call) and depth < _DEEPEST:
@@ -312,6 +318,20 @@ def _flow(
     for node in ast.walk(tree) if kept else ():
         _compare(node, kept, found)
     return found
+
+
+def _listed(iterated: ast.expr) -> ast.expr:
+    """Return the list that a loop goes through: `messages` of `enumerate(messages)`."""
+    if isinstance(iterated, ast.Call) and last_name(iterated.func) in _THROUGH and iterated.args:
+        return iterated.args[0]
+    return iterated
+
+
+def _item(target: ast.expr, iterated: ast.expr) -> str:
+    """Return the name that each item of a list is given in a loop; empty for none."""
+    if isinstance(target, ast.Tuple) and _listed(iterated) is not iterated:
+        target = target.elts[-1]
+    return target.id if isinstance(target, ast.Name) else ""
 
 
 def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:

@@ -202,15 +202,19 @@ class DescribedMotions:
         return request.goals(value, roles.get("joint_names"), "angle")
 
     def _named(self, name: str) -> list[Goal]:
-        """Return a named state of the robot, or the points of a motion in the parameters."""
+        """Return the points of a motion in the parameters, or a named state of the robot."""
         robot = self._arm.twin.robot
         states = robot.named_states.get(self._arm.group or "", {})
-        if name in states:
-            state = states[name].items()
-            return [{key: value for key, value in state if key in self._arm.joints}]
         tree = self._runtime.graph.parameters
         ending = f"/{_MOTIONS}/{name}/joints"
         found = [each for each in tree.names() if each.endswith(ending)]
+        # What the files around the controller hold is found by its whole name.
+        own = f"{self._driver.node}{ending}"
+        if not found and tree.has(own):
+            found = [own]
+        if not found and name in states:
+            state = states[name].items()
+            return [{key: value for key, value in state if key in self._arm.joints}]
         if not found:
             known = {each.split("/")[-2] for each in tree.names() if f"/{_MOTIONS}/" in each}
             raise PlanningError(
