@@ -501,3 +501,35 @@ def test_a_base_that_nav2_drives_is_drafted_though_drivers_serve_the_same_names(
                         "c.scenario.yaml")  # fmt: skip
     assert given.json["verdict"]["kind"] == "partial"
     assert [each["ref"]["name"] for each in given.json["trace"]["functions"]] == ["move"]
+
+
+RELATIVE = (
+    HEAD
+    + """\
+def lift():
+    pose = arm.get_current_pose().pose
+    pose.position.z += 0.15
+    arm.set_pose_target(pose)
+    return arm.go(wait=True)
+
+
+lift()
+"""
+)
+
+
+def test_a_start_with_room_to_move_is_drafted_where_nothing_can_be_reached(example):
+    example.write("c.py", RELATIVE)
+    # Stretched out upwards, as many arms stand when they are switched on.
+    upright = "start: {panda_joint2: 0.0, panda_joint4: -0.07, panda_joint6: 1.8}\n"
+    example.write("up.yaml", upright)
+    assert example.run("run", "c.py", "--no-draft", "--check", "--scenario", "up.yaml").code == 4
+    assert example.run("run", "c.py", "--check", "--no-draft").code in (0, 1)
+    example.write("c.py", RELATIVE.replace("0.15", "0.6"))
+    assert example.run("run", "c.py", "--no-draft").code == 4
+    assert example.run("scenario", "c.py", "--write").code == 0
+    text = example.read("c.scenario.yaml").decode()
+    assert "start:\n  panda_joint1: " in text
+    assert "# assumed: a posture of panda with room around its tool" in text
+    given = example.run("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
+    assert given.json["verdict"]["kind"] == "partial"

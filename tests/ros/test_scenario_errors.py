@@ -13,17 +13,19 @@ from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.objects import with_objects, with_start
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
 
 
 def give(path, interfaces):
     """Read a scenario and give its world to a run on the Panda, as the command does."""
     scenario = read_scenario(path)
     with_objects(load_scene("tube_racks"), scenario.objects)
+    with_start(load_robot("panda"), scenario.start)
     scheduler = Scheduler(SimpleNamespace(time_ns=0, busy=False), duration_ns=1)
     robot = SimpleNamespace(link_names=("panda_hand",))
     runtime = Runtime(scheduler, Graph(scheduler), twin=SimpleNamespace(robot=robot))
@@ -192,6 +194,12 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
         (BODY.replace("box: [0.1, 0.1, 0.1]", "xyz: [0, 0, 0]"), "expected exactly one of box"),
         (BODY.replace("[0.1, 0.1, 0.1]", "[0.1, 0.1, 0]"), "every length must be above 0"),
         (BODY + "    graspable: true\n", "'mass' is missing in objects[0]; give it one"),
+        (
+            "start: {panda_joint9: 0.1}\n",
+            "s.yaml:1:9: robot 'panda' has no joint 'panda_joint9'; did",
+        ),
+        ("start: {panda_joint1: 9}\n", "9 for joint 'panda_joint1' is outside its limits [-2.8973"),
+        ("start: {panda_joint1: up}\n", "start.panda_joint1: expected a number"),
         (BODY + "    known: true\n    mass: 1\n", "unknown key 'mass' in objects[0]"),
         (BODY + "    known: false\n    attached: hand\n", "is known to the planning scene"),
         (

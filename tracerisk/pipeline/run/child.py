@@ -69,7 +69,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
-from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.objects import with_objects, with_start
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.greenlet_baton import GreenletBaton
@@ -296,6 +296,7 @@ def twin_of(
         lambda message: recorder.finding("assumed_name", message),
     )
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
+    robot = with_start(robot, scenario.start)
     scene = with_objects(load_scene(request.scene), scenario.objects)
     twin = Twin.build(robot, scene, samples=samples)
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)

@@ -201,7 +201,10 @@ class UnmetNeeds:
         One that shows no risk may wait for a switch too.
         """
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
-        left_off = () if shows_risk else self._runtime.scheduler.needs.left_off
+        needs = self._runtime.scheduler.needs
+        left_off = () if shows_risk else needs.left_off
+        if needs.came_nowhere is not None and not shows_risk:
+            left_off = (*left_off, needs.came_nowhere)
         beside = self._further(self._beside())
         for each in (*self._unserved(), *beside, *self._uncalled(), *left_off):
             found.setdefault((each.need.kind, each.need.name), each)

@@ -110,6 +110,7 @@ def is_given(known: Scenario, draft: Draft) -> bool:
         "services": (each.name for each in known.services),
         "actions": (each.name for each in known.actions),
         "frames": (each.frame for each in known.frames),
+        "start": (draft.need.name,) if known.start else (),
         "objects": (each.string("name") for each in known.objects),
         "calls": (
             str(each.get(key))

@@ -15,7 +15,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_frame
 
 NeedKind = Literal[
-    "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object"
+    "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object", "start"
 ]
 
 KEYS = "keys that are pressed"
@@ -53,6 +53,7 @@ class Need:
             "call": "calls of service",
             "goal": "goals for action server",
             "object": "object of the planning scene",
+            "start": "a start with room to move for",
         }[self.kind]
         if self.name == KEYS:
             return KEYS
@@ -80,6 +81,8 @@ class NeedLedger:
         self._left_off: dict[str, Missed] = {}
         self._sought: dict[tuple[NeedKind, str], Missed] = {}
         self._errors: list[str] = []
+        self.came_nowhere: Missed | None = None
+        """The last motion that could not be planned, if there is one."""
 
     @property
     def missed(self) -> tuple[Missed, ...]:

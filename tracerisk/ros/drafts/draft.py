@@ -33,6 +33,7 @@ SECTIONS: Mapping[NeedKind, str] = {
     "goal": "calls",
     "frame": "frames",
     "object": "objects",
+    "start": "start",
     "input": "answers",
 }
 """Where a scenario gives what is needed."""
@@ -318,6 +319,12 @@ def _object(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     return need.name, entry, f"a box that {values.robot.name} reaches"
 
 
+def _start(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    del interfaces
+    start = dict(values.start) or None
+    return missed.need.name, start, f"a posture of {values.robot.name} with room around its tool"
+
+
 def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     del interfaces
     need = missed.need
@@ -389,6 +396,7 @@ _ENTRIES = {
     "goal": _sent_goal,
     "frame": _frame,
     "object": _object,
+    "start": _start,
     "input": _answer,
     "parameter": _parameter,
 }

@@ -143,6 +143,17 @@ class UsableValues:
         return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
 
     @cached_property
+    def start(self) -> Mapping[str, float]:
+        """Positions of the arm's joints [rad or m] with its tool at the pose; empty for none."""
+        if self.group is None:
+            return {}
+        try:
+            found = self._solve(self.group[0], self.pose)
+        except PlanningError:
+            return {}
+        return {joint.name: round(_unwound(joint, found[joint.name]), 3) for joint in self.joints}
+
+    @cached_property
     def hand(self) -> tuple[str, tuple[float, ...]] | None:
         """The tip of the arm, and where its gripper holds a thing, in the frame of that link."""
         if self.group is None or self.group[1].tip_link is None:
@@ -359,6 +370,12 @@ class UsableValues:
         if field.name in position and not owner.startswith("geometry_msgs/"):
             return position[field.name]
         return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+
+
+def _unwound(joint: Joint, value: float) -> float:
+    """Return the position of a turning joint within half a turn of 0, where its limits allow."""
+    near = math.remainder(value, math.tau)
+    return near if joint.type != "prismatic" and joint.lower <= near <= joint.upper else value
 
 
 def _is_geometry(message_class: Any) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 from tracerisk.errors import Location, one_of
+from tracerisk.ros.controller.needs import Missed, Need, asking_place
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 START_TOLERANCE = 0.01
 """How far a trajectory may start from where the joints are: MoveIt's default [rad or m]."""
+
+
+_NOWHERE = frozenset({"planning_failure", "ik_failure", "path_cut"})
 
 
 class ErrorCode(enum.IntEnum):
@@ -146,6 +150,11 @@ class TrajectoryExecution:
 
         `object_name` is what it is about, `target` the goal of what failed.
         """
+        scheduler = self._runtime.scheduler
+        if kind in _NOWHERE:
+            need = Need("start", self._twin.robot.name)
+            place = asking_place()
+            scheduler.needs.came_nowhere = Missed(need, 0, scheduler.now_ns, place)
         stack = self._tracer.stack()
         self._report_of(stack, kind, message, object_name=object_name, target=target)
 

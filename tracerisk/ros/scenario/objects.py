@@ -1,14 +1,17 @@
-"""Objects that a scenario puts into the twin's scene: boxes, cylinders, spheres."""
+"""What a scenario says of the twin: the objects of its scene, and where the robot begins."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
+from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.geometry.shapes import Shape
 from tracerisk.ros.scenario.scenario import triple
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
+from tracerisk.twin.robots.robot import Robot
 
 _SHAPES = ("box", "cylinder", "sphere")
 _FRICTION = 0.5
@@ -39,6 +42,29 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
     # Of another name: what is recorded in it cannot be replayed in the scene alone.
     name = f"{scene.name}, with objects of a scenario"
     return replace(scene, name=name, fixtures=tuple(fixtures), objects=tuple(graspable))
+
+
+def with_start(robot: Robot, start: Sequence[tuple[str, float, Location]]) -> Robot:
+    """Return the robot with joints where a scenario says that they are when the run begins.
+
+    Raises:
+        ScenarioError: the robot lacks a joint, or it cannot be there.
+    """
+    known = {joint.name: joint for joint in robot.joints}
+    for name, value, place in start:
+        if name not in known:
+            raise ScenarioError(
+                f"robot '{robot.name}' has no joint '{name}'; {one_of(sorted(known), name)}", place
+            )
+        joint = known[name]
+        if joint.type != "continuous" and not joint.lower <= value <= joint.upper:
+            raise ScenarioError(
+                f"{value:g} for joint '{name}' is outside its limits "
+                f"[{joint.lower:g}, {joint.upper:g}]",
+                place,
+            )
+    moved = {name: value for name, value, _ in start}
+    return replace(robot, initial_state=MappingProxyType({**robot.initial_state, **moved}))
 
 
 def is_known(entry: YamlMap) -> bool:

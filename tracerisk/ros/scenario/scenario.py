@@ -125,6 +125,8 @@ class Scenario:
     unconfirmed: tuple[Unconfirmed, ...] = ()
     success: tuple[Condition, ...] = ()
     """What a mission is; empty where the file does not say."""
+    start: tuple[tuple[str, float, Location], ...] = ()
+    """Where joints are when the run begins [rad or m], each with its place in the file."""
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -140,6 +142,7 @@ def read_scenario(path: Path) -> Scenario:
         {
             *("parameters", "publish", "services", "actions"),
             *("calls", "frames", "objects", "answers", "accept", "arguments", "robot", "success"),
+            "start",
         }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
@@ -158,6 +161,7 @@ def read_scenario(path: Path) -> Scenario:
         arguments=_texts(top, "arguments", "one word of the command line each"),
         unconfirmed=unconfirmed(path, top),
         success=_entries(top, "success", read_condition),
+        start=_start(top),
     )
     _forbid_twice(top, "services", "name")
     _forbid_twice(top, "actions", "name")
@@ -177,6 +181,14 @@ def _holds_comments_alone(path: Path) -> bool:
 def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
     # A section that is left empty holds nothing.
     return tuple(read(entry) for entry in top.maps(key)) if top.get(key) is not None else ()
+
+
+def _start(top: YamlMap) -> tuple[tuple[str, float, Location], ...]:
+    if top.get("start") is None:
+        return ()
+    joints = top.map("start")
+    names = joints.keys()
+    return tuple((name, joints.number(name), joints.key_location(name)) for name in names)
 
 
 def _forbid_twice(top: YamlMap, section: str, key: str) -> None:
