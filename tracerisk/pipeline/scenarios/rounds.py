@@ -217,7 +217,10 @@ class Rounds:
                 yield entries
 
     def _draft(self, best: Attempt) -> ScenarioDraft:
-        entries = best.entries
+        entries = best.entries.copy()
+        if not best.is_traced:
+            # Where the robot begins was no help.
+            entries.drafts = {k: each for k, each in entries.drafts.items() if k[0] != "start"}
         given = tuple(entries.drafts.values())
         missing = tuple(self._cannot.values())
         return ScenarioDraft(

@@ -92,7 +92,7 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
     # Where the base is
 
     def setInitialPose(self, initial_pose: Any) -> None:
-        """Say where the base is."""
+        """Publish where the base is."""
         self.initial_pose_received = False
         self.initial_pose = initial_pose
         self._publish_initial_pose()
@@ -151,7 +151,7 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
         return self._begin("drive_on_heading", goal)
 
     def assistedTeleop(self, time_allowance: int = 30) -> bool:
-        """Let a person drive; return whether the goal was taken."""
+        """Give the base to a user who drives; return whether the goal was taken."""
         goal = AssistedTeleop.Goal()
         goal.time_allowance = Duration(seconds=time_allowance).to_msg()
         return self._begin("assisted_teleop", goal)
