@@ -16,6 +16,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.scenario.lines import scenario_lines
 from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.transforms.poses import compose
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import load_robot
@@ -121,6 +122,14 @@ def test_a_pose_is_one_that_the_tool_reaches_and_from_above_too(values):
         position = place["x"], place["y"], place["z"] + above
         pose = Pose(position, tuple(turn[each] for each in "xyzw"))
         kinematics.inverse(values.group[0], pose)  # raises where it is out of reach
+
+
+def test_a_thing_in_the_hand_is_between_the_fingers(values):
+    link, place = values.hand
+    assert max(map(abs, place[:2])) < 0.01
+    found = {**Kinematics(values.robot).forward_all(values.robot.initial_state)}
+    at = compose(found[link], Pose(place, (0.0, 0.0, 0.0, 1.0))).position
+    assert math.dist(at, found["panda_leftfinger"].position) < 0.07
 
 
 def test_other_poses_are_as_good_and_apart(values):

@@ -177,6 +177,7 @@ def _run_recorded(
         robot,
         twin.forward_kinematics,
         lambda group, pose: twin.inverse_kinematics(group, pose, avoid_collisions=True),
+        alone=lambda: twin.planning_among(()),
     )
     needs = UnmetNeeds(
         runtime,

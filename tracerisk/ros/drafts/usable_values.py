@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from functools import cached_property
 from typing import Any
@@ -30,6 +31,7 @@ from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Group, Joint, Robot
 from tracerisk.twin.urdf.text import urdf_text
 
+_NO_TURN = (0.0, 0.0, 0.0, 1.0)
 _DEEPEST = 5  # of nested messages: what lies deeper, but for poses, is left at its defaults
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
 _TRIED = 400  # postures among which one with the tool in front of the arm is looked for
@@ -69,7 +71,8 @@ class UsableValues:
     """The values for one robot.
 
     `forward` gives the pose of a link for joint positions, `inverse` the positions of a group
-    that bring its tip to a pose, free of collisions (PlanningError: none do).
+    that bring its tip to a pose, free of collisions (PlanningError: none do). Within `alone` these
+    are collisions of the robot with itself: what is in the scene may stand where it is to come.
     """
 
     def __init__(
@@ -77,10 +80,12 @@ class UsableValues:
         robot: Robot,
         forward: Callable[[Mapping[str, float], str], Pose],
         inverse: Callable[[str, Pose], Mapping[str, float]],
+        alone: Callable[[], AbstractContextManager[None]] = nullcontext,
     ) -> None:
         self.robot = robot
         self._forward = forward
         self._solve = inverse
+        self._alone = alone
         self._number = 0
 
     def fields(
@@ -139,7 +144,8 @@ class UsableValues:
     @cached_property
     def poses(self) -> tuple[Pose, ...]:
         """Poses that the tool reaches, the one nearest to where an arm works first."""
-        found = list(self._reachable())
+        with self._alone():
+            found = list(self._reachable())
         return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
 
     @cached_property
@@ -148,7 +154,8 @@ class UsableValues:
         if self.group is None:
             return {}
         try:
-            found = self._solve(self.group[0], self.pose)
+            with self._alone():
+                found = self._solve(self.group[0], self.pose)
         except PlanningError:
             return {}
         return {joint.name: round(_unwound(joint, found[joint.name]), 3) for joint in self.joints}
@@ -159,13 +166,19 @@ class UsableValues:
         if self.group is None or self.group[1].tip_link is None:
             return None
         tip, state = self.group[1].tip_link, dict(self.robot.initial_state)
-        pads = [pad for gripper in self.robot.grippers[:1] for pad in gripper.pads]
-        if not pads:
+        fingers = [pad for gripper in self.robot.grippers[:1] for pad in gripper.pads]
+        places = [
+            compose(self._forward(state, link.name), Pose(shape.xyz, _NO_TURN)).position
+            for link in self.robot.links
+            if link.name in fingers
+            for shape in link.shapes
+            if shape.pad
+        ]
+        if not places:
             return tip, (0.0, 0.0, BOX[2])
-        places = [self._forward(state, pad).position for pad in pads]
         x, y, z = (sum(each) / len(places) for each in zip(*places, strict=True))
         seen = inverse(self._forward(state, tip))
-        middle = compose(seen, Pose((x, y, z), (0.0, 0.0, 0.0, 1.0)))
+        middle = compose(seen, Pose((x, y, z), _NO_TURN))
         return tip, tuple(round(each, 3) + 0.0 for each in middle.position)
 
     def _reachable(self) -> Iterator[Pose]:
