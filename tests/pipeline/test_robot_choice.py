@@ -12,6 +12,8 @@ from tracerisk.errors import RobotError
 from tracerisk.pipeline.robot.choice import choose_robot
 
 ARM = 'JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"]\n'
+GROUP = 'arm = MoveGroupCommander("manipulator")\n'
+DEPENDING = "<package><name>cell</name><exec_depend>{}</exec_depend></package>\n"
 MANIFEST = "<package><name>{}</name></package>\n"
 
 
@@ -47,6 +49,8 @@ def chosen_by(script: Path) -> tuple[str, str]:
         (ARM, {"cell__config__a_DOT_yaml": "ur_type: ur10e"}, "ur10e",
          "a parameter file (cell/config/a.yaml)"),
         (ARM, {"README_DOT_md": "# A cell with a UR10e"}, "ur10e", "a readme (README.md)"),
+        (GROUP, {"manifest": DEPENDING.format("ur5_moveit_config")}, "ur5",
+         "what its package depends on (package.xml)"),
         (ARM + "# not the UR3\n", {"cell__ur5_DOT_yaml": "ur5"}, "ur3", "its comments (pick.py)"),
     ],
 )  # fmt: skip
@@ -55,6 +59,12 @@ def test_the_heaviest_evidence_decides_and_is_reported(tmp_path, script, files, 
         robot,
         f"{robot} is named in {expected}",
     )
+
+
+@pytest.mark.parametrize("needs", ["ur5_msgs", "ur5_moveit_config</depend><depend>ur10_support"])
+def test_what_a_package_depends_on_says_nothing_where_it_is_no_robot_or_two(tmp_path, needs):
+    script = project(tmp_path, GROUP, manifest=DEPENDING.format(needs).replace("exec_", ""))
+    assert choose_robot(pipeline.load_controller(script), Settings()).robot.name == "generic"
 
 
 def test_folders_of_the_project_count_and_those_around_it_do_not(tmp_path):

@@ -13,7 +13,7 @@ from pathlib import Path
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import PACKAGE_FILE, project_top
+from tracerisk.pipeline.workspace.workspace import PACKAGE_FILE, declared_needs, project_top
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
@@ -22,6 +22,7 @@ _KINDS = (
     ("a parameter file", re.compile(r".*\.ya?ml")),
     ("a readme", re.compile(r"readme(\..*)?", re.IGNORECASE)),
 )
+_OF_A_ROBOT = re.compile(r"_(moveit_?config|description|support|bringup|gazebo)$")
 _NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 _MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git", "src")
 _MOST_FOLDERS = 1000
@@ -42,6 +43,8 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     yield Hint("a module of its own", {file: read[0] for file, read in modules.items()}, True)
     yield Hint("its comments", {name: said})
     yield Hint("a module's comments", {file: read[1] for file, read in modules.items()})
+    needs = [name for name in declared_needs(controller.root) if _OF_A_ROBOT.search(name)]
+    yield Hint("what its package depends on", {PACKAGE_FILE: "\n".join(needs)}, is_telling=True)
     yield from _paths(controller)
     beside = sibling_programs(controller)
     yield Hint("a program beside it", {each.path.name: _read(each.source)[0] for each in beside})

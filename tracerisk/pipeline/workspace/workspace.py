@@ -135,11 +135,18 @@ def named_packages(
     for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES):
         if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
             words.update(_WORD.findall(file.read_text(encoding="utf-8", errors="replace")))
-    manifest = root / PACKAGE_FILE
-    if manifest.is_file():
-        text = manifest.read_text(encoding="utf-8", errors="replace")
-        words.update((*_NEED.findall(text), _name_of(root)))
+    if (root / PACKAGE_FILE).is_file():
+        words.update((*declared_needs(root), _name_of(root)))
     return frozenset(words & packages.keys())
+
+
+def declared_needs(root: Path) -> tuple[str, ...]:
+    """Return the packages on which the manifest in `root` says that its package depends."""
+    try:
+        text = (root / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ()
+    return tuple(_NEED.findall(text))
 
 
 def project_top(root: Path) -> Path:
@@ -196,7 +203,6 @@ def _needed_beside(root: Path) -> dict[str, Path]:
 
 def _needs_of(folder: Path) -> list[str]:
     """Return what a package says it needs, and what its modules import without saying so."""
-    text = (folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
     modules = itertools.islice(sorted(folder.rglob("*.py")), _MOST_MODULES)
     imported = {
         name
@@ -204,7 +210,7 @@ def _needs_of(folder: Path) -> list[str]:
         if module.is_file()
         for name in _IMPORT.findall(module.read_text(encoding="utf-8", errors="replace"))
     }
-    return [*_NEED.findall(text), *sorted(imported)]
+    return [*declared_needs(folder), *sorted(imported)]
 
 
 def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:
