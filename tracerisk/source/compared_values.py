@@ -9,18 +9,21 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.source.dotted_names import dotted_name, last_name
 from tracerisk.source.named_literals import with_named_literals
+from tracerisk.source.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
 _CASTS = frozenset({"str", "int", "float", "bool", "round"})
 _ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"})
+_ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
+"""Fields that many messages have, each with another meaning."""
 _NAMED = frozenset(
     {
         "MoveGroupCommander",
@@ -87,7 +90,8 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
                     function = node
                 name = None if function is None else _parameter(function, argument)
                 if function is not None and name is not None:
-                    return Compared(_frozen(_flow(function, {name: ()}, functions, tree)))
+                    found = _flow(function, {name: ()}, functions, tree)
+                    return Compared(_frozen({**_words_of_fields(tree, found), **found}))
     return Compared(_frozen(_by_field(tree)))
 
 
@@ -241,7 +245,9 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
     """Return the tree of a source as it is; `changed_ns` and `size` are keys of the cache."""
     del changed_ns, size
     try:
-        return with_named_literals(ast.parse(Path(file).read_bytes()))
+        path = Path(file)
+        settings = partial(package_settings, path)
+        return with_named_literals(ast.parse(path.read_bytes()), settings)
     except (OSError, SyntaxError, ValueError, RecursionError):
         return None
 
@@ -339,6 +345,16 @@ def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found)
         path = None if subject is None else _path(subject, known)
         if path is not None:
             found.setdefault(path, []).append(value)
+
+
+def _words_of_fields(tree: ast.AST, but: _Found) -> _Found:
+    """Return the words that the file knows for fields of these names, `but` what is known of."""
+    known = {path[-1] for path in but}
+    return {
+        path: values
+        for path, values in _by_field(tree).items()
+        if path[-1] not in known | _ANY_FIELD and all(isinstance(each, str) for each in values)
+    }
 
 
 def _by_field(tree: ast.AST) -> _Found:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from tracerisk.source.dotted_names import dotted_name
 
 
-def with_named_literals(tree: ast.Module) -> ast.Module:
+def with_named_literals(
+    tree: ast.Module, settings: Callable[[], Mapping[str, ast.expr]] = dict
+) -> ast.Module:
     """Return the tree with literals where it compares with, or looks up in, a name given once.
 
     A name that is given twice, counted up or a parameter's keeps its place. Of a mapping that is
-    compared with (`in`) stand its keys.
+    compared with (`in`) stand its keys. `settings` returns literals by their keys in files of
+    settings: they stand for `config["key"]` and `config.get("key")`.
     """
-    return _Inlined(_named(tree)).visit(tree)  # type: ignore[no-any-return]
+    return _Inlined(_named(tree), settings).visit(tree)  # type: ignore[no-any-return]
 
 
 def _named(tree: ast.Module) -> dict[str, ast.expr]:
@@ -64,8 +67,18 @@ def _in_classes(tree: ast.Module) -> Iterator[tuple[str, str, ast.expr]]:
 
 
 class _Inlined(ast.NodeTransformer):
-    def __init__(self, named: dict[str, ast.expr]) -> None:
+    def __init__(
+        self, named: dict[str, ast.expr], settings: Callable[[], Mapping[str, ast.expr]]
+    ) -> None:
         self._named = named
+        self._settings = settings
+
+    def _found(self, node: ast.expr) -> ast.expr | None:
+        """Return the literal that a name or a setting stands for, None for what is neither."""
+        found = self._named.get(dotted_name(node))
+        if found is None and (key := _setting(node)) is not None:
+            found = self._settings().get(key)
+        return found
 
     def visit_Compare(self, node: ast.Compare) -> ast.AST:
         self.generic_visit(node)
@@ -93,7 +106,7 @@ class _Inlined(ast.NodeTransformer):
         return node
 
     def _mapping(self, node: ast.expr) -> ast.expr:
-        found = self._named.get(dotted_name(node))
+        found = self._found(node)
         if not isinstance(found, ast.Dict):
             return node
         return ast.Dict(self._keys(found), found.values)
@@ -106,10 +119,21 @@ class _Inlined(ast.NodeTransformer):
         named = node
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not node.args:
             named = node.func.value if node.func.attr == "keys" else node
-        found = self._named.get(dotted_name(named), node)
+        found = self._found(named) or node
         if isinstance(found, ast.Dict):
             parts = [each for each in self._keys(found) if isinstance(each, ast.Constant)]
             return ast.List(list(parts), ast.Load())
         if isinstance(found, ast.List | ast.Tuple | ast.Set):
             return ast.List([self._value(each) for each in found.elts], ast.Load())
         return found
+
+
+def _setting(node: ast.expr) -> str | None:
+    """Return the key of `config["key"]` and `config.get("key")`."""
+    key: ast.expr | None = None
+    if isinstance(node, ast.Subscript):
+        key = node.slice
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        key = node.args[0] if node.func.attr == "get" else None
+    is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
+    return key.value if is_text else None  # type: ignore[union-attr]

@@ -1,0 +1,58 @@
+"""Words that a field may hold, by what the code and the files of its package do with it."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.errors import Location
+from tracerisk.source.compared_values import compared_in_callback
+
+SOURCE = """\
+sub = Subscriber("/parts", Part, on_part)
+srv = Service("/sort", Sort, on_sort)
+
+def on_part(part):
+    if part.confidence > 0.8:
+        last[part.color] = part.pose
+        log(part.data)
+
+def on_sort(request):
+    if request.color not in config["bins"]:
+        return
+    if request.data == "now":
+        go(config.get("speeds")[request.speed])
+"""
+
+
+@pytest.fixture
+def compared(tmp_path):
+    (tmp_path / "package.xml").write_text("<package/>")
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / "config").mkdir()
+    file = tmp_path / "scripts" / "sorter.py"
+    file.write_text(SOURCE)
+
+    def compared(settings: str, line: int):
+        (tmp_path / "config" / "cell.yaml").write_text(settings)
+        found = compared_in_callback(Location(str(file), line))
+        return found.texts(("color",)), found.texts(("speed",)), found.texts(("data",))
+
+    return compared
+
+
+CELL = "cell:\n  bins: {red: [0.1], blue: [0.2]}\n  speeds:\n    slow: 0.1\n    fast: 0.5\n"
+
+
+def test_keys_of_a_mapping_in_a_file_of_the_package_are_what_is_looked_up_in_it(compared):
+    assert compared(CELL, 2) == (("red", "blue"), ("slow", "fast"), ("now",))
+
+
+def test_a_field_of_the_same_name_elsewhere_in_the_file_means_the_same_unless_many_have_it(
+    compared,
+):
+    assert compared(CELL, 1) == (("red", "blue"), ("slow", "fast"), ())
+
+
+@pytest.mark.parametrize("settings", ["a: {bins: {x: 1}}\nb: {bins: {y: 1}}\n", "bins: [\n", ""])
+def test_what_means_two_things_or_cannot_be_read_says_nothing(compared, settings):
+    assert compared(settings, 2)[0] == ()
