@@ -155,7 +155,8 @@ def _unconfirmed(
     for each in entries:
         file, line, _ = each["location"].values()
         text = f": {each['words']}" if each["words"] else ""
-        what = " ".join(dict.fromkeys((each["section"], each["name"])))
+        section, name = each["section"], each["name"]
+        what = name if name.startswith(section) else f"{section} {name}"
         place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
         yield (
             each["name"],
