@@ -44,6 +44,18 @@ class JudgedEnd:
     needs: tuple[Need, ...] = ()
 
 
+_MOVES = re.compile(r"trajectory_msgs/|control_msgs/JointJog$|std_msgs/Float(32|64)MultiArray$")
+"""Types of messages that move something, whatever the topic is called."""
+_MAY_MOVE = re.compile(
+    r"geometry_msgs/(Pose|Point|Twist|Wrench)(Stamped|Array)?$|std_msgs/(Float(32|64)|String)$"
+    r"|sensor_msgs/JointState$"
+)
+_COMMANDS = re.compile(
+    r"(^|[/_])(cmd|commands?|goals?|targets?|set_?points?|desired|references?|equilibrium|jog"
+    r"|servo|script)([/_]|$)"
+)
+
+
 class UnmetNeeds:
     """The needs of one run; `has_commanded` returns whether anything was commanded.
 
@@ -116,6 +128,7 @@ class UnmetNeeds:
         plain = JudgedEnd(cause, message, location)
         if shows_risk:
             self._note_unmet()
+            self._report_unheard()
             if cause in _LISTENING:
                 self._report_unpublished()
             return plain
@@ -240,11 +253,24 @@ class UnmetNeeds:
 
     def _unheard(self) -> str:
         """Return in words that what a controller publishes reaches nobody, the twin included."""
-        needs = self._runtime.graph.unheard()
+        needs = [each.need for each in self._runtime.graph.unheard()]
         lines = [f"{each.name} ({each.type_name})" for each in needs[:_LISTED]]
         if len(needs) > _LISTED:
             lines.append(f"{len(needs) - _LISTED} more")
         return f"; nobody receives what it publishes on {', '.join(lines)}" if lines else ""
+
+    def _report_unheard(self) -> None:
+        """Report what a controller publishes as if to move something, and reaches nobody."""
+        for each in self._runtime.graph.unheard():
+            name, type_name = each.need.name, each.need.type_name
+            if _MOVES.match(type_name) or (_MAY_MOVE.match(type_name) and _COMMANDS.search(name)):
+                self._runtime.recorder.finding(
+                    "unprovided",
+                    f"nobody receives what it publishes on {name} ({type_name}): if that moves "
+                    "anything, no figure has it",
+                    self.below_root(each.location),
+                    object_name=name,
+                )
 
     def _report_unpublished(self) -> None:
         """Report topics on which nobody publishes: the run may have ended because of them."""

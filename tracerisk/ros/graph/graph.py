@@ -82,7 +82,8 @@ class Publication:
             self.graph.counts[self.topic] += 1
         receivers = self.subscriptions if only is None else (only,)
         if not receivers:
-            self.graph._unheard.setdefault(self.topic, self)
+            if self.topic not in self.graph._unheard:
+                self.graph._unheard[self.topic] = self, asking_place()
             if not self.latch:
                 return
         snapshot = self.copy(message)
@@ -197,7 +198,7 @@ class Graph:
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
         self.counts: Counter[str] = Counter()
-        self._unheard: dict[str, Publication] = {}
+        self._unheard: dict[str, tuple[Publication, Location | None]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._callers: dict[Need, Missed] = {}
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
@@ -313,14 +314,14 @@ class Graph:
             if each.by_controller and each.place is not None and not each.publications
         )
 
-    def unheard(self) -> tuple[Need, ...]:
+    def unheard(self) -> tuple[Missed, ...]:
         """Return the topics on which the controller has published and nobody subscribes.
 
         Topics that are only for display are left out.
         """
         return tuple(
-            Need("topic", name, each.type_name)
-            for name, each in self._unheard.items()
+            Missed(Need("topic", name, each.type_name), 0, 0, place)
+            for name, (each, place) in self._unheard.items()
             if each.by_controller and not self.subscriptions(name)
             if not _SHOWN.match(each.type_name)
         )
