@@ -22,9 +22,13 @@ def kept_evidence(controller: Controller) -> Evidence | None:
     Raises InputError where the file is malformed.
     """
     from tracerisk.evidence.cells import EVIDENCE_NAME
+
+    path = controller.root / EVIDENCE_NAME
+    if not path.exists():
+        return None
     from tracerisk.evidence.file import read_evidence
 
-    return read_evidence(controller.root / EVIDENCE_NAME).get(controller.file)
+    return read_evidence(path).get(controller.file)
 
 
 def used_evidence(
