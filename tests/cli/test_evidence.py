@@ -156,6 +156,26 @@ def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
     assert folder.read("tracerisk.evidence") == whole.read("tracerisk.evidence")
 
 
+def test_a_file_of_the_version_without_digests_is_taken_and_that_is_said(
+    gathered, tmp_path, example_in
+):
+    whole, _ = gathered
+    folder = example_in(tmp_path / "old")
+    shutil.copytree(whole.folder, folder.folder)
+    new = folder.read("tracerisk.evidence")
+    without = re.sub(rb' +"digest": "\w+",\n|, "digest": "\w+"', b"", new)
+    old = without.replace(b": 2,", b": 1,", 1)
+    assert b"digest" not in old
+    folder.write("tracerisk.evidence", old)
+    assert "edits of it do not show" in folder.run("evidence", "controller.py", "--show").out
+    merged = folder.run("evidence", "merge", "tracerisk.evidence", "-o", "all")
+    assert (merged.code, folder.read("all")) == (0, new)
+    assert "edits do not show" in " ".join(merged.err.split())
+    done = folder.run(*GATHER)
+    assert (done.code, folder.read("tracerisk.evidence")) == (0, new)
+    assert "of an earlier version, which shows no edits" in " ".join(done.err.split())
+
+
 def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, example_in):
     whole, _ = gathered
     first, second = (settled(example_in(tmp_path / each)) for each in ("a", "b"))

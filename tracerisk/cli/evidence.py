@@ -159,4 +159,10 @@ def _merge(options: argparse.Namespace) -> int:
     write_file(target, dump_evidence(merged))
     for name, found in sorted(merged.items()):
         note(f"{name}: {len(found.cells)} failures in {target}", quiet=options.quiet)
+        if not found.has_digest:
+            note(
+                f"{name}: a file was of an earlier version, without digests, in which edits do not "
+                "show",
+                quiet=options.quiet,
+            )
     return int(ExitCode.FINE)

@@ -137,7 +137,8 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
                 )
             cells = {each.key: each for each in (*ours.cells, *found.cells)}
             ordered = tuple(cells[key] for key in sorted(cells))
-            merged[name] = replace(ours, cells=ordered)
+            has_digest = ours.has_digest and found.has_digest
+            merged[name] = replace(ours, cells=ordered, has_digest=has_digest)
     return merged
 
 

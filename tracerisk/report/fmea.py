@@ -223,6 +223,8 @@ def summary_lines(found: Evidence) -> list[str]:
             f"the file was edited: {found.edited.words}; what does not fit its digest is left out, "
             "and figures take none of it until `tracerisk evidence` has tried it again"
         )
+    if not found.has_digest:
+        lines.append("the file is of an earlier version, without digests: edits of it do not show")
     kept = sum(1 for key, share in found.shares().items() if found.before.get(key) == share)
     if kept:
         lines.append(
