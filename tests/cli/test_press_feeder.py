@@ -157,6 +157,11 @@ def test_a_change_that_breaks_the_run_says_what_broke_and_never_that_risk_falls(
     assert "falls" not in text
     assert "rises" not in text
     assert not re.search(r"(?<!\w)x0\.\d", text)
+    if form == "markdown":
+        assert "was partial, is faulted; the two runs cannot be compared" in text
+        said = outcome.out.count("tf look-up of frame 'part' failed")
+        assert said == 2, "first, and among what broke"
+        assert "What the runs behind the blocks depended on: - " in text
 
 
 def test_the_first_line_of_a_diff_is_the_verdict(ran, repository):

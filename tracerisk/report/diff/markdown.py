@@ -27,7 +27,7 @@ def render_diff_markdown(review: Review) -> str:
     accepted = [line for each in shown for line in sentences.acceptances(each)]
     for line in (*verdicts, *accepted):
         lines += [_escaped(line), ""]
-    lines += [f"**{_escaped(sentences.headline(review))}**", ""]
+    lines += [f"**{_escaped(sentences.headline(review, below_verdicts=True))}**", ""]
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
@@ -74,10 +74,7 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
 
 def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     for title, entries in sentences.broken_and_repaired(diff):
-        yield f"{title}:"
-        yield ""
-        yield from (f"- {_escaped(entry)}" for entry in entries)
-        yield ""
+        yield from _list(title, entries)
     if diff.changes and diff.is_comparable:
         small = sentences.small_changes(diff)
         large = [change for change in diff.changes if change not in small]
@@ -117,12 +114,17 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
         yield f"- {_escaped(sentences.pin(pin))} ({_escaped(place)})"
-    for text in (*diff.of_run, *diff.inputs):
-        yield f"- {_escaped(text)}"
     if diff.within_noise:
         yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
-    if diff.single_points or diff.pins or diff.of_run or diff.inputs or diff.within_noise:
+    if diff.single_points or diff.pins or diff.within_noise:
         yield ""
+    yield from _list(sentences.OF_RUN, diff.of_run)
+    yield from _list(sentences.OF_INPUTS, diff.inputs)
+
+
+def _list(title: str, entries: Sequence[str]) -> Iterator[str]:
+    if entries:
+        yield from (f"{title}:", "", *(f"- {_escaped(entry)}" for entry in entries), "")
 
 
 def _marked(marks: str) -> str:

@@ -19,6 +19,9 @@ from tracerisk.prm.review.risk_change import (
 from tracerisk.source.language import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
+OF_RUN = "What the run showed that it did not before"
+OF_INPUTS = "What the runs behind the blocks depended on"
+
 _MARKS: dict[Mark, str] = {
     "new_state": "new state",
     "lost_state": "lost state",
@@ -37,17 +40,21 @@ _CAUSES = {
 }
 
 
-def headline(review: Review) -> str:
-    """Return the one sentence that says what the change did to the risk."""
+def headline(review: Review, *, below_verdicts: bool = False) -> str:
+    """Return the one sentence that says what the change did to the risk.
+
+    Where it stands `below_verdicts`, a reason that is in these is not said again.
+    """
     changed = [each for each in review.controllers if not each.is_unchanged]
     apart = [each for each in review.controllers if not each.is_comparable]
     if not review.controllers:
         return f"No risk block differs between {review.before} and {review.after}."
     if len(review.controllers) == 1:
-        return f"{sentence(review.controllers[0])}."
+        return f"{sentence(review.controllers[0], below_verdict=below_verdicts)}."
     if apart:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
-        return f"{lead} cannot be compared, first of all {sentence(apart[0])}."
+        first = sentence(apart[0], below_verdict=below_verdicts)
+        return f"{lead} cannot be compared, first of all {first}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
@@ -93,18 +100,18 @@ def broken_and_repaired(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     return [(title, lines) for title, lines in found if lines]
 
 
-def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
+def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool) -> str:
     """Return what became of a run that cannot be compared; of the risk it says nothing."""
     old = verdicts.before.kind if verdicts.before else "unknown"
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
         text = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
     elif new in ("faulted", "stuck"):
-        first = next(
-            iter(verdicts.broke or (verdicts.after.open_reasons if verdicts.after else ()))
-        )
+        reasons = verdicts.after.open_reasons if verdicts.after else ()
+        first = next(iter(verdicts.broke or reasons))
         was = f"was {old}, " if verdicts.in_before and old != new else ""
-        text = f"{diff.name} {was}is {new}: {first}"
+        is_known = below_verdict and first in reasons[:1]
+        text = f"{diff.name} {was}is {new}" + ("" if is_known else f": {first}")
     elif verdicts.before is None:
         text = f"{diff.name} is {new}; the verdict of its run before is unknown"
     else:
@@ -113,10 +120,10 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
     return f"{text}; the two runs cannot be compared"
 
 
-def sentence(diff: RiskDiff) -> str:
+def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
     if diff.verdicts is not None and not diff.verdicts.is_comparable:
-        return _incomparable(diff, diff.verdicts)
+        return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:
         assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)

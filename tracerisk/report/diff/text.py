@@ -24,7 +24,7 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     for each in review.controllers:
         for line in sentences.acceptances(each):
             lines += _wrapped(line, room, hanging=2)
-    lines += [*_wrapped(sentences.headline(review), room), ""]
+    lines += [*_wrapped(sentences.headline(review, below_verdicts=True), room), ""]
     if review.controllers:
         lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
     for each in review.controllers:
@@ -79,8 +79,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         ],
         room,
     )
-    yield from _list("What the run showed that it did not before", diff.of_run, room)
-    yield from _list("What the runs behind the blocks depended on", diff.inputs, room)
+    yield from _list(sentences.OF_RUN, diff.of_run, room)
+    yield from _list(sentences.OF_INPUTS, diff.inputs, room)
     if diff.within_noise:
         values = "value changes" if diff.within_noise == 1 else "values change"
         yield f"  {diff.within_noise} {values} by less than 1 %: reported as unchanged"
