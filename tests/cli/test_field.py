@@ -239,6 +239,70 @@ def test_failures_in_missions_take_the_exposure_of_the_field(field):
     assert motor["exposure"] == pytest.approx(9000 * 12 / 3 / 3600)
 
 
+FIGURES = """\
+component,failure_rate,probability,per,error_factor,source
+gripper,,2e-6,demand,,data sheet
+motor,2.5e-7,,,3,
+"""
+
+
+def test_figures_of_a_table_are_taken_and_comments_stay(field):
+    example, _ = field
+    example.write("rates.csv", FIGURES)
+    before = example.read("hardware.yaml")
+    update = ("hardware", "update", "hardware.yaml", "--figures", "rates.csv")
+    shown = example.run(*update, "--dry-run", "--json")
+    assert shown.code == 0, shown.err
+    assert [each["value"] for each in shown.json["figures"]] == [2e-6, 2.5e-7]
+    assert example.read("hardware.yaml") == before
+    assert example.run(*update).code == 0
+    text = example.read("hardware.yaml").decode()
+    assert "# Kept." in text
+    assert "# Its maker's." in text
+    assert "probability: {value: 2e-06, per: demand, source: data sheet}" in text
+    motor = "failure_rate: {value: 2.5e-07, per: hour, error_factor: 3.0, source: rates.csv}"
+    assert motor in text
+    assert example.run("hardware", "show", "hardware.yaml").code == 0
+
+
+def test_a_figure_with_a_source_is_assumed_no_longer(example):
+    assert example.run("hardware", "init", "--robot", "ur5e", "-o", "h.yaml").code == 0
+    names = ("power_system", "control_system", "gripper", "electric_motor", "joint_encoder")
+    rows = [f"{name},4e-6,3,supplier" for name in (*names, "wrist_force_sensor")]
+    example.write("rates.csv", "\n".join(("component,failure_rate,error_factor,source", *rows)))
+    before = example.run("hardware", "show", "h.yaml", "--json").json
+    assert before["assumed"] == [*names, "wrist_force_sensor"]
+    assert example.run("hardware", "update", "h.yaml", "--figures", "rates.csv").code == 0
+    shown = example.run("hardware", "show", "h.yaml", "--json").json
+    assert shown["assumed"] == []
+    rates = [each["failure_rate"]["value"] for each in shown["hardware"]["components"].values()]
+    assert rates == [4e-6] * 6
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("nothing,1e-6,,,,", "rates.csv:2: unknown component 'nothing'"),
+        ("motor,,,,,", "motor: expected one of failure_rate and probability"),
+        ("motor,1e-6,1e-6,,,", "motor: expected one of"),
+        ("motor,1e-6,,demand,,", "per: 'demand' is not allowed of a failure_rate; allowed: hour"),
+        ("motor,x,,,,", "failure_rate: expected a number"),
+        ("motor,,2,,,", "expected at most 1"),
+        ("motor,1e-6,,,0.5,", "error_factor: expected a number from 1"),
+        ("motor,1e-6,,,,\nmotor,1e-6,,,,", "rates.csv:3: duplicate motor"),
+        ("box,1e-6,,,,", "box has several figures"),
+    ],
+)
+def test_a_malformed_table_of_figures_is_named_and_nothing_is_written(field, row, message):
+    example, _ = field
+    example.write("rates.csv", f"{FIGURES.splitlines()[0]}\n{row}\n")
+    before = example.read("hardware.yaml")
+    outcome = example.run("hardware", "update", "hardware.yaml", "--figures", "rates.csv")
+    assert outcome.code == 2
+    assert message in " ".join(outcome.err.split())
+    assert example.read("hardware.yaml") == before
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

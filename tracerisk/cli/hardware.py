@@ -222,11 +222,16 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
 
 def _add_update(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="the description, .yaml")
-    parser.add_argument(
+    given = parser.add_mutually_exclusive_group(required=True)
+    given.add_argument(
         "--failures",
         metavar="CSV",
-        required=True,
         help="what failed: component, failures, and hours, demands or missions",
+    )
+    given.add_argument(
+        "--figures",
+        metavar="CSV",
+        help="other figures: component, failure_rate or probability, per, error_factor, source",
     )
     parser.add_argument(
         "--field",
@@ -253,6 +258,8 @@ def _update(options: argparse.Namespace) -> int:
             Location(options.file),
         )
     hardware = read_description(Path(options.file))
+    if options.figures is not None:
+        return _take_figures(options, hardware)
     field = None if options.field is None else read_field(Path(options.field))
     units = None
     if field is not None:
@@ -292,11 +299,33 @@ def _update(options: argparse.Namespace) -> int:
     return 0
 
 
+def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
+    """Put figures of a table into a description."""
+    from dataclasses import asdict
+
+    from tracerisk.pipeline.results.hardware_figures import read_figures, with_figures
+
+    found = read_figures(Path(options.figures), hardware)
+    if not options.dry_run:
+        target = options.output or options.file
+        _write(target, with_figures(Path(options.file), found))
+        note(f"{target}: {len(found)} figures of {options.figures}", quiet=options.quiet)
+    if options.json:
+        print_json("hardware", action="update", figures=[asdict(each) for each in found])
+        return 0
+    show(*map(str, found))
+    return 0
+
+
 _Action = tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int], str]
 _ACTIONS: dict[str, _Action] = {
     "convert": (_add_convert, _convert, "write a description in the other format"),
     "show": (_add_show, _show, "list the components: units, figures, where the twin sees them"),
     "init": (_add_init, _init, "write a first description of a robot, to go on from"),
-    "update": (_add_update, _update, "bring figures up to date with failures in the field"),
+    "update": (
+        _add_update,
+        _update,
+        "bring figures up to date: with failures in the field, or from a table",
+    ),
     "schema": (_add_schema, _schema, "print the JSON Schema by which editors complete the YAML"),
 }

@@ -181,13 +181,18 @@ class Component:
     @property
     def is_assumed(self) -> bool:
         """Whether a figure of the component has no source: its `source` begins with `assumed`."""
+        return any(each.lstrip().lower().startswith("assumed") for each in self.sources())
+
+    def sources(self, default: str | None = None) -> tuple[str, ...]:
+        """Return where its figures, load law and modes come from, each source once.
+
+        What has none of its own has that of the component, and where that has none the `default`.
+        """
         own = [each.source for each in self.figures]
-        own += [each.source for each in self.modes_by_use]
         own += [self.load_law.source] if self.load_law is not None else []
-        return any(
-            source is not None and source.lstrip().lower().startswith("assumed")
-            for source in (self.source, *own)
-        )
+        own += [each.source for each in self.modes_by_use]
+        found = (each or self.source or default for each in own or [None])
+        return tuple(dict.fromkeys(each for each in found if each))
 
 
 _KIND_ORDER = {"probability": 0, "failure_rate": 1, "weibull": 3}

@@ -144,13 +144,7 @@ def _joined(names: Sequence[str]) -> str:
 
 def _source(component: Component, default: str | None, sources: list[str]) -> Iterator[str]:
     """Yield the number of each source; `sources` takes those that are new."""
-    given = [
-        *(each.source for each in component.figures),
-        component.source if component.source is not None else default,
-        component.load_law.source if component.load_law is not None else None,
-        *(mode.source for mode in component.modes),
-    ]
-    texts = list(dict.fromkeys(" ".join(text.split()) for text in given if text))
+    texts = [" ".join(text.split()) for text in component.sources(default)]
     if not texts:
         yield "none"
     for text in texts:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -58,23 +58,10 @@ def read_failures(path: Path) -> list[Observed]:
     Its columns are `component`, `failures`, and one of `hours` (of all units together in use),
     `demands`, and `missions` (of the cell). Raises InputError with the line of what is malformed.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot be read: {error}", Location(str(path))) from error
-    reader = csv.DictReader(io.StringIO(text))
-    names = [each.strip() for each in reader.fieldnames or ()]
-    reader.fieldnames = names
-    unknown = [each for each in names if each not in _COLUMNS]
-    if unknown or not {"component", "failures"} <= set(names):
-        wrong = f"unknown column '{unknown[0]}'" if unknown else "a column is missing"
-        raise InputError(f"{wrong}; expected {', '.join(_COLUMNS)}", Location(str(path), 1))
     found = []
-    for row in reader:
-        where = Location(str(path), reader.line_num)
-        given = {key: (row.get(key) or "").strip() for key in _COLUMNS}
+    for where, given in rows_of(path, _COLUMNS, {"component", "failures"}):
         amounts = {
-            key: _number(given[key], key, where)
+            key: number(given[key], key, where)
             for key in ("hours", "demands", "missions")
             if given[key]
         }
@@ -82,13 +69,38 @@ def read_failures(path: Path) -> list[Observed]:
             raise InputError(
                 "expected one of hours, demands and missions: in what the failures came", where
             )
-        failures = _number(given["failures"], "failures", where)
+        failures = number(given["failures"], "failures", where)
         if failures != int(failures):
             raise InputError(f"failures: expected a whole number, not {failures:g}", where)
-        found.append(Observed(given["component"], int(failures), reader.line_num, **amounts))
-    if not found:
-        raise InputError("has no row", Location(str(path)))
+        found.append(Observed(given["component"], int(failures), where.line or 0, **amounts))
     return found
+
+
+def rows_of(
+    path: Path, columns: Sequence[str], needed: Collection[str]
+) -> Iterator[tuple[Location, dict[str, str]]]:
+    """Yield the rows of a CSV file, each with its place and the text of each of the `columns`.
+
+    Raises InputError for a file that cannot be read, has another column, lacks one that is
+    `needed`, or has no row.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot be read: {error}", Location(str(path))) from error
+    reader = csv.DictReader(io.StringIO(text))
+    names = [each.strip() for each in reader.fieldnames or ()]
+    reader.fieldnames = names
+    unknown = [each for each in names if each not in columns]
+    if unknown or not set(needed) <= set(names):
+        wrong = f"unknown column '{unknown[0]}'" if unknown else "a column is missing"
+        raise InputError(f"{wrong}; expected {', '.join(columns)}", Location(str(path), 1))
+    row = None
+    for row in reader:
+        given = {key: (row.get(key) or "").strip() for key in columns}
+        yield Location(str(path), reader.line_num), given
+    if row is None:
+        raise InputError("has no row", Location(str(path)))
 
 
 def updates(
@@ -216,7 +228,8 @@ def _failures(number: int, exposure: float, per: str) -> str:
     return f"{number} failure{'' if number == 1 else 's'} in {exposure:.6g} {per}s"
 
 
-def _number(text: str, name: str, where: Location) -> float:
+def number(text: str, name: str, where: Location) -> float:
+    """Return a number of 0 or more; raises InputError for another text."""
     try:
         value = float(text)
     except ValueError:

@@ -227,5 +227,4 @@ def _figure(figure: FailureFigure) -> str:
 
 
 def _source(component: Component) -> str:
-    own = dict.fromkeys([component.source, *(each.source for each in component.figures)])
-    return "; ".join(each for each in own if each)
+    return "; ".join(component.sources())
