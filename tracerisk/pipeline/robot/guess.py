@@ -11,6 +11,8 @@ from tracerisk.twin.robots.detect import SeveralRobotsError
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
 
+_MOST_NAMED = 5
+
 
 @dataclass(frozen=True, slots=True)
 class RobotGuess:
@@ -23,7 +25,9 @@ class RobotGuess:
 def guessed_robot(error: TraceRiskError | None) -> RobotGuess | None:
     """Return a robot to assume where an error says that none is known, else `None`."""
     if isinstance(error, SeveralRobotsError) and error.names:
-        return RobotGuess(error.names[0], "one of several that fit")
+        others = ", ".join(error.names[1:_MOST_NAMED])
+        more = " and others" if len(error.names) > _MOST_NAMED else ""
+        return RobotGuess(error.names[0], f"one of several that fit, as do {others}{more}")
     if isinstance(error, UnreadableRobotError):
         remark = "a stand-in, for that of the workspace cannot be read; better give its file"
         return RobotGuess(GENERIC, remark)
