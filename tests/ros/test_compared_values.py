@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
 from tracerisk.errors import Location
 from tracerisk.source.compared_values import compared_in_callback
+from tracerisk.source.named_literals import counted_names
 
 SOURCE = """\
 sub = Subscriber("/parts", Part, on_part)
@@ -56,3 +59,28 @@ def test_a_field_of_the_same_name_elsewhere_in_the_file_means_the_same_unless_ma
 @pytest.mark.parametrize("settings", ["a: {bins: {x: 1}}\nb: {bins: {y: 1}}\n", "bins: [\n", ""])
 def test_what_means_two_things_or_cannot_be_read_says_nothing(compared, settings):
     assert compared(settings, 2)[0] == ()
+
+
+@pytest.mark.parametrize(
+    ("source", "names"),
+    [
+        ('[f"joint_{i}" for i in range(1, 4)]', ("joint_1", "joint_2", "joint_3")),
+        ('["j%d" % (n + 1) for n in range(2)]', ("j1", "j2")),
+        ('["a{}_joint".format(n) for n in [1, 3]]', ("a1_joint", "a3_joint")),
+        ('["j" + str(i) for i in range(0, 5, 2)]', ("j0", "j2", "j4")),
+        ('[f"j{i:03d}" for i in range(2)]', ()),
+        ('["%d%%" % i for i in range(2)]', ()),
+        ("[positions[i] for i in range(2)]", ()),
+        ('[f"j{i}" for i in range(n)]', ()),
+        ('[f"j{i}" for i in range(2) if i]', ()),
+        ('[f"j{i}" for i in range(0, 9, 0)]', ()),
+    ],
+)
+def test_names_that_are_made_by_counting_are_known(source, names):
+    assert counted_names(ast.parse(source, mode="eval").body) == names
+
+
+def test_what_counts_far_gives_no_more_than_an_arm_can_have():
+    assert len(counted_names(ast.parse('[f"j{i}" for i in range(10**9)]').body[0].value)) == 0
+    many = ast.parse('[f"j{i}" for i in range(1000000000)]').body[0].value
+    assert len(counted_names(many)) == 64

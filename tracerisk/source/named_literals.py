@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from tracerisk.source.dotted_names import dotted_name
 
@@ -53,6 +53,7 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
     return [(target, value)]
 
 
+_MOST_COUNTED = 64
 _WHOLE = (ast.Constant, ast.UnaryOp, ast.Dict, ast.List, ast.Tuple, ast.Set)
 
 
@@ -137,3 +138,76 @@ def _setting(node: ast.expr) -> str | None:
         key = node.args[0] if node.func.attr == "get" else None
     is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
     return key.value if is_text else None  # type: ignore[union-attr]
+
+
+def counted_names(node: ast.AST) -> tuple[str, ...]:
+    """Return what a list holds that is made by counting: `[f"joint_{i}" for i in range(1, 7)]`.
+
+    What is no such list, or made of more than its number and texts, holds nothing.
+    """
+    if not isinstance(node, ast.ListComp | ast.GeneratorExp) or len(node.generators) != 1:
+        return ()
+    loop = node.generators[0]
+    if loop.ifs or not isinstance(loop.target, ast.Name):
+        return ()
+    texts = [_text(node.elt, loop.target.id, each) for each in _counted(loop.iter)]
+    return tuple(each for each in texts if each is not None)
+
+
+def _counted(node: ast.expr) -> Sequence[int]:
+    if isinstance(node, ast.Call) and dotted_name(node.func) == "range":
+        bounds = [_number(each, "", 0) for each in node.args]
+        if 1 <= len(bounds) <= 3 and None not in bounds and 0 not in bounds[2:]:
+            return range(*(each or 0 for each in bounds))[:_MOST_COUNTED]
+    if isinstance(node, ast.List | ast.Tuple):
+        numbers = [_number(each, "", 0) for each in node.elts]
+        return [each for each in numbers if each is not None]
+    return ()
+
+
+def _number(node: ast.expr, name: str, value: int) -> int | None:
+    if isinstance(node, ast.Name):
+        return value if node.id == name else None
+    if isinstance(node, ast.Constant) and type(node.value) is int:
+        return node.value
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        left, right = _number(node.left, name, value), _number(node.right, name, value)
+        if left is not None and right is not None:
+            return left + right if isinstance(node.op, ast.Add) else left - right
+    return None
+
+
+def _text(node: ast.expr, name: str, value: int) -> str | None:
+    """Return the text that an expression makes of a number, None for what is none."""
+    parts: list[str | None] = [None]
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        parts = [node.value]
+    elif isinstance(node, ast.JoinedStr):
+        parts = [_text(each, name, value) for each in node.values]
+    elif isinstance(node, ast.FormattedValue) and node.format_spec is None:
+        parts = [_shown(node.value, name, value)]
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        parts = [_text(node.left, name, value), _text(node.right, name, value)]
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mod):
+        parts = [_filled(node.left, ("%d", "%i", "%s"), _shown(node.right, name, value))]
+    elif isinstance(node, ast.Call) and len(node.args) == 1:
+        shown = _shown(node.args[0], name, value)
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "format":
+            parts = [_filled(node.func.value, ("{}", "{0}"), shown)]
+        elif dotted_name(node.func) == "str":
+            parts = [shown]
+    return None if None in parts else "".join(each or "" for each in parts)
+
+
+def _shown(node: ast.expr, name: str, value: int) -> str | None:
+    number = _number(node, name, value)
+    return None if number is None else str(number)
+
+
+def _filled(node: ast.expr, places: Iterable[str], shown: str | None) -> str | None:
+    text = node.value if isinstance(node, ast.Constant) else None
+    if isinstance(text, str) and shown is not None:
+        for place in places:
+            if text.count(place) == 1 and text.count(place[0]) == 1:
+                return text.replace(place, shown)
+    return None

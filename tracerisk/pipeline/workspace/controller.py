@@ -11,6 +11,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.records import dataclass, field, replace
 from tracerisk.source.language import is_c
+from tracerisk.source.named_literals import counted_names
 from tracerisk.text.patterns import pattern
 
 _PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
@@ -114,7 +115,10 @@ def load_controller(path: Path | str) -> Controller:
 
 
 def string_literals(controller: Controller) -> tuple[str, ...]:
-    """Return the strings in a controller's source, in their order."""
+    """Return the strings in a controller's source, in their order.
+
+    Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
+    """
     try:
         tree = ast.parse(controller.source, filename=str(controller.path))
     except (SyntaxError, ValueError):
@@ -123,8 +127,9 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
         # It knows how to say what is wrong, and of Python 2.
         parse_source(controller.source, str(controller.path))
         raise
-    return tuple(
+    written = [
         node.value
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    )
+    ]
+    return (*written, *(name for node in ast.walk(tree) for name in counted_names(node)))

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from tracerisk.geometry.shapes import Shape
+from tracerisk.source.named_literals import counted_names
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
@@ -132,7 +133,7 @@ def _listed(tree: ast.AST) -> Iterator[str]:
         elif isinstance(node, ast.AnnAssign) and node.value is not None:
             pairs = [(_name(node.target), node.value)]
         for name, value in pairs:
-            words = _words(value)
+            words = _words(value) or list(counted_names(value))
             if not words:
                 continue
             if "joint" in name.lower() or all(_JOINT.fullmatch(word) for word in words):
