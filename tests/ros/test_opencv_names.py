@@ -1,0 +1,94 @@
+"""Names of `cv2.aruco` that OpenCV has removed, and that the OpenCV of older ROS has."""
+
+from __future__ import annotations
+
+import pytest
+
+# An OpenCV of today, as far as these names go.
+OPENCV = {
+    "cv2/__init__.py": "from . import aruco\nSOLVEPNP_IPPE_SQUARE = 7\n",
+    "cv2/aruco.py": """\
+DICT_4X4_50 = 0
+
+
+def getPredefinedDictionary(number):
+    return number
+
+
+class DetectorParameters:
+    pass
+
+
+class ArucoDetector:
+    def __init__(self, dictionary, parameters):
+        self.kind = type(parameters).__name__
+
+    def detectMarkers(self, image):
+        return [image], [7], [self.kind]
+""",
+}
+PROGRAM = """\
+import cv2, moveit_commander, rospy
+from cv2 import aruco
+
+
+def turn():
+    group = moveit_commander.MoveGroupCommander("panda_arm")
+    joints = group.get_current_joint_values()
+    words = cv2.aruco.Dictionary_get(aruco.DICT_4X4_50)
+    parameters = aruco.DetectorParameters_create()
+    _, ids, found = aruco.detectMarkers("image", words, parameters=parameters)
+    assert found == ["DetectorParameters"]
+    joints[0] += ids[0][0] / 70
+    group.go(joints, wait=True)
+
+
+rospy.init_node("program")
+turn()
+"""
+
+
+@pytest.fixture
+def controller(example, tmp_path_factory, monkeypatch):
+    installed = tmp_path_factory.mktemp("installed")
+    for name, text in OPENCV.items():
+        file = installed / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(text)
+    monkeypatch.setenv("PYTHONPATH", str(installed))
+    return example
+
+
+def test_a_controller_for_an_older_opencv_runs_with_a_note(controller):
+    controller.write("c.py", PROGRAM)
+    ran = controller.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "complete", ran.err
+    reported = {each["message"].partition(" ")[0] for each in ran.json["trace"]["findings"]}
+    assert reported == {
+        "cv2.aruco.Dictionary_get",
+        "cv2.aruco.DetectorParameters_create",
+        "cv2.aruco.detectMarkers",
+    }
+
+
+def test_what_opencv_never_had_is_not_there(controller):
+    controller.write("c.py", PROGRAM.replace("detectMarkers", "detectAll"))
+    ran = controller.run("run", "c.py", "--check")
+    assert "module 'cv2.aruco' has no attribute 'detectAll'" in ran.err
+
+
+def test_the_functions_give_what_todays_classes_give():
+    cv2 = pytest.importorskip("cv2")
+    np = pytest.importorskip("numpy")
+    from tracerisk.ros.imports.opencv_names import _functions
+
+    made = _functions(cv2, cv2.aruco)
+    words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    image = np.full((240, 320), 255, np.uint8)
+    image[70:170, 110:210] = cv2.aruco.generateImageMarker(words, 7, 100)
+    corners, ids, _ = made["detectMarkers"](image, words)
+    assert ids.tolist() == [[7]]
+    camera = np.array([[300.0, 0.0, 160.0], [0.0, 300.0, 120.0], [0.0, 0.0, 1.0]])
+    turns, places, _ = made["estimatePoseSingleMarkers"](corners, 0.1, camera, np.zeros(5))
+    assert (turns.shape, places.shape) == ((1, 1, 3), (1, 1, 3))
+    assert places[0, 0, 2] == pytest.approx(0.3, rel=0.03)
