@@ -69,3 +69,21 @@ def test_goals_are_picked_and_placed_for_the_functions_that_sent_them(run_on_twi
         "picking 'mug' failed: the planning scene has no such object" in each
         for each in ran.findings
     )
+
+
+AGAIN = (
+    PROGRAM.replace("place_locations=[there],", "place_locations=[away, there],")
+    .replace(
+        "    return ask('/place'",
+        "    away = copy.deepcopy(there)\n    away.place_pose.pose.position.x = 3.0\n    return ask('/place'",
+    )
+    .replace("missing = pick('mug')\n", "")
+)
+
+
+def test_a_place_that_cannot_be_reached_is_settled_by_the_next_that_can(run_on_twin):
+    ran = run_on_twin(AGAIN)
+    assert (ran["picked"], ran["placed"]) == ((3, 1), (3, 1))
+    failed = [each for each in ran.recording.findings if "placing 'cup' failed" in each.message]
+    assert failed
+    assert all(each.recovered_s is not None for each in failed)

@@ -44,6 +44,7 @@ class ActionServerEnd:
     is_scenario: bool = False
     place: Location | None = None
     is_called: bool = False
+    is_companions: bool = False
     on_message: Callable[[ActionGoal, str, Any], None] = ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
@@ -230,6 +231,7 @@ class Actions:
             self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
         )
         server.place = asking_place() if by_controller else None
+        server.is_companions = self.scheduler.process is not None
         self._servers.setdefault(name, []).append(server)
         self._report("served", name, type_name)
         return server
@@ -270,7 +272,7 @@ class Actions:
             Missed(Need("goal", each.name, each.type_name), 0, 0, each.place)
             for known in self._servers.values()
             for each in known
-            if each.by_controller and not each.is_called
+            if each.by_controller and not each.is_companions and not each.is_called
         )
 
     def names_and_types(self) -> tuple[tuple[str, str], ...]:

@@ -414,11 +414,14 @@ class Graph:
         )
 
     def uncalled(self) -> tuple[Missed, ...]:
-        """Return the controller's own services that nobody has called."""
+        """Return the controller's own services that nobody has called, not those of companions."""
         return tuple(
             Missed(Need("call", each.name, each.type_name), 0, 0, each.place)
             for each in self._services.values()
-            if each.is_callback and not each.is_called and not _OF_TOOLS.match(each.type_name)
+            if each.is_callback
+            and each.process is None
+            and not each.is_called
+            and not _OF_TOOLS.match(each.type_name)
         )
 
     def services(self) -> tuple[ServiceServer, ...]:

@@ -49,7 +49,7 @@ class GroupPickPlace(GroupTargets):
             known = one_of(self._server.scene.world, object_name)
             text = f"picking '{object_name}' failed: the planning scene has no such object; {known}"
             self._server.lack(object_name, text)
-            return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text))
+            return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text, object_name))
         code = ErrorCode.FAILURE
         link = self._link("", "pick with")
         if not grasps:
@@ -60,6 +60,8 @@ class GroupPickPlace(GroupTargets):
                 code, is_done = self._pick_with(object_name, one, link, plan_only)
                 if is_done:
                     break
+        if code is ErrorCode.SUCCESS:
+            self._done(object_name)
         return int(code)
 
     def _default_grasp(self, object_name: str, link: str) -> Any:
@@ -116,7 +118,7 @@ class GroupPickPlace(GroupTargets):
             )
         except PlanningError as error:
             text = f"picking '{object_name}' failed: {error.message}"
-            return self._fail(ErrorCode.PLANNING_FAILED, text), False
+            return self._fail(ErrorCode.PLANNING_FAILED, text, object_name), False
         if not plan_only:
             code = _first_failure(self._pick_steps(object_name, one, link, pose, begin))
         return code, True
@@ -132,7 +134,7 @@ class GroupPickPlace(GroupTargets):
         if attached is None:
             known = one_of(self._server.scene.attached, object_name)
             text = f"placing '{object_name}' failed: no such object is attached; {known}"
-            self._fail(ErrorCode.INVALID_OBJECT_NAME, text)
+            self._fail(ErrorCode.INVALID_OBJECT_NAME, text, object_name)
             if object_name not in self._server.scene.world:
                 self._server.lack(object_name, text, "attached")
             return False
@@ -150,7 +152,9 @@ class GroupPickPlace(GroupTargets):
                 code = ErrorCode.SUCCESS
             except PlanningError as error:
                 code = self._fail(
-                    ErrorCode.PLANNING_FAILED, f"placing '{object_name}' failed: {error.message}"
+                    ErrorCode.PLANNING_FAILED,
+                    f"placing '{object_name}' failed: {error.message}",
+                    object_name,
                 )
                 continue
             if plan_only:
@@ -159,6 +163,8 @@ class GroupPickPlace(GroupTargets):
             with self._server.touching(object_name, self._server.hand_links(link)):
                 code = _first_failure(self._place_steps(object_name, one, link, pose, begin))
             break
+        if code is ErrorCode.SUCCESS:
+            self._done(object_name)
         return code is ErrorCode.SUCCESS
 
     # The steps; each is carried out when its code is asked for
@@ -217,7 +223,7 @@ class GroupPickPlace(GroupTargets):
             return plan.code
         if fraction < least:
             text = f"only {fraction:.0%} of a straight way of link '{link}' can be followed"
-            return self._fail(ErrorCode.PLANNING_FAILED, text)
+            return self._fail(ErrorCode.PLANNING_FAILED, text, "")
         return self._carry_out(plan.trajectory)
 
     def _retreat(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
@@ -336,13 +342,17 @@ class GroupPickPlace(GroupTargets):
         out.direction.header.frame_id = self._end_effector_link
         return PlaceLocation(place_pose=location, pre_place_approach=down, post_place_retreat=out)
 
-    def _fail(self, code: ErrorCode, message: str) -> ErrorCode:
-        self._server.execution.report("planning_failure", message)
+    def _fail(self, code: ErrorCode, message: str, object_name: str) -> ErrorCode:
+        """Report a failure, which a later success with the same object settles."""
+        self._server.execution.report("planning_failure", message, object_name=object_name)
         return code
+
+    def _done(self, object_name: str) -> None:
+        self._server.execution.succeeded("planning_failure", object_name, ())
 
     def _fail_without(self, options: Sequence[Any], message: str) -> ErrorCode:
         if not options:
-            self._fail(ErrorCode.FAILURE, message)
+            self._fail(ErrorCode.FAILURE, message, "")
         return ErrorCode.FAILURE
 
 
