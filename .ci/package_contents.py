@@ -23,7 +23,7 @@ MUST_BE = (
     "tracerisk/py.typed",
     "tracerisk/hardware/hardware.schema.json",
     "tracerisk/report/html/assets/page.css",
-    "tracerisk/ros/messages/interfaces/std_srvs/srv/Empty.srv",
+    "tracerisk/ros/messages/interfaces1.txt",
     "tracerisk/twin/robots/shipped/panda.yaml",
 )
 PLACED = {"share/man/man1/tracerisk.1"}

@@ -1,7 +1,7 @@
 """ROS 1 message, service and action classes, made from the texts of their definitions.
 
 The definitions come from three places, the first that knows a name wins: folders of the
-controller's own workspace, the texts in `interfaces/`, and the store of ROS Noetic in rosbags.
+controller's own workspace, the texts in `interfaces1.txt`, and the store of ROS Noetic in rosbags.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -15,7 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.ros.messages.interface_texts import interface_parts, interface_text
+from tracerisk.ros.messages.interface_texts import (
+    Definition,
+    interface_parts,
+    interface_text,
+    shipped_packages,
+    shipped_texts,
+)
 from tracerisk.ros.messages.ros1_base import (
     PRIMITIVES,
     DeserializationError,
@@ -38,7 +44,6 @@ __all__ = [
     "Service",
 ]
 
-INTERFACES = Path(__file__).parent / "interfaces"
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 _TEXT_CONSTANT = re.compile(r"^[ \t]*string[ \t]+(\w+)[ \t]*=(.*)$", re.MULTILINE)
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
@@ -94,7 +99,7 @@ class Interfaces:
         self._service_parts: set[str] = set()
         self._in_making: list[str] = []
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
-        self._listed: dict[tuple[str, str], tuple[Path, ...]] = {}
+        self._listed: dict[tuple[str, str], tuple[Definition, ...]] = {}
 
     @property
     def workspace(self) -> Mapping[str, Path]:
@@ -104,9 +109,8 @@ class Interfaces:
     @cached_property
     def packages(self) -> tuple[str, ...]:
         """The names of all packages that are known, sorted."""
-        own = (folder.name for folder in INTERFACES.iterdir() if folder.is_dir())
         stored = (name.split("/")[0] for name in self._store)
-        known = {*self._workspace, *self._more, *own, *stored}
+        known = {*self._workspace, *self._more, *shipped_packages(1), *stored}
         return tuple(sorted(known - {"builtin_interfaces"}))
 
     def message_names(self, package: str) -> tuple[str, ...]:
@@ -201,15 +205,14 @@ class Interfaces:
 
         return ros1_noetic.FIELDDEFS
 
-    def _folder(self, package: str) -> Path:
-        return self._workspace.get(package, INTERFACES / package)
-
-    def _files(self, package: str, kind: str) -> tuple[Path, ...]:
+    def _files(self, package: str, kind: str) -> tuple[Definition, ...]:
         # Some packages sort them into folders, which the names of the classes leave out.
         key = package, kind
         if key not in self._listed:
             # Asked for at each name of a package, of which some have hundreds.
-            listed = sorted((self._folder(package) / kind).rglob(f"*.{kind}"))
+            listed: list[Definition] = [*shipped_texts(1).get(key, ())]
+            if package in self._workspace:
+                listed = [*sorted((self._workspace[package] / kind).rglob(f"*.{kind}"))]
             if package in self._more:
                 names = {path.name for path in listed}
                 more = sorted((self._more[package] / kind).glob(f"*.{kind}"))
@@ -217,7 +220,7 @@ class Interfaces:
             self._listed[key] = tuple(listed)
         return self._listed[key]
 
-    def _file(self, package: str, kind: str, short: str) -> Path | None:
+    def _file(self, package: str, kind: str, short: str) -> Definition | None:
         found = (path for path in self._files(package, kind) if path.stem == short)
         return next(found, None)
 
@@ -307,7 +310,7 @@ class Interfaces:
             return True
         return False
 
-    def _define_action(self, package: str, path: Path) -> None:
+    def _define_action(self, package: str, path: Definition) -> None:
         name, parts = path.stem, interface_parts(path, 3)
         for part, text in zip(_ACTION_PARTS, parts, strict=True):
             self._parse(package, name + part, text, path)
@@ -324,7 +327,7 @@ class Interfaces:
         self._parse(package, f"{name}Response", response, path)
         self._service_parts |= {f"{package}/{name}Request", f"{package}/{name}Response"}
 
-    def _parse(self, package: str, short: str, text: str, path: Path) -> None:
+    def _parse(self, package: str, short: str, text: str, path: Definition) -> None:
         from rosbags.typesys import TypesysError, get_types_from_msg
 
         name = f"{package}/msg/{short}"

@@ -1,8 +1,8 @@
 """ROS 2 message, service and action classes, made from the texts of their definitions.
 
 The definitions come from four places, the first that knows a name wins: folders of the
-controller's own workspace, the texts in `interfaces2/`, the store of ROS 2 Jazzy in rosbags,
-and for packages that ROS 2 took over unchanged the texts in `interfaces/`.
+controller's own workspace, the texts in `interfaces2.txt`, the store of ROS 2 Jazzy in rosbags,
+and for packages that ROS 2 took over unchanged the texts in `interfaces1.txt`.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -16,7 +16,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.ros.messages.interface_texts import interface_parts, interface_text
+from tracerisk.ros.messages.interface_texts import (
+    Definition,
+    ShippedText,
+    interface_parts,
+    interface_text,
+    shipped_packages,
+    shipped_texts,
+)
 from tracerisk.ros.messages.ros2_base import Action2, Message2, Service2, copy_message
 from tracerisk.ros.messages.ros2_fields import Field2, accessor
 
@@ -25,8 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Action2", "Interfaces2", "Message2", "Service2", "copy_message", "snake_case"]
 
-INTERFACES = Path(__file__).parent / "interfaces2"
-_ROS1_INTERFACES = Path(__file__).parent / "interfaces"
 _UNCHANGED = (
     "diagnostic_msgs",
     "gazebo_ros_link_attacher",
@@ -66,12 +71,12 @@ class Interfaces2:
         self._classes: dict[str, type[Message2]] = {}
         self._services: dict[str, type[Service2]] = {}
         self._actions: dict[str, type[Action2]] = {}
-        self._listed: dict[tuple[str, str], dict[str, Path]] = {}
+        self._listed: dict[tuple[str, str], dict[str, Definition]] = {}
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
         """The names of all packages that are known, sorted."""
-        own = (folder.name for folder in INTERFACES.iterdir() if folder.is_dir())
+        own = shipped_packages(2)
         stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
         return tuple(sorted({*self._workspace, *self._more, *own, *stored, *_UNCHANGED}))
 
@@ -171,26 +176,23 @@ class Interfaces2:
 
         return ros2_jazzy.FIELDDEFS
 
-    def _files(self, package: str, kind: str) -> dict[str, Path]:
+    def _files(self, package: str, kind: str) -> dict[str, Definition]:
         key = package, kind
         if key not in self._listed:
             # Asked for at each name of a package, of which some have hundreds.
             self._listed[key] = self._found(package, kind)
         return self._listed[key]
 
-    def _found(self, package: str, kind: str) -> dict[str, Path]:
-        if package in self._workspace:
-            folders = [self._workspace[package]]
-        else:
-            folders = [_ROS1_INTERFACES / package] if package in _UNCHANGED else []
-            folders.append(INTERFACES / package)
+    def _found(self, package: str, kind: str) -> dict[str, Definition]:
+        found: dict[str, Definition] = {}
         if package in self._more:
-            folders.insert(0, self._more[package])
-        return {
-            path.stem: path
-            for folder in folders
-            for path in sorted((folder / kind).rglob(f"*.{kind}"), reverse=True)
-        }
+            found |= _in_folder(self._more[package] / kind, kind)
+        if package in self._workspace:
+            return found | _in_folder(self._workspace[package] / kind, kind)
+        of_ros1 = shipped_texts(1).get((package, kind), ()) if package in _UNCHANGED else ()
+        for each in (*of_ros1, *shipped_texts(2).get((package, kind), ())):
+            found[each.stem] = each
+        return found
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
         package, short = name.split("/")
@@ -313,7 +315,8 @@ class Interfaces2:
         self._check_package(package)
         key = f"{package}/msg/{short}"
         path = self._files(package, "msg").get(short)
-        if path is not None and not (key in self._store and _ROS1_INTERFACES in path.parents):
+        is_of_ros1 = isinstance(path, ShippedText) and path.ros == 1
+        if path is not None and not (key in self._store and is_of_ros1):
             self._parse(package, "msg", short, interface_text(path), path)
         elif package not in self._workspace and key in self._store:
             self._definitions[key] = self._store[key]
@@ -325,7 +328,7 @@ class Interfaces2:
         if package not in self.packages:
             raise InputError(f"no message package '{package}'; {one_of(self.packages)}")
 
-    def _parse(self, package: str, kind: str, short: str, text: str, path: Path) -> None:
+    def _parse(self, package: str, kind: str, short: str, text: str, path: Definition) -> None:
         from rosbags.typesys import TypesysError, get_types_from_msg
 
         # Names of the same package stand without it; the parser takes them for messages.
@@ -339,6 +342,11 @@ class Interfaces2:
         key = f"{package}/{kind}/{short}"
         self._definitions[key] = found[as_message]
         self._defaults[key] = _defaults(plain, path)
+
+
+def _in_folder(folder: Path, kind: str) -> dict[str, Definition]:
+    """Return the files below a folder by their stems; of several, the first."""
+    return {path.stem: path for path in sorted(folder.rglob(f"*.{kind}"), reverse=True)}
 
 
 def _message_class(
@@ -369,7 +377,7 @@ def snake_case(name: str) -> str:
     return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split).lower()
 
 
-def _defaults(text: str, path: Path) -> dict[str, Any]:
+def _defaults(text: str, path: Definition) -> dict[str, Any]:
     found = {}
     for number, line in enumerate(text.splitlines(), 1):
         match = _DEFAULT.fullmatch(line)
