@@ -445,7 +445,7 @@ class Node:
 @pytest.mark.parametrize(
     ("name", "type_name", "expected"),
     [
-        ("part", "std_msgs/Int32", [2]),
+        ("part", "std_msgs/Int32", [3]),
         ("posture", "std_msgs/String", ["up", "down"]),
         ("task", "std_msgs/String", ["pick", "place"]),
         # What is given again has no one value to compare with.
