@@ -208,7 +208,7 @@ def evidence(path: str | Path) -> Evidence:
 
     Raises InputError where there is none.
     """
-    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence import EVIDENCE_NAME
     from tracerisk.evidence.file import read_evidence
     from tracerisk.pipeline import load_controller
 

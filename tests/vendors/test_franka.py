@@ -1,4 +1,4 @@
-"""franka_control's settings and recovery, by the messages of its releases."""
+"""What franka_ros serves: settings, recovery, and the pose of its impedance controller."""
 
 from __future__ import annotations
 
@@ -30,3 +30,28 @@ publisher.publish(ErrorRecoveryActionGoal())
     assert ran.findings == [
         "set_EE_frame: taken, and changes nothing: the twin's joints keep their own servos"
     ]
+
+
+def test_the_arm_follows_the_pose_of_the_impedance_controller(run_on):
+    ran = run_on(
+        "panda",
+        """
+import rospy
+from geometry_msgs.msg import PoseStamped
+rospy.init_node('stream')
+publisher = rospy.Publisher(
+    '/cartesian_impedance_example_controller/equilibrium_pose', PoseStamped, queue_size=1)
+pose = PoseStamped()
+pose.header.frame_id = 'panda_link0'
+pose.pose.position.x, pose.pose.position.z = 0.4, 0.5
+pose.pose.orientation.x = 1.0
+for step in range(100):
+    pose.pose.position.y = 0.001 * step
+    publisher.publish(pose)
+    rospy.sleep(0.02)
+rospy.sleep(1.0)
+""",
+    )
+    # The end effector of a Panda with its hand lies between the fingers.
+    tool = ran.twin.link_pose("panda_hand_tcp").position
+    assert tool == pytest.approx((0.4, 0.099, 0.5), abs=0.003)

@@ -149,7 +149,7 @@ def _replay(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence import EVIDENCE_NAME
     from tracerisk.evidence.file import dump_evidence, merge_evidence
 
     if not options.argv:

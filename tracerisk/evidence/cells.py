@@ -13,9 +13,6 @@ from tracerisk.evidence.share_interval import clopper_pearson
 from tracerisk.records import dataclass, field, replace
 from tracerisk.trace import Exposure
 
-EVIDENCE_NAME = "tracerisk.evidence"
-"""The file's name in a controller's root."""
-
 Effect = Literal[
     "collision",
     "dropped",

@@ -22,7 +22,7 @@ from tracerisk.adder.figures.assumptions import assumptions_of
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.evidence.cells import EVIDENCE_NAME
+from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.sources import is_assumed

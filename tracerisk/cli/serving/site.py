@@ -19,7 +19,7 @@ from tracerisk.cli.shared.report_input import evidence_shown, report_html, run_s
 from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.cli.verdict import verdict_details
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.evidence.cells import EVIDENCE_NAME
+from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders

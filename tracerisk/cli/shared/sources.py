@@ -6,9 +6,7 @@ from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
-from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.freshness.used_evidence import edited_evidence
 from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
@@ -40,6 +38,9 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
     sources = {name: read_file(name) for name in files}
     name = "+".join(Path(each).name for each in files)
     if any(_HAS_EVIDENCE.search(source) for source in sources.values()):
+        from tracerisk.config import controller_root
+        from tracerisk.pipeline.freshness.used_evidence import edited_evidence
+
         note("blocks take evidence: they count only failures that ended the mission on the twin")
         for root in dict.fromkeys(controller_root(Path(each)) for each in files):
             for edited in edited_evidence(root):

@@ -19,7 +19,6 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
-from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
 from tracerisk.pipeline.check.run import (
@@ -213,6 +212,8 @@ def _stale(
         yield CheckFinding("stale", message, place)
     found = kept_evidence(controller)
     if found is not None and found.edited is not None:
+        from tracerisk.evidence import EVIDENCE_NAME
+
         message = (
             f"{found.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "
             "restore the file from git"

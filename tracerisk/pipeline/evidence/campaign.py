@@ -18,7 +18,8 @@ from typing import Any
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, Location
-from tracerisk.evidence.cells import EVIDENCE_NAME, Cell, Evidence, Stratum
+from tracerisk.evidence import EVIDENCE_NAME
+from tracerisk.evidence.cells import Cell, Evidence, Stratum
 from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
 from tracerisk.evidence.share_interval import weighted_interval
 from tracerisk.hardware.model import CONTROL, POWER

@@ -207,7 +207,7 @@ def values_reasons(
     if recorded.hardware != hardware_digest(settings):
         found.append(f"{settings.hardware or 'the hardware description'} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
-        from tracerisk.evidence.cells import EVIDENCE_NAME
+        from tracerisk.evidence import EVIDENCE_NAME
 
         found.append(f"{EVIDENCE_NAME} has changed")
     return tuple(found)

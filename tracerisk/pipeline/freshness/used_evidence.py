@@ -21,7 +21,7 @@ def kept_evidence(controller: Controller) -> Evidence | None:
 
     Raises InputError where the file is malformed.
     """
-    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence import EVIDENCE_NAME
 
     path = controller.root / EVIDENCE_NAME
     if not path.exists():
@@ -71,7 +71,7 @@ def edited_evidence(root: Path) -> tuple[str, ...]:
 
     A file that is malformed is one too.
     """
-    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence import EVIDENCE_NAME
     from tracerisk.evidence.file import read_evidence
 
     try:

@@ -8,7 +8,7 @@ from pathlib import Path
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import TraceRiskError
-from tracerisk.evidence.cells import EVIDENCE_NAME
+from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.known_controllers import lock_of

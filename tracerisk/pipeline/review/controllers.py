@@ -11,7 +11,8 @@ from typing import Protocol
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.evidence.cells import EVIDENCE_NAME, Evidence
+from tracerisk.evidence import EVIDENCE_NAME
+from tracerisk.evidence.cells import Evidence
 from tracerisk.evidence.file import loads_evidence
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion

@@ -169,6 +169,7 @@ def _all_sleep(pid: int) -> bool:
             line = Path(task.path, "stat").read_bytes()
             if line[line.rindex(b")") + 2 : line.rindex(b")") + 3] not in b"SZXt":
                 return False
-    except FileNotFoundError:
-        return True
+    except (FileNotFoundError, ProcessLookupError):
+        # A thread, or all of them, has ended: another look says what is left.
+        return not Path(f"/proc/{pid}").exists()
     return True
