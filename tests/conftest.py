@@ -76,6 +76,7 @@ class Outcome:
         return json.loads(self.out)
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """Return one more than there are cores: a third of the time, a test waits for something."""
     return (os.cpu_count() or 1) + 1
