@@ -8,6 +8,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from tracerisk.text.yaml_reader import plain_yaml
+
 _MANIFEST = "package.xml"
 _UPWARDS = 4
 _MOST_FILES = 40
@@ -40,14 +42,11 @@ def _settings_in(folder: Path) -> Mapping[str, ast.expr]:
 
 
 def _read(path: Path) -> Any:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
     try:
         if not path.is_file() or path.stat().st_size > _MOST_BYTES:
             return None
-        return YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, YAMLError, RecursionError):
+        return plain_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
         return None
 
 

@@ -16,6 +16,17 @@ from tracerisk.errors import InputError, Location, one_of
 _MAX_BYTES = 16 * 1024 * 1024
 
 
+def plain_yaml(text: str) -> Any:
+    """Return what a text in YAML 1.2 holds, `None` where it cannot be read."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        return YAML(typ="safe", pure=True).load(text)
+    except (YAMLError, ValueError, TypeError, RecursionError, AttributeError):
+        return None
+
+
 class YamlMap:
     """A mapping of a YAML file whose accessors check types and name the place of a mistake.
 

@@ -8,7 +8,9 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from types import ModuleType
+from typing import Any
 
 from tracerisk.cli.shared.output import is_dumb
 
@@ -24,36 +26,24 @@ def progress_bar(
     What is printed on standard error meanwhile stands above the bar, which is gone at the end.
     Where it is `quiet`, what a controller prints meanwhile goes nowhere.
     """
-    if quiet:
-        with contextlib.redirect_stderr(_Nowhere()):
-            yield None
-        return
-    if not sys.stderr.isatty() or is_dumb():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
     usual_s = None
     if controller is not None:
         from tracerisk.pipeline.check.cached_run import last_duration_s
 
         usual_s = last_duration_s(controller)
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description:<17}"),
-        BarColumn(bar_width=20),
-        TextColumn("{task.fields[simulated]}"),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[left]}"),
-    )
-    bar = Progress(
-        *columns,
-        console=Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR"))),
-        transient=True,
-        redirect_stdout=False,
-    )
-    with bar:
+
+    def columns(rich: ModuleType) -> Iterable[Any]:
+        yield rich.SpinnerColumn()
+        yield rich.TextColumn("{task.description:<17}")
+        yield rich.BarColumn(bar_width=20)
+        yield rich.TextColumn("{task.fields[simulated]}")
+        yield rich.TimeElapsedColumn()
+        yield rich.TextColumn("{task.fields[left]}")
+
+    with _bar(columns, quiet=quiet) as bar:
+        if bar is None:
+            yield None
+            return
         # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
         task = bar.add_task("reading", total=None, simulated="", left="")
         first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
@@ -86,30 +76,46 @@ def bar_of_cells(
     `what` are the parts, `first` is what is done before them.
     Where it is `quiet`, what a controller prints meanwhile goes nowhere.
     """
-    if quiet:
-        with contextlib.redirect_stderr(_Nowhere()):
-            yield None
-        return
-    if not sys.stderr.isatty() or is_dumb():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=20),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[left]}"),
-    )
-    console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
-    with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
+    def columns(rich: ModuleType) -> Iterable[Any]:
+        yield rich.TextColumn("{task.description}")
+        yield rich.BarColumn(bar_width=20)
+        yield rich.MofNCompleteColumn()
+        yield rich.TextColumn("{task.fields[left]}")
+
+    with _bar(columns, quiet=quiet) as bar:
+        if bar is None:
+            yield None
+            return
         task = bar.add_task(what, total=None, left=first)
 
         def notify(done: int, of: int, left_s: float) -> None:
             bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
 
         yield notify
+
+
+@contextlib.contextmanager
+def _bar(columns: Callable[[ModuleType], Iterable[Any]], *, quiet: bool) -> Iterator[Any]:
+    """Yield a bar of these columns of `rich.progress`; `None` where there is no terminal.
+
+    Where it is `quiet` there is none either, and what is printed meanwhile goes nowhere.
+    """
+    if quiet:
+        with contextlib.redirect_stderr(_Nowhere()):
+            yield None
+    elif not sys.stderr.isatty() or is_dumb():
+        yield None
+    else:
+        from rich import progress
+        from rich.console import Console
+
+        console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
+        shown = progress.Progress(
+            *columns(progress), console=console, transient=True, redirect_stdout=False
+        )
+        with shown:
+            yield shown
 
 
 class _Nowhere(io.TextIOBase):

@@ -19,6 +19,7 @@ from typing import Any
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.ros.controller.needs import Need
 from tracerisk.source.filled_messages import filled_fields, plain_value
+from tracerisk.text.yaml_reader import plain_yaml
 
 _MOST_FILES = 4000
 _MOST_BYTES = 512 * 1024
@@ -317,13 +318,10 @@ def _is_of_kind(value: Any, kind: str) -> bool:
 
 
 def _yaml(text: str) -> Any:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
+    # Of YAML 1.2, for the key `y` of a point is true in that of 1.1.
     try:
-        # Of YAML 1.2, for the key `y` of a point is true in that of 1.1.
-        return plain_value(YAML(typ="safe", pure=True).load(text))
-    except (YAMLError, ValueError, TypeError, RecursionError, AttributeError):
+        return plain_value(plain_yaml(text))
+    except (ValueError, RecursionError):  # keys of endless digits, endless depth
         return None
 
 

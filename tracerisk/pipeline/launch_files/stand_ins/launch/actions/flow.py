@@ -113,7 +113,7 @@ class IncludeLaunchDescription(Action):
 
 
 def _places(path: Path, place: str) -> dict[str, str]:
-    """Return where a launch file is, as local values; `place` is used where there is no file."""
+    """Return the local values that say where a launch file is: `place`, if there is no file."""
     is_file = path.is_absolute()
     return {
         "current_launch_file_path": str(path) if is_file else place,
