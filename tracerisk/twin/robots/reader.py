@@ -11,7 +11,7 @@ from typing import cast, get_args
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.geometry.shapes import read_shapes
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
@@ -39,7 +39,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
     Raises RobotError with file and line when the file is malformed.
     """
     file = shown if shown is not None else str(path)
-    top = read_yaml(path, RobotError, shown=file)
+    top = read_large_yaml(path, RobotError, shown=file)
     top.forbid_unknown(
         {
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
