@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -656,3 +657,15 @@ def test_parameters_of_galileo_are_set_and_swept(call, tmp_path):
     assert top_of(call, "open.dft", "--set", "x=0.5", "--set", "B=0.1") == pytest.approx(0.05)
     swept = call("solve", "open.dft", "--set", "x=0.5", "--set", "B=1", "--sweep", "x=0.1:1:3")
     assert "1.000000e-01" in swept.out
+
+
+def test_a_pipe_and_a_file_without_an_end_are_refused(tmp_path, capsys, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    assert main(["solve", str(tmp_path / "pipe")]) == 2
+    assert "pipe: is a pipe, which is read only once; save it to a file" in capsys.readouterr().err
+    monkeypatch.setattr("tracerisk.cli.shared.sources.MOST_BYTES", 2**20)
+    (tmp_path / "large.tra").write_bytes(b" " * (2**20 + 1))
+    for name in ("/dev/zero", str(tmp_path / "large.tra")):
+        assert main(["solve", name]) == 2
+        words = f"{name}: holds more than 1 MB; no larger file is read"
+        assert words in capsys.readouterr().err

@@ -305,8 +305,8 @@ def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
             "1000000000000 1\n0 1 1\n",
             "m.tra:1: 1000000000000 states are announced; at most 2000000 are read",
         ),
-        ("999999 1\n0 1 1\n", "m.tra:1: 999999 states are announced, and 1 transitions name at"),
-        ("dtmc\n0 999999 1\n", "m.tra:2: state 999999, but 1 transitions name at most 2"),
+        ("999999 1\n0 1 1\n", "m.tra:1: 999999 states are announced, and 1 lines name at"),
+        ("dtmc\n0 999999 1\n", "m.tra:2: state 999999, but so few lines do not name so many"),
         ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999; at most 2000000 states are read"),
     ],
 )
@@ -338,10 +338,8 @@ def walk(count):
     return "\n".join(("dtmc", *lines, *ends)), f'0="init" 1="lost"\n0: 0\n{count - 1}: 1\n'
 
 
-@pytest.mark.parametrize("near", [2, 50_000])
-def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch, near):
+def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch):
     monkeypatch.setattr("tracerisk.prm.formats.explicit._PIECE", 1_000)
-    monkeypatch.setattr("tracerisk.prm.formats.explicit._NEAR", near)
     text, labels = walk(4_000)
     found = read(text, labels)
     assert len(found.rows) == 4_000
@@ -350,6 +348,31 @@ def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch, near):
     cut = text.replace("\n3000 3001 0.9", "\n3000 3001 0.8")
     with pytest.raises(ModelError, match=r"m.tra:9002: the probabilities from state 3000 sum to"):
         read(cut, labels)
+
+
+def test_lines_read_many_at_a_time_are_those_read_one_by_one(monkeypatch):
+    monkeypatch.setattr("tracerisk.prm.formats.explicit._PIECE", 1_000)
+    text, labels = walk(400)
+    text = text.replace("\n300 301 0.9", "\n300 301 0.9\n300 302 0\n300 0303 0.0")
+    found = read(text + "\n", labels)
+    assert 302 not in found.rows[300]
+    for other in (text.replace("\n", " x\n"), text.replace("\n", "\n\n").replace("\n", "\r\n")):
+        again = read(other.replace("dtmc x", "dtmc"), labels)
+        assert (again.rows, again.labels) == (found.rows, found.labels)
+    for wrong, message in (
+        ("200 201 0.0.9", r"m.tra:602:9: '0.0.9' is not a probability or rate"),
+        ("200 201 1e999", r"m.tra:602:9: '1e999' is not a probability or rate"),
+        ("200 9999 0.9", r"m.tra:602: state 9999, but so few lines do not name so many"),
+        ("200 197 0.9", r"m.tra:603:1: duplicate transition from 200 to 197"),
+    ):
+        with pytest.raises(ModelError, match=message):
+            read(walk(400)[0].replace("200 201 0.9", wrong), labels)
+
+
+def test_too_many_transitions_are_refused_before_they_are_read(monkeypatch):
+    monkeypatch.setattr("tracerisk.prm.formats.explicit.MOST_TRANSITIONS", 3)
+    with pytest.raises(TooLargeError, match=r"m.tra: 4 lines; at most 3 transitions are read"):
+        read("dtmc\n0 1 x\n1 2 1\n2 3 1\n3 3 1\n")
 
 
 def test_memory_for_a_chain_from_a_text_is_some_hundred_bytes_a_state():

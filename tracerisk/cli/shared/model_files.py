@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Mapping, Sequence
 
 from tracerisk.cli.shared.model_format import ModelFormat, detected
@@ -28,9 +29,20 @@ OWN = (ModelFormat.HYBRID, ModelFormat.LINKED)
 def format_of(files: Sequence[str]) -> ModelFormat | None:
     """Return the format of model files, inferred from the first; `None` where they are sources.
 
-    Raises InputError when the first cannot be read.
+    Raises InputError when the first cannot be read, or only once.
     """
+    if _is_pipe(files[0]):
+        raise InputError(
+            "is a pipe, which is read only once; save it to a file", Location(files[0])
+        )
     return detected(read_file(files[0]), files[0])
+
+
+def _is_pipe(name: str) -> bool:
+    try:
+        return stat.S_ISFIFO(os.stat(name).st_mode)  # noqa: PTH116 - as in `model_format`
+    except OSError:
+        return False  # what reads it says so
 
 
 def read_model(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, TooLargeError
 from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
@@ -18,13 +19,24 @@ if TYPE_CHECKING:
 _HAS_EVIDENCE = pattern(rb"RiskAnnotation [^\n]*with evidence")
 
 
+MOST_BYTES = 2**28
+"""How many bytes of a file are read: those of a model that fits into some gigabytes."""
+
+
 def read_file(name: str) -> bytes:
-    """Return the bytes of a file; raise InputError when it cannot be read."""
+    """Return the bytes of a file; raise InputError when it cannot be read or holds too many."""
     try:
         with open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
-            return file.read()
+            # Its size before its bytes; a device has none, and may have no end.
+            size = os.fstat(file.fileno()).st_size
+            data = file.read(MOST_BYTES + 1) if size <= MOST_BYTES else b""
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
+    if max(size, len(data)) > MOST_BYTES:
+        raise TooLargeError(
+            f"{name}: holds more than {MOST_BYTES // 2**20} MB; no larger file is read"
+        )
+    return data
 
 
 def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:

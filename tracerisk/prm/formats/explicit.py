@@ -10,7 +10,7 @@ from __future__ import annotations
 import enum
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from tracerisk.errors import Location, ModelError, TooLargeError
 from tracerisk.prm.formats.explicit_chain import (
@@ -23,16 +23,17 @@ from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.text.bounded import whole_number
 
 MOST_STATES = 2_000_000
+MOST_TRANSITIONS = 8_000_000
 _UNNAMED = 1_000
 """How many states there may be that no transition names, so that small files need not be whole."""
 _PIECE = 1_000_000
 """How many characters of a text are split into lines at a time."""
-_NEAR = 50_000
-"""How many numbers of lines before are kept."""
 _END = 1_000
 """How many characters at the end of a text are looked at first."""
 _LONG = 19
-"""From so many digits on, two numbers are looked at one by one."""
+"""From so many digits on, a number is looked at by itself."""
+_PLAIN = re.compile(r"(?:[0-9]{1,18} [0-9]{1,18} [0-9][0-9.eE+-]*+\n)*+")
+"""Lines as tools write them, which are read many at a time."""
 _DECLARED = re.compile(r'(\d+)="([^"]+)"')
 
 
@@ -116,12 +117,19 @@ def _lines(text: str, start: int = 0) -> Iterator[tuple[int, list[tuple[int, str
 
 def _numbered(text: str) -> Iterator[tuple[int, str]]:
     """Yield the lines and their numbers; of a long text not all are held at once."""
-    number = begin = 0
-    while begin < len(text):
-        end = text.find("\n", begin + _PIECE) + 1 or len(text)
-        for line in text[begin:end].splitlines():
+    number = 0
+    for piece in _pieces(text):
+        for line in piece.splitlines():
             number += 1
             yield number, line
+
+
+def _pieces(text: str) -> Iterator[str]:
+    """Yield whole lines, about a million characters at a time."""
+    begin = 0
+    while begin < len(text):
+        end = text.find("\n", begin + _PIECE) + 1 or len(text)
+        yield text[begin:end]
         begin = end
 
 
@@ -161,20 +169,24 @@ def _read_transitions(
             f"{file}:{first}: {declared[0]} states are announced; at most {most_states} are read"
         )
     _check_end(text, file, most_states)
-    count = sum(number > head and bool(line.strip()) for number, line in _numbered(text))
-    # Each transition names two states; a greater number is not a state of this file.
+    count = sum(len(piece.splitlines()) for piece in _pieces(text)) - head
+    if count > MOST_TRANSITIONS:
+        raise TooLargeError(
+            f"{file}: {count} lines; at most {MOST_TRANSITIONS} transitions are read"
+        )
+    # Each line names two states at most; a greater number is not a state of this file.
     named = max(2 * count, _UNNAMED)
     if declared is not None and declared[0] > named:
         raise TooLargeError(
-            f"{file}:{first}: {declared[0]} states are announced, and {count} transitions name at "
-            f"most {2 * count}"
+            f"{file}:{first}: {declared[0]} states are announced, and {count} lines name at most "
+            f"{2 * count}"
         )
     allowed = min(named, most_states, declared[0] if declared is not None else named)
     with collection_paused():
-        found, highest, last = _rows(text, head, file, allowed, most_states, declared, count)
-    if declared is not None and count != declared[1]:
+        found, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
+    if declared is not None and there != declared[1]:
         raise ModelError(
-            f"{declared[1]} transitions are announced and {count} are there; "
+            f"{declared[1]} transitions are announced and {there} are there; "
             "the file is cut off or its first line is wrong",
             Location(file, last or first),
         )
@@ -216,52 +228,87 @@ def _rows(
     allowed: int,
     most_states: int,
     declared: tuple[int, int] | None,
-    count: int,
-) -> tuple[dict[int, dict[int, float]], int, int]:
-    """Return the ways out of each state, the highest state, and the last line.
+) -> tuple[dict[int, dict[int, float]], int, int, int]:
+    """Return the ways out of each state, the highest state, how many ways, and the last line.
 
-    States are below `allowed`; `count` lines follow the `head`.
+    States are below `allowed`; the first `head` lines are left out.
     """
     found: dict[int, dict[int, float]] = {}
+    highest, ways, last, number = -1, 0, 0, 0
     never: set[int] = set()
-    highest, last = -1, 0
-    # Numbers that stand in lines near each other, and weights, are one object each.
-    states: dict[str, int] = {}
-    weights: dict[str, float] = {}
-    for number, line in _numbered(document):
-        words = line.split()
-        if number <= head or not words:
-            continue
-        last = number
-        a, b, text = words[:3] if len(words) in (3, 4) else ("", "", "")
-        source, target, weight = states.get(a), states.get(b), weights.get(text)
-        if source is None or target is None or weight is None:
-            source, target, weight = _transition(line, words, file, number)
-            if max(len(states), len(weights)) >= _NEAR:
-                states.clear()
-                weights.clear()
-            source, target = states.setdefault(a, source), states.setdefault(b, target)
-            weight = weights.setdefault(text, weight)
-        greater = max(source, target)
-        if greater > highest:
-            highest = greater
-            if highest >= allowed:
-                raise _beyond(line, highest, file, number, most_states, declared, count)
-        row = found.get(source)
-        if row is None:
-            found[source] = {target: weight}
-        elif target in row:
-            raise ModelError(
-                f"duplicate transition from {source} to {target}; add the two up",
-                Location(file, number, _words(line)[0][0]),
-            )
+    for piece in _pieces(document):
+        plain = _plain_piece(piece, allowed) if number >= head else None
+        if plain is not None:
+            sources, targets, weights = plain
+            number = last = number + len(sources)
         else:
-            row[target] = weight
-        if weight == 0.0:
-            never.add(source)
+            sources, targets, weights = [], [], []
+            for line in piece.splitlines():
+                number += 1
+                words = line.split()
+                if number <= head or not words:
+                    continue
+                last = number
+                source, target, weight = _transition(line, words, file, number)
+                if max(source, target) >= allowed:
+                    raise _beyond(line, max(source, target), file, number, most_states, declared)
+                sources.append(source)
+                targets.append(target)
+                weights.append(weight)
+        if not sources:
+            continue
+        highest = max(highest, max(sources), max(targets))
+        ways += len(sources)
+        for source, target, weight in zip(sources, targets, weights, strict=True):
+            row = found.get(source)
+            if row is None:
+                found[source] = {target: weight}
+            else:
+                row[target] = weight
+        if 0.0 in weights:
+            never.update(s for s, weight in zip(sources, weights, strict=True) if weight == 0.0)
+    if sum(map(len, found.values())) < ways:
+        raise _twice(document, head, file)
     for source in never:
         found[source] = {target: p for target, p in found[source].items() if p > 0.0}
-    return found, highest, last
+    return found, highest, ways, last
+
+
+def _plain_piece(piece: str, allowed: int) -> tuple[list[int], list[int], list[float]] | None:
+    """Return sources, targets and weights of lines; `None` where each needs a look of its own.
+
+    Numbers that stand in several lines are one object each.
+    """
+    if _PLAIN.fullmatch(piece) is None:
+        return None
+    words = piece.split()
+    texts = words[2::3]
+    states = {word: int(word) for word in {*words[0::3], *words[1::3]}}
+    try:
+        weights = {text: float(text) for text in set(texts)}
+    except ValueError:
+        return None
+    if max(states.values()) >= allowed or max(weights.values()) == math.inf:
+        return None
+    return (
+        [states[word] for word in words[0::3]],
+        [states[word] for word in words[1::3]],
+        [weights[text] for text in texts],
+    )
+
+
+def _twice(document: str, head: int, file: str) -> ModelError:
+    """Return the error of the first transition that stands there a second time."""
+    seen: set[tuple[int, int]] = set()
+    for number, words in _lines(document, head):
+        way = int(words[0][1]), int(words[1][1])
+        if way in seen:
+            return ModelError(
+                f"duplicate transition from {way[0]} to {way[1]}; add the two up",
+                Location(file, number, words[0][0]),
+            )
+        seen.add(way)
+    raise AssertionError("no transition stands there twice")
 
 
 def _beyond(
@@ -271,7 +318,6 @@ def _beyond(
     number: int,
     most_states: int,
     declared: tuple[int, int] | None,
-    count: int,
 ) -> ModelError | TooLargeError:
     """Return the error of a state that the file cannot have."""
     if state >= most_states:
@@ -284,8 +330,8 @@ def _beyond(
             Location(file, number, _words(line)[0][0]),
         )
     return TooLargeError(
-        f"{file}:{number}: state {state}, but {count} transitions name at most "
-        f"{2 * count} states; number the states from 0 on"
+        f"{file}:{number}: state {state}, but so few lines do not name so many states; number "
+        "the states from 0 on"
     )
 
 
@@ -327,106 +373,124 @@ def _whole(word: tuple[int, str], file: str, line: int) -> int:
 
 
 def _check_sums(rows: dict[int, dict[int, float]], text: str, head: int, file: str) -> None:
-    for state in sorted(rows):
-        row = rows[state]
-        total = math.fsum(row.values())
-        if row and abs(total - 1.0) > 1e-9:
-            # A number may be written with zeros in front.
-            first = next(n for n, words in _lines(text, head) if int(words[0][1]) == state)
-            raise ModelError(
-                f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
-                Location(file, first),
-            )
+    sums = ((state, math.fsum(row.values())) for state, row in rows.items() if row)
+    wrong = min(((state, total) for state, total in sums if abs(total - 1.0) > 1e-9), default=None)
+    if wrong is not None:
+        state, total = wrong
+        # A number may be written with zeros in front.
+        first = next(n for n, words in _lines(text, head) if int(words[0][1]) == state)
+        raise ModelError(
+            f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
+            Location(file, first),
+        )
 
 
 def _read_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
-    lines = list(_lines(text))
-    if not lines:
+    first, words = next(_lines(text), (1, []))
+    if not words:
         raise ModelError(
             'the file is empty; it begins with #DECLARATION or 0="init"', Location(file, 1, 1)
         )
-    if lines[0][1][0][1].startswith("#"):
-        return _storm_labels(lines, file, count)
-    return _prism_labels(text, lines, file, count)
+    if words[0][1].startswith("#"):
+        return _storm_labels(text, file, count)
+    return _prism_labels(text, words, file, first, count)
 
 
-def _storm_labels(
-    lines: list[tuple[int, list[tuple[int, str]]]], file: str, count: int
-) -> dict[str, frozenset[int]]:
-    number, words = lines[0]
+def _storm_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
+    lines = _lines(text)
+    number, words = next(lines)
     if [word for _, word in words] != ["#DECLARATION"]:
         raise ModelError(
             f"'{words[0][1]}' where #DECLARATION is expected", Location(file, number, words[0][0])
         )
     sets: dict[str, set[int]] = {}
-    position = 1
-    while position < len(lines) and lines[position][1][0][1] != "#END":
-        for column, label in lines[position][1]:
+    for number, words in lines:
+        if words[0][1] == "#END":
+            break
+        for column, label in words:
             if label.startswith("#"):
                 raise ModelError(
-                    f"'{label}' where #END is expected", Location(file, lines[position][0], column)
+                    f"'{label}' where #END is expected", Location(file, number, column)
                 )
             sets.setdefault(label, set())
-        position += 1
-    if position == len(lines):
-        raise ModelError("#END is missing after the labels", Location(file, lines[-1][0]))
-    for number, words in lines[position + 1 :]:
-        state = _state(words[0], file, number, count)
-        for column, label in words[1:]:
-            if label not in sets:
-                raise ModelError(
-                    f"label '{label}' is not declared; declared: {', '.join(sets) or 'none'}",
-                    Location(file, number, column),
-                )
-            sets[label].add(state)
+    else:
+        raise ModelError("#END is missing after the labels", Location(file, number))
+
+    def undeclared(place: tuple[int, str], line: int) -> set[int]:
+        raise ModelError(
+            f"label '{place[1]}' is not declared; declared: {', '.join(sets) or 'none'}",
+            Location(file, line, place[0]),
+        )
+
+    _fill(text, number, file, count, dict(sets), undeclared, end="")
     return {label: frozenset(states) for label, states in sets.items()}
 
 
 def _prism_labels(
-    text: str, lines: list[tuple[int, list[tuple[int, str]]]], file: str, count: int
+    text: str, words: list[tuple[int, str]], file: str, first: int, count: int
 ) -> dict[str, frozenset[int]]:
-    first = lines[0][0]
     head = text.splitlines()[first - 1]
-    declared: dict[int, str] = {}
-    names: set[str] = set()
-    for column, word in lines[0][1]:
+    declared: dict[int, set[int]] = {}
+    sets: dict[str, set[int]] = {}
+    for column, word in words:
         match = _DECLARED.fullmatch(word)
         if match is None:
             raise ModelError(
                 f"'{word}' is not a declaration such as 0=\"init\"", Location(file, first, column)
             )
         label = _whole((column, match[1]), file, first)
-        if label in declared or match[2] in names:
+        if label in declared or match[2] in sets:
             raise ModelError(
                 f"{word} is declared twice", Location(file, first, head.index(word) + 1)
             )
-        declared[label] = match[2]
-        names.add(match[2])
-    sets: dict[str, set[int]] = {label: set() for label in declared.values()}
-    for number, words in lines[1:]:
-        column, word = words[0]
-        if not word.endswith(":"):
+        declared[label] = sets[match[2]] = set()
+
+    def numbered(place: tuple[int, str], line: int) -> set[int]:
+        label = _whole(place, file, line)
+        if label not in declared:
             raise ModelError(
-                f"'{word}' where a state and a colon are expected", Location(file, number, column)
+                f"label {label} is not declared; declared: {', '.join(map(str, sorted(declared)))}",
+                Location(file, line, place[0]),
             )
-        state = _state((column, word[:-1]), file, number, count)
-        for place in words[1:]:
-            label = _whole(place, file, number)
-            if label not in declared:
-                raise ModelError(
-                    f"label {label} is not declared; declared: "
-                    f"{', '.join(map(str, sorted(declared)))}",
-                    Location(file, number, place[0]),
-                )
-            sets[declared[label]].add(state)
+        return declared[label]
+
+    _fill(text, first, file, count, {}, numbered, end=":")
     return {label: frozenset(states) for label, states in sets.items()}
 
 
-def _state(word: tuple[int, str], file: str, line: int, count: int) -> int:
-    state = _whole(word, file, line)
-    if state >= count:
-        raise ModelError(
-            f"state {state}, but the chain has states 0 to {count - 1}",
-            Location(file, line, word[0]),
-        )
-    return state
+def _fill(
+    text: str,
+    head: int,
+    file: str,
+    count: int,
+    known: dict[str, set[int]],
+    other: Callable[[tuple[int, str], int], set[int]],
+    *,
+    end: str,
+) -> None:
+    """Add the state of each line, which ends with `end`, to the sets of the line's labels.
+
+    `known` are the sets by the words of labels; `other` finds that of a word, or raises.
+    """
+    for number, line in _numbered(text):
+        words = line.split()
+        if number <= head or not words:
+            continue
+        if not words[0].endswith(end):
+            raise ModelError(
+                f"'{words[0]}' where a state and a colon are expected",
+                Location(file, number, _words(line)[0][0]),
+            )
+        word = words[0].removesuffix(end)
+        usual = len(word) < _LONG and word.isascii() and word.isdigit()
+        column = 0 if usual else _words(line)[0][0]
+        state = int(word) if usual else _whole((column, word), file, number)
+        if state >= count:
+            raise ModelError(
+                f"state {state}, but the chain has states 0 to {count - 1}",
+                Location(file, number, _words(line)[0][0]),
+            )
+        for place, label in enumerate(words[1:], start=1):
+            if label not in known:
+                known[label] = other(_words(line)[place], number)
+            known[label].add(state)

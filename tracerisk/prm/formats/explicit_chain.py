@@ -62,11 +62,7 @@ class ExplicitChain:
     @property
     def absorbing(self) -> tuple[int, ...]:
         """The states that are never left, in order."""
-        return tuple(
-            state
-            for state, row in enumerate(self.rows)
-            if all(target == state or weight == 0.0 for target, weight in row.items())
-        )
+        return tuple(state for state, row in enumerate(self.rows) if not _is_left(state, row))
 
     @property
     def entry(self) -> str:
@@ -199,6 +195,14 @@ def identifiers(names: Sequence[str], taken: Iterable[str]) -> dict[str, str]:
     return found
 
 
+def _is_left(state: int, row: Mapping[int, float]) -> bool:
+    # A loop: a generator for each of a million states takes a second.
+    for target, weight in row.items():  # noqa: SIM110
+        if target != state and weight != 0.0:
+            return True
+    return False
+
+
 def names_from_labels(
     count: int, labels: Mapping[str, frozenset[int]], others: Sequence[str] | None = None
 ) -> tuple[str, ...]:
@@ -214,6 +218,8 @@ def names_from_labels(
             if state not in given:
                 given.add(state)
                 names[state] = label
+    if len(set(names)) == count:
+        return tuple(names)
     seen: dict[str, int] = {}
     for state, name in enumerate(names):
         other = seen.setdefault(name, state)

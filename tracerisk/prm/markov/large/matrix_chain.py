@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -218,11 +219,9 @@ def _checked_names(names: Sequence[str] | None, size: int) -> tuple[str, ...] | 
     labels = tuple(names)
     if len(labels) != size:
         raise ModelError(f"{len(labels)} names for {size} states; give one for each, or none")
-    seen: set[str] = set()
-    for label in labels:
-        if label in seen:
-            raise ModelError(f"duplicate state '{label}' in the chain; rename one")
-        seen.add(label)
+    if len(set(labels)) < size:
+        twice = next(label for label, count in Counter(labels).items() if count > 1)
+        raise ModelError(f"duplicate state '{twice}' in the chain; rename one")
     return labels
 
 
