@@ -356,6 +356,29 @@ def test_a_tree_is_solved_without_what_takes_longer_to_import(example):
     assert not NOT_FOR_A_TREE & modules
 
 
+@pytest.mark.parametrize(("file", "code"), [("tree.xml", 0), ("none.xml", 2)])
+def test_what_is_to_be_done_at_the_end_of_the_process_is_done(example, file, code):
+    (example.folder / "tree.xml").write_text(TREE, encoding="utf-8")
+    command = (
+        f"import sys; sys.path[:0] = {sys.path!r}; sys.argv = ['tracerisk', 'solve', {file!r}]"
+    )
+    solve = "from tracerisk.cli import main; sys.exit(main())"
+    late = "import atexit; atexit.register(lambda: print('at the end'))"
+    plain, registered = (
+        subprocess.run(
+            [sys.executable, "-S", "-c", f"{command}; {solve}"],
+            cwd=example.folder,
+            capture_output=True,
+            text=True,
+        )
+        for command in (command, f"{command}; {late}")
+    )
+    assert (plain.returncode, registered.returncode) == (code, code)
+    assert registered.stdout == f"{plain.stdout}at the end\n"
+    assert registered.stderr == plain.stderr
+    assert bool(plain.stderr) == (code == 2)
+
+
 def test_help_imports_nothing_of_the_stages(example):
     modules = modules_of(example, LISTING.format(arguments=["--help"]))
     ours = {name for name in modules if name.startswith("tracerisk.")}

@@ -90,11 +90,14 @@ class LogicBuilder:
             return FALSE
         if len(distinct) < 2:
             return next(iter(distinct), TRUE)
-        key = tuple(sorted(distinct, key=abs))
-        found = self._known.get(key)
+        return self.ordered(tuple(sorted(distinct, key=abs)))
+
+    def ordered(self, arguments: tuple[int, ...]) -> int:
+        """Return the literal of an AND of arguments that stand as in a `LogicGraph`."""
+        found = self._known.get(arguments)
         if found is None:
-            found = self._known[key] = len(self.arguments)
-            self.arguments.append(key)
+            found = self._known[arguments] = len(self.arguments)
+            self.arguments.append(arguments)
         return found
 
     def disjunction(self, literals: Iterable[int]) -> int:

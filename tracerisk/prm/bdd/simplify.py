@@ -103,9 +103,15 @@ def _restricted(graph: LogicGraph) -> LogicGraph:
                     stack.append(argument)
                 else:
                     literals.append(made[argument] if argument > 0 else -made[-argument])
-        made[node] = builder.conjunction(literals)
+        made[node] = _made(builder, literals, graph.arguments[node])
     top = made[abs(graph.top)]
     return builder.graph(top if graph.top > 0 else -top)
+
+
+def _made(builder: LogicBuilder, literals: list[int], before: tuple[int, ...]) -> int:
+    """Return the AND of literals, sooner where they are the arguments that it had before."""
+    now = tuple(literals)
+    return builder.ordered(now) if now == before else builder.conjunction(now)
 
 
 def _factored(graph: LogicGraph) -> LogicGraph:
@@ -119,16 +125,20 @@ def _factored(graph: LogicGraph) -> LogicGraph:
         if node < first_gate:
             continue
         literals = []
-        products: list[set[int]] = []
+        own = []
         for argument in graph.arguments[node]:
             child = abs(argument)
             literal = made[child] if argument > 0 else -made[child]
+            literals.append(literal)
             if -literal >= first_gate and uses[child] == 1:
-                products.append(set(builder.arguments[-literal]))
-            else:
-                literals.append(literal)
-        literals.extend(-product for product in _common_out(builder, products))
-        made[node] = builder.conjunction(literals)
+                own.append(literal)
+        if len(own) > 1:
+            products = [set(builder.arguments[-literal]) for literal in own]
+            if len(set().union(*products)) < sum(map(len, products)):
+                apart = set(own)
+                literals = [literal for literal in literals if literal not in apart]
+                literals.extend(-product for product in _common_out(builder, products))
+        made[node] = _made(builder, literals, graph.arguments[node])
     top = made[abs(graph.top)]
     return builder.graph(top if graph.top > 0 else -top)
 
@@ -188,9 +198,8 @@ def _merged(graph: LogicGraph) -> LogicGraph:
         for argument in graph.arguments[node]:
             group = group_of.get(argument, (argument,))
             if argument == group[0]:
-                literals.append(
-                    builder.conjunction([made[a] if a > 0 else -made[-a] for a in group])
-                )
-        made[node] = builder.conjunction(literals)
+                joined = [made[a] if a > 0 else -made[-a] for a in group]
+                literals.append(builder.conjunction(joined) if len(group) > 1 else joined[0])
+        made[node] = _made(builder, literals, graph.arguments[node])
     top = made[abs(graph.top)]
     return builder.graph(top if graph.top > 0 else -top)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable
-from numbers import Real
 
 from tracerisk.errors import ModelError, one_of
 
@@ -47,6 +46,11 @@ def check_parameters(names: Iterable[str], known: Collection[str]) -> None:
 
 def is_number(value: object) -> bool:
     """Whether a figure is a number: what a caller gives need not be what its type says."""
+    if isinstance(value, int | float):
+        return True
+    # Imported here: a start-up does without it.
+    from numbers import Real
+
     return isinstance(value, Real)
 
 

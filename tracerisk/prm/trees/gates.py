@@ -41,6 +41,8 @@ class GateKind(enum.Enum):
     INHIBIT = "inhibit"
     TRANSFER = "transfer"
 
+    __hash__ = object.__hash__  # in C; each kind is one object
+
     @property
     def is_coherent(self) -> bool:
         """Whether more failures below such a gate can only make it happen, never prevent it."""
@@ -52,6 +54,7 @@ _COHERENT = frozenset(
 )
 _ALL = frozenset((GateKind.AND, GateKind.NAND, GateKind.INHIBIT, GateKind.TRANSFER, GateKind.NOT))
 _COMPLEMENTED = frozenset((GateKind.NOT, GateKind.NAND, GateKind.NOR))
+_ANY_INPUTS = frozenset((GateKind.OR, GateKind.AND))
 _ALLOWED_INPUTS = {
     GateKind.NOT: (1, 1),
     GateKind.TRANSFER: (1, 1),
@@ -88,6 +91,8 @@ class Gate:
 def check_gate(gate: Gate) -> None:
     """Raise ModelError when a gate's inputs, `k` or `most` do not fit its kind."""
     count = len(gate.inputs)
+    if count and gate.kind in _ANY_INPUTS and gate.k is None and gate.most is None:
+        return
     least, greatest = _ALLOWED_INPUTS.get(gate.kind, (1, None))
     if count < least or (greatest is not None and count > greatest):
         allowed = f"{least} input{'' if least == 1 else 's'}"

@@ -6,8 +6,8 @@ has taken is let go, so that a file of any size fits.
 
 from __future__ import annotations
 
+import pyexpat as expat
 from collections.abc import Callable
-from xml.parsers import expat
 
 from tracerisk.errors import Location, ModelError, one_of
 
@@ -99,11 +99,12 @@ def parse(
         return Location(file, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        if ":" in "".join(attributes):
-            attributes = {name: value for name, value in attributes.items() if ":" not in name}
-        name = attributes.get("name", "x")
-        if name and (name[0] <= " " or name[-1] <= " "):
-            attributes = {key: value.strip() for key, value in attributes.items()}
+        if attributes:
+            if ":" in "".join(attributes):
+                attributes = {name: value for name, value in attributes.items() if ":" not in name}
+            name = attributes.get("name", "x")
+            if name and (name[0] <= " " or name[-1] <= " "):
+                attributes = {key: value.strip() for key, value in attributes.items()}
         element = Element(
             tag, attributes, file, parser.CurrentLineNumber, parser.CurrentColumnNumber
         )
