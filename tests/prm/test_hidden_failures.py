@@ -25,6 +25,7 @@ from tracerisk.prm import (
 from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.hybrid.hidden_states import hidden_states
 from tracerisk.prm.hybrid.solve import solve_figures
+from tracerisk.prm.numbers.binomial import failure_counts
 
 RENEWED = "true, detected each_visit"
 
@@ -441,3 +442,25 @@ def test_the_chain_written_out_names_what_has_failed(block, component):
     assert "a (power 1 failed) (power 1 failed, cell 2 failed)" in chain.transitions
     with pytest.raises(TooLargeError, match="hidden failures has more than 11 states"):
         expanded_chain(model, limit=11)
+
+
+@pytest.mark.parametrize(
+    ("redundancy", "most"), [("required 2", 500), ("true, spare warm 0.5, switch 0.1", 250)]
+)
+def test_groups_of_hundreds_of_units_are_solved_and_greater_ones_refused(
+    block, component, redundancy, most
+):
+    least = 2 if redundancy == "required 2" else 1
+    groups = [component("motor", 0.9, units, redundancy) for units in (most + least, 5_000)]
+    solved, refused = (build_model([block("f", 1, [group])], name="m") for group in groups)
+    assert 0.0 < failure(solved) < 1.0
+    with pytest.raises(TooLargeError, match=f"{5_000 - least} may have failed .* allowed: {most}"):
+        solve(refused)
+
+
+def test_many_units_are_counted_as_few_are():
+    for units in (17, 100, 999):
+        for failed in (0, 16, 17, units // 2, units):
+            found = failure_counts(units, 0.25, units)[failed]
+            exact = math.comb(units, failed) * Fraction(1, 4) ** failed
+            assert found == pytest.approx(float(exact * Fraction(3, 4) ** (units - failed)))

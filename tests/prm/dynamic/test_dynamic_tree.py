@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -18,6 +19,7 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
+from tracerisk.prm.formats import galileo
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand, Weibull
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares, spare_group_failure
@@ -364,9 +366,9 @@ def test_too_many_states_are_refused():
         "top",
         (DynamicGate("top", PAND, ("x", "y")), Gate("x", AND, names)),
         tuple(event(name, 1e-3 * len(name)) for name in (*names, "y")),
-        state_limit=1000,
+        state_limit=100,
     )
-    with pytest.raises(TooLargeError, match="below 'top', with 13 events, has more than 1000"):
+    with pytest.raises(TooLargeError, match="below 'top', with 13 events, has more than 100 st"):
         made.probability(1.0)
 
 
@@ -525,3 +527,17 @@ def test_what_is_failed_from_the_start_and_ruled_out_waits(p):
         order,
     )
     assert both.probability(1.0).p == pytest.approx(0.08, rel=1e-14)
+
+
+@pytest.mark.parametrize("depth", [30, 300])
+def test_ways_between_states_are_bounded_as_the_states_are(depth):
+    # Few states of many elements, each left in many ways: all would take minutes.
+    text = "".join(f'"T{n}" pand "T{n + 1}" "A{n}"; "A{n}" lambda=1;' for n in range(depth))
+    made = galileo.loads(f'toplevel "T0"; {text} "T{depth}" lambda=1;', "t.dft")
+    if depth == 30:
+        assert 0.0 < made.probability(1.0).p < 1e-30
+        made = replace(made, state_limit=40)
+    else:
+        made = replace(made, state_limit=1_000)
+    with pytest.raises(TooLargeError, match=r"has more than \d+ ways from state to state; split"):
+        made.probability(1.0)

@@ -192,3 +192,11 @@ def test_states_without_a_row_absorb_where_none_is_named():
     assert chain.transient("up", 0.1)["up"] == pytest.approx(math.exp(-0.3), rel=1e-14)
     # A state with an empty row stays one that is not absorbing, as before.
     assert ContinuousChain({"up": {"down": 1.0}, "down": {}}).absorbing == ()
+
+
+def test_rates_beyond_all_numbers_are_refused():
+    with pytest.raises(ModelError, match=r"state 'a': its rates come to more than the greatest"):
+        ContinuousChain({"a": {"b": 1e308, "c": 1e308}, "b": {"a": 1.0}, "c": {"a": 1.0}})
+    chain = ContinuousChain({"a": {"b": 1e300}, "b": {"a": 1.0}})
+    with pytest.raises(TooLargeError, match=r"moves more often than can be counted"):
+        chain.transient("a", 1e300)

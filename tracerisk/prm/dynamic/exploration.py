@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise, product
 from math import prod
 
@@ -11,26 +12,32 @@ from tracerisk.prm.dynamic.semantics import after_failure, after_phase, is_in_se
 from tracerisk.prm.trees.failure_chain import FailureChain
 
 FAILED_STATE = 0
+_WORK_FOR_EACH = 250
+"""How many bytes of states are looked at for each state that is allowed."""
+_LEAST_WORK = 25
+"""Bytes that a move takes as long as, however small the states are."""
 
 
 def explore(layout: Layout, state_limit: int) -> FailureChain:
     """Return the chain of a group, state 0 being its failure.
 
-    Raises TooLargeError when there are more states than the limit.
+    Raises TooLargeError when there are more states than the limit, or as much work.
     """
     numbers: dict[bytes, int] = {}
     order: list[bytes] = []
+
+    def too_large(what: str) -> TooLargeError:
+        return TooLargeError(
+            f"the group of dynamic gates below '{layout.names[layout.top]}', with "
+            f"{len(layout.events)} events, has {what}; split it, or allow more"
+        )
 
     def number_of(state: bytes) -> int:
         if state[layout.top] == FAILED:
             return FAILED_STATE
         if state not in numbers:
             if len(order) + 1 >= state_limit:
-                raise TooLargeError(
-                    f"the group of dynamic gates below '{layout.names[layout.top]}', with "
-                    f"{len(layout.events)} events, has more than {state_limit} states; split it, "
-                    "or allow more"
-                )
+                raise too_large(f"more than {state_limit} states")
             order.append(state)
             numbers[state] = len(order)
         return numbers[state]
@@ -40,12 +47,16 @@ def explore(layout: Layout, state_limit: int) -> FailureChain:
         number = number_of(state)
         initial[number] = initial.get(number, 0.0) + chance
     transitions: list[tuple[int, int, float]] = []
-    source = 0
+    source = moves = 0
+    most_moves = _WORK_FOR_EACH * state_limit // (_LEAST_WORK + layout.size)
     while source < len(order):
         state = order[source]
         source += 1
         leaving: dict[int, float] = {}
         for following, rate in _moves(layout, state):
+            moves += 1
+            if moves > most_moves:
+                raise too_large(f"more than {most_moves} ways from state to state")
             number = number_of(following)
             leaving[number] = leaving.get(number, 0.0) + rate
         transitions += [(source, target, rate) for target, rate in leaving.items()]
@@ -72,9 +83,8 @@ def _starts(layout: Layout) -> list[tuple[float, bytes]]:
     return found
 
 
-def _moves(layout: Layout, state: bytes) -> list[tuple[bytes, float]]:
-    """Return what can follow a state, each with its rate."""
-    moves: list[tuple[bytes, float]] = []
+def _moves(layout: Layout, state: bytes) -> Iterator[tuple[bytes, float]]:
+    """Yield what can follow a state, each with its rate."""
     # Of events that are alike and as far, one stands for all.
     stands_for = [1] * len(layout.rates)
     for members in layout.alike:
@@ -92,10 +102,7 @@ def _moves(layout: Layout, state: bytes) -> list[tuple[bytes, float]]:
             if rate == 0.0:
                 continue
         if phase + 1 < layout.phases[event]:
-            moves.append((after_phase(layout, state, event), rate))
+            yield after_phase(layout, state, event), rate
         else:
-            moves += [
-                (following, rate * chance)
-                for chance, following in after_failure(layout, state, event)
-            ]
-    return moves
+            for chance, following in after_failure(layout, state, event):
+                yield following, rate * chance

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.hybrid.latent_units import LatentPart, latent_parts, without_latent
 from tracerisk.prm.numbers.elimination import Pattern
@@ -20,6 +20,8 @@ from tracerisk.prm.trees.spares import SpareGroup
 
 MOST_STATES = 4_000
 """Up to how many states a chain with hidden failures is solved exactly."""
+MOST_UNSEEN, MOST_SPARES = 500, 250
+"""How many units of a group, and of one with spares, may have failed while it still works."""
 
 Hidden = tuple[int, ...]
 """How many units of each class have failed."""
@@ -213,6 +215,13 @@ def _function(
 
 def _part(state: FunctionState, part: LatentPart, class_of: Mapping[str, int]) -> Part:
     classes = tuple(dict.fromkeys(class_of[unit] for unit in part.units))
+    allowed = MOST_UNSEEN if part.spares is None else MOST_SPARES
+    if part.threshold - 1 > allowed:
+        raise TooLargeError(
+            f"state '{state.name}': of the {len(part.units)} units of '{part.units[0]}' and alike, "
+            f"{part.threshold - 1} may have failed while the group works; allowed: {allowed}; "
+            "describe fewer, larger units"
+        )
     if part.spares is None:
         return Part(classes, part.threshold)
     if len(classes) > 1:

@@ -10,6 +10,7 @@ from tracerisk.prm.markov.steps import Rows, multiplied
 from tracerisk.prm.markov.uniformisation import (
     dense,
     halvings_of,
+    moves_in,
     poisson_weights,
     series,
     stepped,
@@ -55,7 +56,7 @@ def time_within(rates: Rows, start: list[float], time: float) -> list[float]:
     the probability of more than k moves, over q, says. Raises TooLargeError as `after_time`.
     """
     fastest, rows = uniform(rates)
-    mean = fastest * time
+    mean = moves_in(time, fastest)
     if mean == 0.0:
         return [p * time for p in start]
     if stepped(rows, mean):

@@ -43,6 +43,11 @@ class ContinuousChain:
         known = distinct_names(self.rates, self.absorbing)
         for state, row in self.rates.items():
             check_targets(state, row, known, "rate")
+            if not 2.0 * sum(row.values()) < math.inf:
+                raise ModelError(
+                    f"state '{state}': its rates come to more than the greatest number; give all "
+                    "in a shorter unit of time"
+                )
 
     def solve(self, entry: str) -> ContinuousSolution:
         """Solve the chain that starts in `entry` until it is absorbed, without a subtraction.

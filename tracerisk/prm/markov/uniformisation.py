@@ -71,13 +71,24 @@ def after_time(rates: Rows, start: list[float], time: float) -> list[float]:
     Raises TooLargeError when the chain is large and moves too often.
     """
     fastest, rows = uniform(rates)
-    mean = fastest * time
+    mean = moves_in(time, fastest)
     if mean == 0.0:
         return start
     if stepped(rows, mean):
         first, weights = poisson_weights(mean)
         return series(start, rows, first, weights)
     return _squared(start, rows, mean)
+
+
+def moves_in(time: float, fastest: float) -> float:
+    """Return how many moves are to be expected; raise TooLargeError beyond all numbers."""
+    mean = fastest * time
+    if not mean < math.inf:
+        raise TooLargeError(
+            f"a chain that moves {fastest:.3g} times in a unit of time, over {time:.3g} of them, "
+            "moves more often than can be counted; give a shorter time"
+        )
+    return mean
 
 
 def uniform(rates: Rows) -> tuple[float, Rows]:

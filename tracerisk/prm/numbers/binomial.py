@@ -9,6 +9,7 @@ from tracerisk.prm.numbers.probability import PairedFloat, log_complement
 
 _EXACT_POWER = 16
 _EXACT_CHOICE = 1_000
+_FEW = 16
 
 
 def failure_counts(units: int, p: float, most: int) -> tuple[float, ...]:
@@ -62,7 +63,20 @@ def _count(units: int, p: float, q: float, failed: int) -> float:
         choices = math.lgamma(units + 1) - math.lgamma(failed + 1) - math.lgamma(working + 1)
         return math.exp(choices + failed * math.log(p) + working * log_complement((p, q)))
     survival = q**working if working <= _EXACT_POWER else math.exp(working * log_complement((p, q)))
-    return math.comb(units, failed) * p**failed * survival
+    choices = math.comb(units, failed) if failed <= _FEW else _choices(units)[failed]
+    return choices * p**failed * survival
+
+
+@lru_cache(maxsize=2 * _EXACT_CHOICE)
+def _choices(units: int) -> tuple[int, ...]:
+    """Return in how many ways 0, 1, ... all of the units can be chosen.
+
+    Each from the one before: of hundreds of units that is far sooner than each by itself.
+    """
+    found = [1]
+    for chosen in range(units):
+        found.append(found[-1] * (units - chosen) // (chosen + 1))
+    return tuple(found)
 
 
 def group_failures(

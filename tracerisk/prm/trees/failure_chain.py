@@ -58,6 +58,11 @@ class FailureChain:
         Raises TooLargeError when that product times the number of transitions outgrows the budget.
         """
         events = self._fastest * time_h
+        if not events < math.inf:
+            raise TooLargeError(
+                f"a chain of {self.states} states has rates beyond all numbers in a mission of "
+                f"{time_h:g} h; take the fastest events out of the group"
+            )
         if events > STIFF and self.states <= DENSE:
             return self._failed_by_doubling(time_h)
         steps = events + 10.0 * math.sqrt(events) + 30.0
@@ -106,7 +111,8 @@ class FailureChain:
         rates: list[list[float]] = [[] for _ in range(self.states)]
         for source, _, rate in self.transitions:
             rates[source].append(rate)
-        return [math.fsum(each) for each in rates]
+        # A sum beyond all numbers is infinite: fsum raises an error.
+        return [math.fsum(each) if sum(each) < math.inf else math.inf for each in rates]
 
     def _steps(self) -> tuple[list[float], list[float]]:
         """Return the chance to stay in each state at a step, and that of each transition."""
