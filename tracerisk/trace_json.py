@@ -37,10 +37,10 @@ def verdict_of_data(data: Any) -> Verdict | None:
         return None
 
 
-def dumps(trace: Trace) -> str:
-    """Return the trace as JSON text; floats read back to the same bits."""
+def dumps(trace: Trace, *, indent: int | None = 1) -> str:
+    """Return the trace as JSON text, on one line without `indent`; floats read back to the bit."""
     text = json.dumps(
-        trace_data(trace), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False
+        trace_data(trace), indent=indent, sort_keys=True, ensure_ascii=False, allow_nan=False
     )
     return text + "\n"
 

@@ -12,21 +12,31 @@ from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_typestore
 
 from tracerisk.pipeline.recordings import packed
-from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Series
-from tracerisk.pipeline.recordings.write import DEFINITIONS, _store
+from tracerisk.pipeline.recordings.cdr import DEFINITIONS, definition, log_message
+from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Part, Series
 
 
 def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> bytes:
     stream = BytesIO()
     writer = PackedWriter(stream, profile="ros2", library="test")
     schema = writer.schema("std_msgs/msg/String", "ros2msg", b"string data")
-    states, texts = (writer.channel(name, "cdr", schema) for name in ("/states", "/texts"))
+    states, frames, texts = (
+        writer.channel(name, "cdr", schema) for name in ("/states", "/frames", "/texts")
+    )
 
-    def rows(begin: int, end: int):
-        numbers = np.arange(begin, end, dtype=np.int64)[:, None]
-        return ((numbers + np.arange(width)) % 251).astype(np.uint8)
+    def numbers(begin: int, end: int, shift: int) -> np.ndarray:
+        rows = np.arange(begin, end, dtype=np.int64)[:, None]
+        return ((rows + np.arange(width) + shift) % 251).astype(np.uint8)
 
-    series = Series(states, np.array(times, np.int64), width, rows) if times else None
+    def part(channel: int, shift: int) -> Part:
+        def fill(out: np.ndarray, begin: int, end: int) -> None:
+            out[:, 1:] = numbers(begin, end, shift)
+
+        return Part(channel, b"!" + bytes(width), fill)
+
+    series = None
+    if times:
+        series = Series(np.array(times, np.int64), (part(states, 0), part(frames, 7)))
     writer.messages(series, [Message(time, texts, data) for time, data in others])
     writer.attachment(7, "it.json", "application/json", b"{}")
     writer.finish()
@@ -50,8 +60,9 @@ def test_the_public_reader_gives_back_every_message_in_time(times, width, others
     expected = sorted(
         [
             *(
-                (time, 0, "/states", bytes((k + j) % 251 for j in range(width)))
+                (time, 0, topic, b"!" + bytes((k + j + shift) % 251 for j in range(width)))
                 for k, time in enumerate(times)
+                for topic, shift in (("/states", 0), ("/frames", 7))
             ),
             *((time, 1, "/texts", text) for time, text in others),
         ],
@@ -71,10 +82,22 @@ def test_the_public_reader_gives_back_every_message_in_time(times, width, others
         for _, _, message in reader.iter_messages(topics=["/texts"], starting_at=10)
     ]
     assert by_topic == [(time, text) for time, text in others if time >= 10]
+    frames = [message.log_time for _, _, message in reader.iter_messages(topics=["/frames"])]
+    assert frames == times
 
 
 @pytest.mark.parametrize("name", DEFINITIONS)
 def test_the_messages_that_are_written_are_those_of_ros_2(name):
-    ours, theirs = _store(), get_typestore(Stores.ROS2_JAZZY)
-    assert ours.hash_rihs01(name) == theirs.hash_rihs01(name)
-    assert ours.generate_msgdef(name, ros_version=2) == theirs.generate_msgdef(name, ros_version=2)
+    theirs = get_typestore(Stores.ROS2_JAZZY)
+    assert definition(name) == theirs.generate_msgdef(name, ros_version=2)[0]
+
+
+@given(time_ns=st.integers(0, 2**60), texts=st.tuples(*[st.text(max_size=9)] * 4))
+def test_a_finding_is_read_back(time_ns, texts):
+    data = log_message(time_ns, 30, *texts, line=7)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    found = store.deserialize_cdr(data, "rcl_interfaces/msg/Log")
+    assert (found.stamp.sec, found.stamp.nanosec) == divmod(time_ns, 10**9)
+    assert (found.level, found.line) == (30, 7)
+    assert (found.name, found.msg, found.file, found.function) == texts
+    assert bytes(store.serialize_cdr(found, "rcl_interfaces/msg/Log")) == data

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
@@ -66,6 +67,81 @@ def test_rosbags_reads_the_joint_states_that_were_sampled(recorded):
     assert stamps == [k * samples.header.step_ns for k in range(samples.n_steps)]
     assert [each["function"] for each in commands] == ["act"]
     assert [each["function"] for each in commands[0]["stack"]] == ["<module>", "main", "act"]
+
+
+@pytest.fixture(scope="module")
+def opened(recorded):
+    """The messages of each topic with their times, and the connections, as rosbags reads them."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    found = {}
+    store = get_typestore(Stores.ROS2_JAZZY)
+    with AnyReader([recorded.folder / "quick.mcap"], default_typestore=store) as reader:
+        for each, time, raw in reader.messages():
+            found.setdefault(each.topic, []).append((time, reader.deserialize(raw, each.msgtype)))
+        return found, {each.topic: each for each in reader.connections}
+
+
+def test_the_frames_are_where_the_links_of_the_twin_were(recorded, opened):
+    import mujoco
+
+    from tracerisk.twin.physics.builder import compile_model
+    from tracerisk.twin.robots.robot import load_robot
+
+    messages, _ = opened
+    samples, robot = read_samples(recorded.folder / "kept"), load_robot("panda")
+    ((_, static),) = messages["/tf_static"]
+    assert [time for time, _ in messages["/tf"]] == [time for time, _ in messages["/joint_states"]]
+    model = compile_model(robot)
+    data = mujoco.MjData(model)
+    for k in (0, samples.n_steps // 2, samples.n_steps - 1):
+        time_ns, moving = messages["/tf"][k]
+        for name, position in zip(samples.header.joints, samples.position[k], strict=True):
+            data.qpos[model.joint(name).qposadr[0]] = position
+        mujoco.mj_kinematics(model, data)
+        parents = {}
+        for each in (*static.transforms, *moving.transforms):
+            parents[each.child_frame_id] = (each.header.frame_id, each.transform)
+        stamps = {
+            each.header.stamp.sec * 10**9 + each.header.stamp.nanosec for each in moving.transforms
+        }
+        assert stamps == {time_ns}
+        assert set(parents) == set(robot.link_names)
+        for link in robot.link_names:
+            place, turn = np.zeros(3), np.array((1.0, 0.0, 0.0, 0.0))
+            frame = link
+            while frame != "world":
+                frame, at = parents[frame]
+                shift, by = at.translation, at.rotation
+                shift = np.array((shift.x, shift.y, shift.z))
+                by = np.array((by.w, by.x, by.y, by.z))
+                mujoco.mju_mulPose(place, turn, shift, by, place.copy(), turn.copy())
+            assert place == pytest.approx(data.body(link).xpos, abs=1e-12)
+            assert abs(turn @ data.body(link).xquat) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_what_is_said_once_reaches_who_asks_later(opened):
+    from rosbags.interfaces import QosDurability
+
+    messages, connections = opened
+    for topic in ("/tf_static", "/robot_description"):
+        assert [time for time, _ in messages[topic]] == [0]
+        (qos,) = connections[topic].ext.offered_qos_profiles
+        assert qos.durability == QosDurability.TRANSIENT_LOCAL
+    assert connections["/tf"].ext.offered_qos_profiles == []
+
+
+def test_the_robot_of_a_recording_can_be_shown(recorded, opened):
+    from tracerisk.twin.robots.robot import load_robot
+
+    messages, _ = opened
+    (_, message), *_ = messages["/robot_description"]
+    top = ET.fromstring(message.data)
+    robot = load_robot("panda")
+    shown = {each.get("name"): len(each.findall("visual")) for each in top.findall("link")}
+    assert set(shown) == set(robot.link_names)
+    assert all(shown[link.name] >= len(link.shapes) for link in robot.links)
 
 
 def test_a_lower_rate_writes_fewer_joint_states_and_the_same_trace(recorded):

@@ -1,6 +1,9 @@
 """What a recording that tracerisk writes begins with and holds, and the rates of its states."""
 
 JOINT_STATES = "/joint_states"
+TF = "/tf"
+TF_STATIC = "/tf_static"
+DESCRIPTION = "/robot_description"
 COMMANDS = "/tracerisk/commands"
 VISITS = "/tracerisk/visits"
 CONTACTS = "/tracerisk/contacts"
@@ -8,6 +11,6 @@ FINDINGS = "/tracerisk/findings"
 TRACE = "tracerisk-trace.json"
 """The attachment that holds the trace."""
 RATE_HZ = (50.0, 500.0)
-"""The least and the greatest rate of joint states [Hz]."""
+"""The least and the greatest rate of joint states and frames [Hz]."""
 MAGIC = b"\x89MCAP0\r\n"
 """With which an MCAP file begins and ends (https://mcap.dev/spec)."""

@@ -1,19 +1,22 @@
-"""A robot as a URDF text: its links and their masses, its joints and their limits; no shapes."""
+"""A robot as a URDF text: its links and their masses, its joints and their limits."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import replace
 
+from tracerisk.geometry.frames import rotation
+from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Robot
 
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
-def urdf_text(robot: Robot) -> str:
+def urdf_text(robot: Robot, *, with_shapes: bool = False) -> str:
     """Return the robot's description: frames [m, rad], limits [rad or m, and per s], masses [kg].
 
-    Shapes are left out: a reader of it plans with the joints.
+    Shapes are left out but for who shows the robot: other readers plan with the joints.
     """
     top = ET.Element("robot", name=robot.name)
     joints = {joint.name: joint for joint in robot.joints}
@@ -25,6 +28,8 @@ def urdf_text(robot: Robot) -> str:
             ET.SubElement(body, "mass", value=f"{link.mass:.6g}")
             moments = zip(_MOMENTS, link.inertia or [0.0] * 6, strict=True)
             ET.SubElement(body, "inertia", {name: f"{each:.6g}" for name, each in moments})
+        for shape in link.shapes if with_shapes else ():
+            _add_shape(node, shape)
     for each in robot.attachments:
         node = ET.SubElement(top, "joint", name=each.name, type=each.type)
         ET.SubElement(node, "origin", xyz=_numbers(each.xyz), rpy=_numbers(each.rpy))
@@ -39,6 +44,30 @@ def urdf_text(robot: Robot) -> str:
             limits |= {"lower": joint.lower, "upper": joint.upper}
         ET.SubElement(node, "limit", {name: f"{value:.9g}" for name, value in limits.items()})
     return ET.tostring(top, encoding="unicode")
+
+
+def _add_shape(link: ET.Element, shape: Shape) -> None:
+    """Add a shape to be seen; a capsule as its cylinder and a ball at each end."""
+    if shape.kind == "box":
+        _add_visual(link, shape, "box", size=_numbers(2.0 * each for each in shape.size))
+        return
+    radius = f"{shape.size[0]:.9g}"
+    if shape.kind == "sphere":
+        _add_visual(link, shape, "sphere", radius=radius)
+        return
+    half = shape.size[1]
+    _add_visual(link, shape, "cylinder", radius=radius, length=f"{2.0 * half:.9g}")
+    if shape.kind == "capsule":
+        along = rotation(shape.rpy)[:, 2] * half
+        for end in (along, -along):
+            ball = replace(shape, xyz=tuple((shape.xyz + end).tolist()))
+            _add_visual(link, ball, "sphere", radius=radius)
+
+
+def _add_visual(link: ET.Element, shape: Shape, kind: str, **size: str) -> None:
+    node = ET.SubElement(link, "visual")
+    ET.SubElement(node, "origin", xyz=_numbers(shape.xyz), rpy=_numbers(shape.rpy))
+    ET.SubElement(ET.SubElement(node, "geometry"), kind, size)
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -1,0 +1,114 @@
+"""The messages of ROS 2 that a recording holds: their definitions, and their bytes in CDR.
+
+Five types are written by hand here: to load a package that knows all of them takes longer than
+to write the recording of a run.
+Sources: the interface packages of ROS 2; OMG DDSI-RTPS 2.3, section 10, for CDR.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Sequence
+
+STATE = "sensor_msgs/msg/JointState"
+TEXT = "std_msgs/msg/String"
+LOG = "rcl_interfaces/msg/Log"
+FRAMES = "tf2_msgs/msg/TFMessage"
+DEFINITIONS = {
+    "builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec",
+    "std_msgs/msg/Header": "builtin_interfaces/Time stamp\nstring frame_id",
+    "geometry_msgs/msg/Vector3": "float64 x\nfloat64 y\nfloat64 z",
+    "geometry_msgs/msg/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w",
+    "geometry_msgs/msg/Transform": "geometry_msgs/Vector3 translation\n"
+    "geometry_msgs/Quaternion rotation",
+    "geometry_msgs/msg/TransformStamped": "std_msgs/Header header\nstring child_frame_id\n"
+    "geometry_msgs/Transform transform",
+    STATE: "std_msgs/Header header\nstring[] name\n"
+    "float64[] position\nfloat64[] velocity\nfloat64[] effort",
+    TEXT: "string data",
+    LOG: "uint8 DEBUG=10\nuint8 INFO=20\nuint8 WARN=30\nuint8 ERROR=40\nuint8 FATAL=50\n"
+    "builtin_interfaces/Time stamp\nuint8 level\n"
+    "string name\nstring msg\nstring file\nstring function\nuint32 line",
+    FRAMES: "geometry_msgs/TransformStamped[] transforms",
+}
+"""The messages that are written, as ROS 2 defines them."""
+WARN = 30
+"""The level of a warning in `rcl_interfaces/msg/Log`."""
+
+_SECOND_NS = 1_000_000_000
+_ENCAPSULATION = b"\x00\x01\x00\x00"  # CDR, little-endian
+
+
+def definition(name: str) -> str:
+    """Return the definition of a message with those that it is made of, as `ros2msg`."""
+    parts = [DEFINITIONS[name]]
+    for used in dict.fromkeys(_used(name)):
+        package, _, short = used.split("/")
+        parts.append(f"{'=' * 80}\nMSG: {package}/{short}\n{DEFINITIONS[used]}")
+    return "\n".join(parts) + "\n"
+
+
+def _used(name: str) -> Iterable[str]:
+    for line in DEFINITIONS[name].splitlines():
+        package, _, short = line.split()[0].removesuffix("[]").partition("/")
+        if short:
+            yield f"{package}/msg/{short}"
+            yield from _used(f"{package}/msg/{short}")
+
+
+class Cdr:
+    """Writes one message, field by field; `data` are its bytes so far."""
+
+    def __init__(self) -> None:
+        self.data = bytearray(_ENCAPSULATION)
+
+    def number(self, code: str, value: float) -> None:
+        """Write a number of `struct`'s type `code`."""
+        self._align(struct.calcsize(f"<{code}"))
+        self.data += struct.pack(f"<{code}", value)
+
+    def text(self, value: str) -> None:
+        """Write a string."""
+        raw = value.encode("utf-8", "replace") + b"\0"
+        self.number("I", len(raw))
+        self.data += raw
+
+    def stamp(self, time_ns: int) -> int:
+        """Write a time; return where it stands."""
+        self._align(4)
+        begin = len(self.data)
+        self.data += struct.pack("<iI", *divmod(time_ns, _SECOND_NS))
+        return begin
+
+    def doubles(self, values: Sequence[float], *, counted: bool) -> int:
+        """Write numbers, as a sequence with its length if `counted`; return where they stand."""
+        if counted:
+            self.number("I", len(values))
+        if values:
+            self._align(8)
+        begin = len(self.data)
+        self.data += struct.pack(f"<{len(values)}d", *values)
+        return begin
+
+    def _align(self, size: int) -> None:
+        self.data += bytes(-(len(self.data) - len(_ENCAPSULATION)) % size)
+
+
+def text_message(value: str) -> bytes:
+    """Return a `std_msgs/msg/String`."""
+    out = Cdr()
+    out.text(value)
+    return bytes(out.data)
+
+
+def log_message(
+    time_ns: int, level: int, name: str, message: str, file: str, function: str, line: int
+) -> bytes:
+    """Return a `rcl_interfaces/msg/Log`."""
+    out = Cdr()
+    out.stamp(time_ns)
+    out.number("B", level)
+    for each in (name, message, file, function):
+        out.text(each)
+    out.number("I", line)
+    return bytes(out.data)

@@ -1,0 +1,98 @@
+"""Where the links of the twin were, as `tf2_msgs/msg/TFMessage`.
+
+A transform holds one joint: its frame on the parent link, then its turn or shift by the position
+that was sampled. The base of the robot is the world, as for a controller on the twin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.geometry.frames import rotation
+from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.pipeline.recordings.cdr import Cdr
+from tracerisk.pipeline.recordings.packed import Rows, Times, put, put_stamps
+from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.robots.robot import Attachment, Robot
+
+_WORLD = "world"
+_PLACE_BYTES = 24
+_AT_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+_Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """A link on its parent; `pose` are its place [m] and its turn (x, y, z, w)."""
+
+    parent: str
+    child: str
+    pose: Sequence[float]
+
+
+def fixed_frames(robot: Robot, samples: Samples) -> bytes:
+    """Return the one message of what never moves: the base in the world, and fixed links."""
+    moving = {each.name for each in _moving(robot, samples)}
+    frames = [_fixed(each) for each in robot.attachments if each.name not in moving]
+    if _WORLD not in robot.link_names:
+        frames.insert(0, _Frame(_WORLD, robot.base_link, _AT_REST))
+    data, _, _ = _message(frames)
+    return data
+
+
+class MovingFrames:
+    """The messages of the links that joints move: all are copies of `template`, but for numbers."""
+
+    def __init__(self, robot: Robot, samples: Samples) -> None:
+        moving = _moving(robot, samples)
+        self.template, self._stamps, poses = _message([_fixed(each) for each in moving])
+        joints = samples.header.joints
+        self._turns: list[tuple[int, int, _Numbers, _Numbers]] = []
+        self._shifts: list[tuple[int, int, _Numbers, _Numbers]] = []
+        for each, pose in zip(moving, poses, strict=True):
+            column = joints.index(each.name)
+            axis = np.array(each.axis) / np.linalg.norm(each.axis)
+            if each.type == "prismatic":
+                along = rotation(each.rpy) @ axis
+                self._shifts.append((pose, column, np.array(each.xyz), along))
+                continue
+            w, *xyz = quaternion_of(each.rpy)
+            # The product of the frame's quaternion with that of half a turn about the axis.
+            turned = np.array((*(w * axis + np.cross(xyz, axis)), -np.dot(xyz, axis)))
+            self._turns.append((pose + _PLACE_BYTES, column, np.array((*xyz, w)), turned))
+
+    def fill(self, out: Rows, times: Times, positions: _Numbers) -> None:
+        """Put the frames into `out` (n, len(template)); positions: (n, n_joints) [rad or m]."""
+        put_stamps(out, self._stamps, times)
+        cosine, sine = np.cos(positions / 2), np.sin(positions / 2)
+        for at, column, still, turned in self._turns:
+            put(out, at, cosine[:, column, None] * still + sine[:, column, None] * turned)
+        for at, column, still, along in self._shifts:
+            put(out, at, still + positions[:, column, None] * along)
+
+
+def _moving(robot: Robot, samples: Samples) -> list[Attachment]:
+    joints = set(samples.header.joints)
+    return [each for each in robot.attachments if each.type != "fixed" and each.name in joints]
+
+
+def _fixed(each: Attachment) -> _Frame:
+    w, x, y, z = quaternion_of(each.rpy)
+    return _Frame(each.parent, each.child, (*each.xyz, x, y, z, w))
+
+
+def _message(frames: Sequence[_Frame]) -> tuple[bytes, list[int], list[int]]:
+    """Return a message of the time 0, and where its stamps and its poses stand."""
+    out = Cdr()
+    out.number("I", len(frames))
+    stamps, poses = [], []
+    for each in frames:
+        stamps.append(out.stamp(0))
+        out.text(each.parent)
+        out.text(each.child)
+        poses.append(out.doubles(each.pose, counted=False))
+    return bytes(out.data), stamps, poses
