@@ -224,6 +224,24 @@ def test_what_does_not_go_is_reported_before_the_run(recorded, words, expected):
     assert not (recorded.folder / "x.mcap").exists()
 
 
+@pytest.mark.parametrize(
+    "words", [("trace", "--from", "quick.mcap"), ("field", "quick.mcap"), ("field", "quick.json")]
+)
+def test_another_robot_than_that_of_the_run_is_refused(recorded, words):
+    done = recorded.run(*words, "--robot", "ur5")
+    assert done.code == 2
+    assert f"{words[-1]}: is the run of robot 'panda', which its figures are of" in done.err
+    assert "and not of 'ur5'; leave out --robot ur5" in done.err
+    assert recorded.run(*words, "--robot", "panda").code == 0
+
+
+@pytest.mark.parametrize("words", [("--seed", "3"), ("--scene", "none"), ("--no-launch",)])
+def test_what_only_a_run_needs_does_not_go_with_a_recording(recorded, words):
+    done = recorded.run("trace", "--from", "quick.mcap", *words)
+    assert done.code == 2
+    assert "does not go with --from: a recording is read and nothing is run" in done.err
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_every_sample_is_read_back_to_the_byte(tmp_path, example_in, path):

@@ -16,7 +16,7 @@ from tracerisk.cli.shared.output import (
     use_color,
     write_file,
 )
-from tracerisk.cli.shared.recordings import add_reading, read_recording
+from tracerisk.cli.shared.recordings import add_reading, check_robot, read_recording
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -52,7 +52,11 @@ def run(options: argparse.Namespace) -> int:
 
     def read(name: str) -> Trace:
         path = Path(name)
-        return read_recording(path, options) if is_recording(path) else read_mission(path)
+        if is_recording(path):
+            return read_recording(path, options)
+        trace = read_mission(path)
+        check_robot(trace, options.robot, path)
+        return trace
 
     found = gather_field(list(map(read, options.recordings)), options.recordings)
     apart: list[Apart] = []

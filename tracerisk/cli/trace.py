@@ -108,7 +108,9 @@ def _run(options: argparse.Namespace) -> Trace:
 
 def _read(options: argparse.Namespace) -> Trace:
     given = {"--record": options.record, "--log": options.log, "--keep": options.keep}
-    given |= {"--live": options.live or None}
+    given |= {"--live": options.live or None, "--answer": options.answers or None}
+    given |= {"--launch": options.launch, "--params": options.params, "--driver": options.drivers}
+    given |= {"--scene": options.scene, "--scenario": options.scenario, "--seed": options.seed}
     for name, value in given.items():
         if value is not None:
             raise InputError(

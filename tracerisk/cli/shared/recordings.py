@@ -60,9 +60,25 @@ def read_recording(path: Path, options: argparse.Namespace, controller: str | No
                 f"{name} does not go with the recording of a run, whose trace is read as it is",
                 Location(str(path)),
             )
+        check_robot(trace, options.robot, path)
         return trace
     robot, declared = _declared(path, options, controller)
     return measured_trace(path, robot, declared)
+
+
+def check_robot(trace: Trace, name: str | None, path: Path) -> None:
+    """Raise InputError where `--robot NAME` is not the robot that a trace is of."""
+    from tracerisk.config import Settings
+
+    if name is None or not trace.robot:
+        return
+    named = _robot(name, Path(), Settings()).name
+    if named != trace.robot:
+        raise InputError(
+            f"is the run of robot '{trace.robot}', which its figures are of, and not of '{named}'; "
+            f"leave out --robot {name}, or name the recording of that robot",
+            Location(str(path)),
+        )
 
 
 def _declared(
