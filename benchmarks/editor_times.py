@@ -143,7 +143,7 @@ async def measure(path: Path, repeat: int) -> dict[str, list[float]]:
         fixes = lsp.CodeActionParams(this, there, context)
         put("fixes", await timed(client.text_document_code_action_async(fixes)))
         for kind, old, new in (
-            ("code", "one", f"one {number}"),
+            ("code", '"one"', f'"one {number}"'),
             ("block", "probability = ", f"probability = {number + 1}"),
         ):
             version = 2 + 2 * number + (kind == "block")

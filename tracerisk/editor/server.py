@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import os
 import signal
 import sys
-from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,11 +26,22 @@ from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import component_at, component_markdown, function_at, function_markdown
 from tracerisk.editor.lenses import lenses
 from tracerisk.editor.refreshing import Refreshes
-from tracerisk.editor.session import Analysis, Document, Session, analyse, controllers_with
+from tracerisk.editor.session import (
+    Analysis,
+    Document,
+    Session,
+    analyse,
+    controllers_with,
+    solve_ahead,
+)
 from tracerisk.errors import TraceRiskError
 
 _DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""
+_IDLE_S = 0.3
+"""How long after a check models are solved for what may be asked [s]."""
+_SWITCH_S = 0.0005
+"""How long a check in another thread may keep an answer waiting [s]; Python's own are 5 ms."""
 _WATCHED = ("**/tracerisk.lock", "**/pyproject.toml", "**/tracerisk.evidence", "**/*.{yaml,yml}")
 
 
@@ -48,11 +60,15 @@ class RiskServer:
         """Whether the editor asks for reasons itself: `asksForReasons` when it starts us."""
         self._waiting: set[str] = set()
         self._working: asyncio.Task[None] | None = None
+        self._ahead: asyncio.Task[None] | None = None
+        self._is_frozen = False
         self._shown: dict[Path, list[lsp.Diagnostic]] = {}
 
     def touch(self, uris: Iterable[str]) -> None:
         """Check documents again, soon."""
         self._waiting.update(uris)
+        if self._ahead is not None:
+            self._ahead.cancel()
         if self._working is None or self._working.done():
             self._working = asyncio.get_running_loop().create_task(self._work())
 
@@ -86,9 +102,26 @@ class RiskServer:
         session.analyses.update({path.resolve(): each for path, each in problems.items()})
         session.forget_closed()
         self._publish(uris, versions)
+        self._ahead = loop.create_task(self._solve_ahead(tuple(paths), opened))
+        self._freeze()
         capabilities = self.connection.client_capabilities.workspace
         if capabilities and capabilities.code_lens and capabilities.code_lens.refresh_support:
             self.connection.workspace_code_lens_refresh(None)
+
+    def _freeze(self) -> None:
+        """Keep what is loaded by the first check out of later garbage collections.
+
+        To look through all of it takes as long as all requests together.
+        """
+        if not self._is_frozen:
+            self._is_frozen = True
+            gc.freeze()
+
+    async def _solve_ahead(self, paths: Sequence[Path], opened: Mapping[Path, bytes]) -> None:
+        """Solve the models of controllers while nobody types or asks."""
+        await asyncio.sleep(_IDLE_S)
+        for path in paths:
+            await asyncio.get_running_loop().run_in_executor(None, solve_ahead, path, opened)
 
     def _publish(self, asked: set[str], versions: Mapping[str, int | None]) -> None:
         """Send the diagnostics that are others than those that were sent last.
@@ -357,6 +390,7 @@ _OPTIONS: Mapping[str, Any] = {
 def serve() -> int:
     """Serve one editor over standard input and output, until it ends; return the exit code."""
     server = language_server()
+    sys.setswitchinterval(_SWITCH_S)
 
     def end(number: int, _: Any) -> None:
         # A thread waits for the next byte of the editor: an orderly end would not come.

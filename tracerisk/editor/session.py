@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import tokenize
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -282,19 +283,23 @@ def controller_with(path: Path, opened: Mapping[Path, bytes]) -> Controller:
 
 
 def analyse(path: Path, opened: Mapping[Path, bytes]) -> Analysis:
-    """Check a controller with the texts that are open, and solve its model, which is kept."""
+    """Check a controller with the texts that are open."""
     try:
         if is_gone(path):
             from tracerisk.pipeline.check.check import check_controller
 
             return Analysis(path, check_controller(path).findings)
-        controller = controller_with(path, opened)
-        figures = figures_of(controller, partial(_outline, controller))
-        checked = check_loaded(controller)
-        _ = figures.importances  # solved now, they are there when they are asked for
+        checked = check_loaded(controller_with(path, opened))
         return Analysis(path, checked.findings, verdict=checked.verdict)
     except TraceRiskError as error:
         return Analysis(path, error=error)
+
+
+def solve_ahead(path: Path, opened: Mapping[Path, bytes]) -> None:
+    """Solve the model of a controller, which is kept: it is there when it is asked for."""
+    with suppress(TraceRiskError):
+        controller = controller_with(path, opened)
+        _ = figures_of(controller, partial(_outline, controller)).importances
 
 
 def _outline(controller: Controller, file: str) -> Outline:

@@ -296,14 +296,14 @@ def _of_model(
     }
     if not placed or (max_failure_probability is None and _are_as_written(entry, placed)):
         return
-    from tracerisk.pipeline.stages import solve
     from tracerisk.prm.hybrid.from_blocks import build_model
+    from tracerisk.prm.hybrid.solve import solve_figures
 
     names = model_names(placed)
     blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]
     place = Location(str(controller.path), 1)
     try:
-        mission = solve(build_model(blocks, name=controller.path.name)).mission
+        mission = solve_figures(build_model(blocks, name=controller.path.name)).mission
     except (BlockError, ModelError) as error:
         yield CheckFinding("unsolvable", error.message, error.location or place)
         return
