@@ -10,6 +10,7 @@ import ast
 import io
 import warnings
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
@@ -95,8 +96,9 @@ def normal_name(name: str) -> str:
     return normalize("NFKC", name)
 
 
+@lru_cache(maxsize=2)  # of one source both functions and blocks are asked for
 def parse_python(source: bytes, file: str) -> PythonSource:
-    """Return the parsed source.
+    """Return the parsed source, whose tree nobody may change.
 
     Raises:
         BlockError: if what makes it unreadable is a conflict marker.
