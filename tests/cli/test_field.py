@@ -265,6 +265,17 @@ def test_figures_of_a_table_are_taken_and_comments_stay(field):
     assert example.run("hardware", "show", "hardware.yaml").code == 0
 
 
+def test_a_table_with_semicolons_and_decimal_commas_is_read(field):
+    example, _ = field
+    example.write("rates.csv", "Component;Failure_Rate;source\nmotor;2,5e-7;Lieferant, 2025\n")
+    shown = example.run(
+        *("hardware", "update", "hardware.yaml", "--figures", "rates.csv", "--dry-run", "--json")
+    )
+    assert shown.code == 0, shown.err
+    (figure,) = shown.json["figures"]
+    assert (figure["value"], figure["source"]) == (2.5e-7, "Lieferant, 2025")
+
+
 def test_a_figure_with_a_source_is_assumed_no_longer(example):
     assert example.run("hardware", "init", "--robot", "ur5e", "-o", "h.yaml").code == 0
     names = ("power_system", "control_system", "gripper", "electric_motor", "joint_encoder")

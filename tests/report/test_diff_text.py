@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import tracerisk
 from tracerisk.prm import FIGURE_STATEMENT
+from tracerisk.prm.review.risk_change import RunVerdicts
 from tracerisk.report.diff.text import render_diff
+from tracerisk.trace import Coverage, Reason, Verdict
 
 
 def one_step(component):
@@ -195,3 +199,45 @@ def test_every_kind_of_redundancy_is_reported(review_of, annotated_source):
     assert change.contribution == pytest.approx(1e-4, rel=1e-3)
     all_needed = tracerisk.diff(source("required 2"), source("required 3"))
     assert all_needed.changes[0].marks == ("lost_redundancy", "single_point_of_failure")
+
+
+def run_of(kind, *codes):
+    reasons = tuple(Reason(code, "partial", f"{code} happened") for code in codes)
+    return Verdict(kind, reasons, Coverage(1, 1))
+
+
+@pytest.mark.parametrize("code", ["never-grasped", "unmet-need"])
+def test_a_figure_that_falls_because_the_run_does_less_is_not_said_to_fall(
+    difference, review_of, code
+):
+    before, after = one_step("motor = 4e-8 x7"), one_step("motor = 2e-8 x7")
+    runs = RunVerdicts(run_of("complete"), run_of("partial", code))
+    less = replace(difference(before, after), verdicts=runs)
+    text = " ".join(render_diff(review_of(less)).split())
+    assert "cell.py was complete, is partial; the two runs cannot be compared." in text
+    assert "falls" not in text
+    assert less.is_worth_telling(0.5)
+    assert not less.is_comparable
+    more = replace(difference(after, before), verdicts=runs)
+    assert "mission failure rises from" in " ".join(render_diff(review_of(more)).split())
+
+
+def test_functions_that_never_ran_keep_no_figure_from_falling(difference, review_of):
+    runs = RunVerdicts(run_of("complete"), run_of("partial", "never-ran", "missed-call"))
+    less = replace(
+        difference(one_step("motor = 4e-8 x7"), one_step("motor = 2e-8 x7")), verdicts=runs
+    )
+    assert "mission failure falls from" in " ".join(render_diff(review_of(less)).split())
+
+
+def test_code_that_has_not_run_is_said_beside_the_figure_of_the_code_that_has(
+    difference, review_of
+):
+    same = replace(
+        difference(one_step("motor = 4e-8 x7"), one_step("motor = 4e-8 x7")), unrun=("cell.py",)
+    )
+    assert first_sentence(render_diff(review_of(same))) == (
+        "cell.py: mission failure is unchanged at 2.800e-07; cell.py has changed since the run "
+        "that gave these figures: `tracerisk refresh cell.py`."
+    )
+    assert same.is_worth_telling(0.5)

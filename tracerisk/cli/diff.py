@@ -149,7 +149,9 @@ def _bad_run(diff: RiskDiff) -> str | None:
         if verdicts.before is None:
             return None
         return "the verdict of its run is unknown and was known before; `tracerisk refresh` it"
-    if verdicts.after.kind in ("faulted", "stuck"):
+    if verdicts.after.kind in ("faulted", "stuck") or (
+        not diff.is_comparable and verdicts.does_less
+    ):
         return f"its run is {verdict_line(verdicts.after)}"
     return None
 

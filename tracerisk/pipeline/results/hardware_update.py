@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.quantify.posterior import Posterior, beta_posterior, gamma_posterior
 
 _COLUMNS = ("component", "failures", "hours", "demands", "missions")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 _DEMANDS = {"start": "starts", "grasp": "grasps", "release": "releases"}
 
 
@@ -81,15 +83,18 @@ def rows_of(
 ) -> Iterator[tuple[Location, dict[str, str]]]:
     """Yield the rows of a CSV file, each with its place and the text of each of the `columns`.
 
-    Raises InputError for a file that cannot be read, has another column, lacks one that is
-    `needed`, or has no row.
+    Semicolons between columns, and then commas in numbers, are what a spreadsheet writes in
+    many countries. Raises InputError for a file that cannot be read, has another column, lacks one
+    that is `needed`, or has no row.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", Location(str(path))) from error
-    reader = csv.DictReader(io.StringIO(text))
-    names = [each.strip() for each in reader.fieldnames or ()]
+    header = text.partition("\n")[0]
+    has_semicolons = ";" in header and "," not in header
+    reader = csv.DictReader(io.StringIO(text), delimiter=";" if has_semicolons else ",")
+    names = [each.strip().lower() for each in reader.fieldnames or ()]
     reader.fieldnames = names
     unknown = [each for each in names if each not in columns]
     if unknown or not set(needed) <= set(names):
@@ -98,6 +103,11 @@ def rows_of(
     row = None
     for row in reader:
         given = {key: (row.get(key) or "").strip() for key in columns}
+        if has_semicolons:
+            given = {
+                key: each.replace(",", ".") if _DECIMAL_COMMA.fullmatch(each) else each
+                for key, each in given.items()
+            }
         yield Location(str(path), reader.line_num), given
     if row is None:
         raise InputError("has no row", Location(str(path)))

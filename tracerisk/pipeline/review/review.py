@@ -21,7 +21,7 @@ from tracerisk.pipeline.review.controllers import (
 )
 from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
-from tracerisk.pipeline.review.run_changes import run_changes
+from tracerisk.pipeline.review.run_changes import run_changes, unrun_files
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.review.compare import compare
@@ -161,7 +161,8 @@ def difference(
             after is not None,
         )
     changes_of_run = run_changes(controller.before, controller.after, renamed)
-    found = replace(found, of_run=changes_of_run, verdicts=verdicts)
+    unrun = unrun_files(controller.after)
+    found = replace(found, of_run=changes_of_run, verdicts=verdicts, unrun=unrun)
     # Where a run went wrong, no cause of a difference is one.
     return found if found.is_comparable else replace(found, causes=())
 

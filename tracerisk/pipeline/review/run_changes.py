@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import os
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
 
 from tracerisk.evidence.cells import Cell, Evidence
+from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
+from tracerisk.source.code_digest import code_digest
+from tracerisk.source.language import is_c_like
 
 _OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
 """A delay is another one that is longer by this share and by so many seconds [s]."""
@@ -33,6 +37,20 @@ def run_changes(
     if before.evidence is not None and after.evidence is not None:
         found += _evidence_changes(before.evidence, after.evidence)
     return tuple(found)
+
+
+def unrun_files(version: ControllerVersion) -> tuple[str, ...]:
+    """Return the files with blocks whose code is not the one that ran, by the lock."""
+    if version.entry is None:
+        return ()
+    ran = RunInputs.from_data(version.entry.inputs).sources
+    return tuple(
+        file
+        for file, source in sorted(version.sources.items())
+        if not is_c_like(file)
+        and (digest := ran.get(os.path.relpath(file, version.folder))) is not None
+        and digest != code_digest(source, file)
+    )
 
 
 def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
-from tracerisk.trace import NEVER_RAN, Acceptance, Reason, Verdict
+from tracerisk.trace import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
 
 ChangeKind = Literal[
     "structure",
@@ -186,6 +186,11 @@ class RunVerdicts:
         return _only_in(self.after, self.before)
 
     @property
+    def does_less(self) -> bool:
+        """Whether the later run lacks what the earlier had, beside functions that never ran."""
+        return self.in_before and any(each.code not in GAPS for each in self.broke)
+
+    @property
     def repaired(self) -> tuple[Reason, ...]:
         """What went wrong in the earlier run and does not in the later one."""
         return _only_in(self.before, self.after)
@@ -226,7 +231,8 @@ class RiskDiff:
     `within_noise` counts the values that changed by less than 1 %: they are reported as unchanged.
     `inputs` describes what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
-    motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
+    motions of which there is no risk data. `unrun` are the later version's files whose code is not
+    the one that ran. `verdicts` are those of the two runs, `None` where the
     blocks alone are compared: neither version has a lock entry for a run.
     """
 
@@ -244,11 +250,18 @@ class RiskDiff:
     of_run: tuple[str, ...] = ()
     verdicts: RunVerdicts | None = None
     causes: tuple[CauseShare, ...] = ()
+    unrun: tuple[str, ...] = ()
 
     @property
     def is_comparable(self) -> bool:
-        """Whether the runs behind the two versions can be compared; models alone always can."""
-        return self.verdicts is None or self.verdicts.is_comparable
+        """Whether the runs behind the two versions can be compared; models alone always can.
+
+        A run that broke does less, so that a figure which falls with it says nothing.
+        """
+        if self.verdicts is None:
+            return True
+        falls = self.increase < 0.0 and not self.is_unchanged
+        return self.verdicts.is_comparable and not (falls and self.verdicts.does_less)
 
     @property
     def increase(self) -> float:
@@ -274,7 +287,9 @@ class RiskDiff:
         if self.before is None or self.after is None or self.pins or self.of_run:
             return True
         runs = self.verdicts
-        if runs is not None and (runs.new_acceptances or _is_news(runs)):
+        if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):
+            return True
+        if self.unrun:
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:

@@ -106,7 +106,7 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
         text = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
-    elif new in ("faulted", "stuck"):
+    elif new in ("faulted", "stuck") or verdicts.does_less:
         reasons = verdicts.after.open_reasons if verdicts.after else ()
         first = next(iter(verdicts.broke or reasons))
         was = f"was {old}, " if verdicts.in_before and old != new else ""
@@ -122,7 +122,7 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
 
 def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
-    if diff.verdicts is not None and not diff.verdicts.is_comparable:
+    if diff.verdicts is not None and not diff.is_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:
         assert diff.after is not None, "one version at least has blocks"
@@ -134,7 +134,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
     old, new = diff.before.failure_probability, diff.after.failure_probability
     if diff.is_unchanged:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
-        return f"{text}, yet {_structural(diff)}" if _structural(diff) else text
+        text += f", yet {_structural(diff)}" if _structural(diff) else ""
+        return text + _unrun(diff)
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
@@ -147,7 +148,18 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         share = _share(alike[0], diff)
         if len(diff.causes) > 1 or share != "100 %":
             text += f", {share} of the {'rise' if new > old else 'fall'}"
-    return text + _per_cycle(diff)
+    return text + _per_cycle(diff) + _unrun(diff)
+
+
+def _unrun(diff: RiskDiff) -> str:
+    """Return that the later figure is not of the code that it stands beside."""
+    if not diff.unrun:
+        return ""
+    verb = "has" if len(diff.unrun) == 1 else "have"
+    return (
+        f"; {some(diff.unrun)} {verb} changed since the run that gave these figures: "
+        f"`tracerisk refresh {diff.name}`"
+    )
 
 
 def _because(cause: CauseShare) -> str:
