@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+LOCK = '{"controllers": {}, "schema": "tracerisk.lock", "version": 2}\n'
 FIGURES = ("1e-07", "1e-07", "4e-07", "2e-07", "8e-07")
 
 
@@ -165,3 +166,33 @@ def test_subjects_with_odd_signs_and_merges_are_read(grown, annotated_source):
     found = rows(outcome)
     assert any("<b>" in each["subject"] for each in found["commits"])
     assert found["commits"][-1]["failure_probability"] == pytest.approx(8e-7)
+
+
+def test_many_controllers_are_followed_at_once_and_each_as_if_alone(
+    grown, annotated_source, monkeypatch
+):
+    from tracerisk.pipeline.review import controllers
+    from tracerisk.pipeline.review.history import histories, history
+
+    for number, figure in enumerate(FIGURES):
+        grown.write("Zelle 2/größer.py", annotated_source(pick=("done 1", f"arm = {figure}")))
+        grown.write("tracerisk.lock", LOCK + number * "\n")
+        grown.commit()
+    paths = [grown.folder / "cell.py", grown.folder / "Zelle 2/größer.py"]
+    alone = tuple(history(each) for each in paths)
+    read = []
+    reader = controllers.loads
+    monkeypatch.setattr(
+        controllers, "loads", lambda data, file: read.append(data) or reader(data, file)
+    )
+    assert histories(paths) == alone
+    # Once for each commit that has a lock, and for the working tree; not for each controller.
+    assert len(read) == len(FIGURES) + 1
+
+
+def test_a_repository_without_a_commit_is_named(example):
+    subprocess.run(["git", "init", "--quiet"], cwd=example.folder, check=True)
+    example.write("cell.py", "")
+    done = example.run("history", "cell.py")
+    assert done.code == 2
+    assert "has no commit yet; commit first" in done.err

@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.freshness.known_controllers import all_controllers
-    from tracerisk.pipeline.review.history import first_above, history, history_rows
+    from tracerisk.pipeline.review.history import first_above, histories, history_rows
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
@@ -58,7 +58,8 @@ def run(options: argparse.Namespace) -> int:
         files = [each for each in all_controllers() if each.is_file()]
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
-    found = {str(each): history(each, most=options.most) for each in files}
+    walked = histories(files, most=options.most)
+    found = dict(zip(map(str, files), walked, strict=True))
     rows = {name: history_rows(points) for name, points in found.items()}
     if options.svg is not None:
         write_file(options.svg, history_svg(rows))

@@ -306,9 +306,9 @@ def test_a_shallow_clone_lacks_revisions_and_says_so(committed, two_steps, tmp_p
 def test_a_folder_without_a_repository_and_one_without_a_working_tree(tmp_path, committed):
     outside = tmp_path / "outside"
     outside.mkdir()
-    with pytest.raises(InputError, match="is in no git repository; tracerisk diff compares"):
+    with pytest.raises(InputError, match="is in no git repository; versions are read from git"):
         review([], outside)
-    with pytest.raises(InputError, match="without a working tree; run tracerisk diff in a clone"):
+    with pytest.raises(InputError, match="without a working tree; run it in a clone"):
         review([], committed.folder / ".git")
 
 

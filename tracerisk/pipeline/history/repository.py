@@ -236,10 +236,7 @@ def _environment() -> dict[str, str]:
 def _no_repository(output: bytes) -> str:
     text = output.decode(errors="replace").strip()
     if "not a git repository" in text:
-        return (
-            "is in no git repository; tracerisk diff compares two versions that git knows: run "
-            "it in a clone"
-        )
+        return "is in no git repository; versions are read from git: run it in a clone"
     if "work tree" in text or "bare repository" in text:
-        return "is in a repository without a working tree; run tracerisk diff in a clone with one"
+        return "is in a repository without a working tree; run it in a clone with one"
     return f"git cannot read the repository: {text}"

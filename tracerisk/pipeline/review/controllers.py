@@ -52,12 +52,16 @@ class _Known:
     files: tuple[str, ...]
 
 
+def _as_it_is(path: str) -> str:
+    return path
+
+
 @dataclass
-class _Locks:
+class Locks:
     """The locks of one version, each read once."""
 
     version: GitVersion
-    shown: Callable[[str], str]
+    shown: Callable[[str], str] = _as_it_is
     _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
     _evidence: dict[str, dict[str, Evidence]] = field(default_factory=dict)
 
@@ -70,6 +74,7 @@ class _Locks:
         return []
 
     def known(self, controller: str) -> _Known | None:
+        """Return what the nearest lock knows of a controller."""
         for folder in PurePosixPath(controller).parents:
             if controller in (known := self._in(str(folder))):
                 return known[controller]
@@ -118,7 +123,7 @@ def reviewed_controllers(
     A file that no lock knows is a controller of its own. `shown` returns how messages name a path.
     Raises InputError, naming the version, where a lock cannot be read.
     """
-    locks = _Locks(before, shown), _Locks(after, shown)
+    locks = Locks(before, shown), Locks(after, shown)
     was = {new: old for old, new in files.renames.items()}
     names: dict[str, None] = {}
     for old, new in files.pairs:
@@ -132,7 +137,7 @@ def reviewed_controllers(
     return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
 
 
-def _of_other_verdict(locks: tuple[_Locks, _Locks], folder: str) -> Iterator[str]:
+def _of_other_verdict(locks: tuple[Locks, Locks], folder: str) -> Iterator[str]:
     """Yield the controllers of a lock whose run has another verdict, or accepts something else."""
     earlier, later = locks[0]._in(folder), locks[1]._in(folder)
     for name in sorted(earlier.keys() & later.keys()):
@@ -144,7 +149,7 @@ def _of_other_verdict(locks: tuple[_Locks, _Locks], folder: str) -> Iterator[str
 
 
 def _reviewed(
-    name: str, was: str | None, locks: tuple[_Locks, _Locks], renames: Mapping[str, str]
+    name: str, was: str | None, locks: tuple[Locks, Locks], renames: Mapping[str, str]
 ) -> ReviewedController:
     backwards = {new: old for old, new in renames.items()}
     earlier = was or name
@@ -158,17 +163,16 @@ def _reviewed(
     return ReviewedController(name, was, before, after)
 
 
-def version_of(version: GitVersion, controller: str) -> ControllerVersion:
-    """Return a controller as one version has it, by its path from the top.
+def version_of(locks: Locks, controller: str) -> ControllerVersion:
+    """Return a controller as the version of the locks has it, by its path from the top.
 
     Raises InputError, naming the version, where a lock cannot be read.
     """
-    locks = _Locks(version, lambda path: path)
     return _version(locks, locks.known(controller), [], controller)
 
 
 def _version(
-    locks: _Locks, known: _Known | None, guesses: list[str], controller: str
+    locks: Locks, known: _Known | None, guesses: list[str], controller: str
 ) -> ControllerVersion:
     """Return a controller as one version has it.
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.history.repository import Repository
-from tracerisk.pipeline.review.controllers import ControllerVersion, ReviewedController, version_of
+from tracerisk.pipeline.review.controllers import (
+    ControllerVersion,
+    Locks,
+    ReviewedController,
+    version_of,
+)
 from tracerisk.pipeline.review.git_versions import WORKING_TREE, GitVersion
 from tracerisk.pipeline.review.review import difference
 from tracerisk.pipeline.review.run_verdicts import version_verdict
@@ -58,49 +64,89 @@ class HistoryPoint:
 
 
 def history(controller: Path, *, most: int | None = None) -> list[HistoryPoint]:
-    """Return how the risk of a controller went, the oldest first; of `most` last commits.
+    """Return how the risk of a controller went, as `histories` does of many."""
+    return histories([controller], most=most)[0]
+
+
+def histories(
+    controllers: Sequence[Path], *, most: int | None = None
+) -> tuple[list[HistoryPoint], ...]:
+    """Return how the risk of each controller went, the oldest first; of `most` last commits.
 
     A commit counts that changed the script, followed through renames, another of its sources, or
     its lock so that its blocks or its verdict differ. The working tree comes last where it differs.
     Raises InputError outside a repository, and for a file that git does not know.
     """
-    path = controller.resolve()
-    if not path.exists():
-        raise InputError(
-            "does not exist; name a controller of the working tree", Location(str(controller))
-        )
-    with Repository.opened(path.parent) as repository:
-        top = repository.top.resolve()
-        name = path.relative_to(top).as_posix()
-        return list(_points(repository, top, name, controller, most))
+    walks = [_Walk(each) for each in controllers]
+    for each in walks:
+        if not each.path.exists():
+            raise InputError(
+                "does not exist; name a controller of the working tree",
+                Location(str(each.controller)),
+            )
+    tops: dict[Path, Path] = {}
+    for folder in dict.fromkeys(each.path.parent for each in walks):
+        with Repository.opened(folder) as repository:
+            tops[folder] = repository.top.resolve()
+    for top in dict.fromkeys(tops.values()):
+        here = [each for each in walks if tops[each.path.parent] == top]
+        with Repository.opened(top) as repository:
+            _go(repository, top, here, most)
+    return tuple(each.points for each in walks)
 
 
-def _points(
-    repository: Repository, top: Path, name: str, controller: Path, most: int | None
-) -> Iterator[HistoryPoint]:
-    commits = _commits(repository, top, name, controller, most)
-    if not commits:
-        raise InputError("git has no commit of it; commit it first", Location(str(controller)))
-    # What the last point had, with which the next is compared: small rises add up.
-    before, was = _NOTHING, ""
-    last = _NOTHING
-    for commit in [*commits, _Commit("", "", "", name)]:
-        here = WORKING_TREE if not commit.hash else commit.hash[:8]
-        version = GitVersion(repository, here, f"{here}:", commit.hash or None)
+class _Walk:
+    """What is known of a controller on the way from its oldest commit to the working tree."""
+
+    def __init__(self, controller: Path) -> None:
+        self.controller = controller
+        self.path = controller.resolve()
+        self.points: list[HistoryPoint] = []
+        # What the last point had, with which the next is compared: small rises add up.
+        self._before, self._was = _NOTHING, ""
+        self._last = _NOTHING
+
+    def step(self, commit: _Commit, locks: Locks) -> None:
+        """Go on to a commit."""
         try:
-            after = version_of(version, commit.path)
+            after = version_of(locks, commit.path)
         except TraceRiskError as error:
-            yield HistoryPoint(*commit.plain, None, None, error=error.message)
-            continue
-        if (after.sources, after.entry) == (last.sources, last.entry):
-            continue
-        point = _point(commit, before, after, was)
+            self.points.append(HistoryPoint(*commit.plain, None, None, error=error.message))
+            return
+        if (after.sources, after.entry) == (self._last.sources, self._last.entry):
+            return
+        point = _point(commit, self._before, after, self._was)
         if point.is_news:
-            yield point
+            self.points.append(point)
         if not point.error:
-            last = after
+            self._last = after
             if point.is_news:
-                before, was = after, commit.path
+                self._before, self._was = after, commit.path
+
+
+def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | None) -> None:
+    """Go through the commits of a repository once, with all controllers."""
+    if repository.read("HEAD^{commit}") is None:
+        raise InputError("has no commit yet; commit first", Location(str(top)))
+    order = repository.output("rev-list", "--topo-order", "HEAD").decode().split()
+    log = _Log(repository, {each: rank for rank, each in enumerate(order)}, most)
+    steps: list[tuple[_Commit, _Walk]] = []
+    for walk in walks:
+        name = walk.path.relative_to(top).as_posix()
+        commits = log.commits(top, name, walk.controller)
+        if not commits:
+            raise InputError(
+                "git has no commit of it; commit it first", Location(str(walk.controller))
+            )
+        steps += [(each, walk) for each in commits]
+    steps.sort(key=lambda step: -log.rank.get(step[0].hash, 0))
+    steps += [(_Commit("", "", "", walk.path.relative_to(top).as_posix()), walk) for walk in walks]
+    # A lock with many controllers takes long to read, so that each is read once.
+    for digest, group in itertools.groupby(steps, key=lambda step: step[0].hash):
+        here = digest[:8] or WORKING_TREE
+        locks = Locks(GitVersion(repository, here, f"{here}:", digest or None))
+        for commit, walk in group:
+            walk.step(commit, locks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,35 +161,36 @@ class _Commit:
         return self.hash, self.date, self.subject, self.path
 
 
-def _commits(
-    repository: Repository, top: Path, name: str, controller: Path, most: int | None
-) -> list[_Commit]:
-    """Return the commits that may have changed a controller, the oldest first."""
-    number = () if most is None else (f"--max-count={most}",)
-    followed = list(
-        _logged(
-            repository.output(
-                *("log", "--follow", "--name-status", "-z", _FORMAT, *number, "--", name)
-            )
-        )
-    )
-    lock = controller_root(controller).resolve() / LOCK_NAME
-    beside = lock.relative_to(top).as_posix() if lock.is_relative_to(top) else LOCK_NAME
-    of_lock = _logged(
-        repository.output("log", "--name-status", "-z", _FORMAT, *number, "--", beside)
-    )
-    order = repository.output("rev-list", "--topo-order", "HEAD").decode().split()
-    rank = {each: index for index, each in enumerate(order)}
-    known = {each.hash: each for each in followed}
-    for each in of_lock:
-        known.setdefault(each.hash, _Commit(each.hash, each.date, each.subject, ""))
-    ordered = sorted(known.values(), key=lambda each: rank.get(each.hash, 0))
-    found, path = [], name
-    # From the newest back: a commit of the lock alone has the path that the next one found.
-    for each in ordered:
-        path = each.path or path
-        found.append(_Commit(each.hash, each.date, each.subject, path))
-    return found[:most][::-1]
+class _Log:
+    """The commits of a repository; `rank` is the place of each, the newest first."""
+
+    def __init__(self, repository: Repository, rank: Mapping[str, int], most: int | None) -> None:
+        self.rank = rank
+        self._repository = repository
+        self._most = most
+        self._of_locks: dict[str, list[_Commit]] = {}
+
+    def commits(self, top: Path, name: str, controller: Path) -> list[_Commit]:
+        """Return the commits that may have changed a controller, the oldest first."""
+        lock = controller_root(controller).resolve() / LOCK_NAME
+        beside = lock.relative_to(top).as_posix() if lock.is_relative_to(top) else LOCK_NAME
+        if beside not in self._of_locks:
+            self._of_locks[beside] = self._logged(beside)
+        known = {each.hash: each for each in self._logged(name, "--follow")}
+        for each in self._of_locks[beside]:
+            known.setdefault(each.hash, replace(each, path=""))
+        ordered = sorted(known.values(), key=lambda each: self.rank.get(each.hash, 0))
+        found, path = [], name
+        # From the newest back: a commit of the lock alone has the path that the next one found.
+        for each in ordered:
+            path = each.path or path
+            found.append(replace(each, path=path))
+        return found[: self._most][::-1]
+
+    def _logged(self, name: str, *options: str) -> list[_Commit]:
+        number = () if self._most is None else (f"--max-count={self._most}",)
+        words = ("log", *options, "--name-status", "-z", _FORMAT, *number, "--", name)
+        return list(_logged(self._repository.output(*words)))
 
 
 def _logged(raw: bytes) -> Iterator[_Commit]:
