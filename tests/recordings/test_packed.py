@@ -15,6 +15,8 @@ from tracerisk.pipeline.recordings import packed
 from tracerisk.pipeline.recordings.cdr import DEFINITIONS, definition, log_message
 from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Part, Series
 
+LATER = 4
+
 
 def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> bytes:
     stream = BytesIO()
@@ -28,16 +30,22 @@ def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> by
         rows = np.arange(begin, end, dtype=np.int64)[:, None]
         return ((rows + np.arange(width) + shift) % 251).astype(np.uint8)
 
-    def part(channel: int, shift: int) -> Part:
+    def part(channel: int, shift: int, delay_ns: int = 0) -> Part:
         def fill(out: np.ndarray, begin: int, end: int) -> None:
             out[:, 1:] = numbers(begin, end, shift)
 
-        return Part(channel, b"!" + bytes(width), fill)
+        return Part(channel, b"!" + bytes(width), fill, delay_ns)
 
     series = None
     if times:
-        series = Series(np.array(times, np.int64), (part(states, 0), part(frames, 7)))
-    writer.messages(series, [Message(time, texts, data) for time, data in others])
+        parts = (part(states, 0), part(frames, 7), part(states, 3, LATER))
+        series = Series(np.array(times, np.int64), parts)
+    # Every third one is of a channel that the series has too.
+    channels = [states if number % 3 == 2 else texts for number in range(len(others))]
+    messages = [
+        Message(time, channel, data) for channel, (time, data) in zip(channels, others, strict=True)
+    ]
+    writer.messages(series, messages)
     writer.attachment(7, "it.json", "application/json", b"{}")
     writer.finish()
     return stream.getvalue()
@@ -45,11 +53,13 @@ def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> by
 
 @settings(max_examples=60, deadline=None)
 @given(
-    times=st.lists(st.integers(0, 50), max_size=40).map(sorted),
-    width=st.integers(1, 40),
-    others=st.lists(st.tuples(st.integers(0, 60), st.binary(max_size=30)), max_size=20).map(
-        lambda found: sorted(found, key=lambda each: each[0])
+    times=st.lists(st.integers(0, 50).map(lambda k: 2 * LATER * k), max_size=40, unique=True).map(
+        sorted
     ),
+    width=st.integers(1, 40),
+    others=st.lists(
+        st.tuples(st.integers(0, 120 * LATER), st.binary(max_size=30)), max_size=20
+    ).map(lambda found: sorted(found, key=lambda each: each[0])),
     chunk=st.sampled_from([1, 100, 400, 10**6]),
 )
 def test_the_public_reader_gives_back_every_message_in_time(times, width, others, chunk):
@@ -60,11 +70,18 @@ def test_the_public_reader_gives_back_every_message_in_time(times, width, others
     expected = sorted(
         [
             *(
-                (time, 0, topic, b"!" + bytes((k + j + shift) % 251 for j in range(width)))
+                (time + delay, 0, topic, b"!" + bytes((k + j + shift) % 251 for j in range(width)))
                 for k, time in enumerate(times)
-                for topic, shift in (("/states", 0), ("/frames", 7))
+                for topic, shift, delay in (
+                    ("/states", 0, 0),
+                    ("/frames", 7, 0),
+                    ("/states", 3, LATER),
+                )
             ),
-            *((time, 1, "/texts", text) for time, text in others),
+            *(
+                (time, 1, "/states" if number % 3 == 2 else "/texts", text)
+                for number, (time, text) in enumerate(others)
+            ),
         ],
         key=lambda each: each[:2],
     )
@@ -81,7 +98,11 @@ def test_the_public_reader_gives_back_every_message_in_time(times, width, others
         (message.log_time, message.data)
         for _, _, message in reader.iter_messages(topics=["/texts"], starting_at=10)
     ]
-    assert by_topic == [(time, text) for time, text in others if time >= 10]
+    assert by_topic == [
+        (time, text) for number, (time, text) in enumerate(others) if time >= 10 and number % 3 != 2
+    ]
+    of_states = [m.data for _, _, m in reader.iter_messages(topics=["/states"])]
+    assert of_states == [data for _, topic, data in found if topic == "/states"]
     frames = [message.log_time for _, _, message in reader.iter_messages(topics=["/frames"])]
     assert frames == times
 

@@ -92,12 +92,13 @@ def test_the_frames_are_where_the_links_of_the_twin_were(recorded, opened):
     messages, _ = opened
     samples, robot = read_samples(recorded.folder / "kept"), load_robot("panda")
     ((_, static),) = messages["/tf_static"]
-    assert [time for time, _ in messages["/tf"]] == [time for time, _ in messages["/joint_states"]]
+    state_times = [time for time, _ in messages["/joint_states"]]
+    assert [time for time, _ in messages["/tf"]] == state_times[: len(state_times) // 5 * 5 : 5]
     model = compile_model(robot)
     data = mujoco.MjData(model)
-    for k in (0, samples.n_steps // 2, samples.n_steps - 1):
+    for k in (0, len(messages["/tf"]) // 2, len(messages["/tf"]) - 1):
         time_ns, moving = messages["/tf"][k]
-        for name, position in zip(samples.header.joints, samples.position[k], strict=True):
+        for name, position in zip(samples.header.joints, samples.position[5 * k], strict=True):
             data.qpos[model.joint(name).qposadr[0]] = position
         mujoco.mj_kinematics(model, data)
         parents = {}

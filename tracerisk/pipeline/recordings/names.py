@@ -11,6 +11,8 @@ FINDINGS = "/tracerisk/findings"
 TRACE = "tracerisk-trace.json"
 """The attachment that holds the trace."""
 RATE_HZ = (50.0, 500.0)
-"""The least and the greatest rate of joint states and frames [Hz]."""
+"""The least and the greatest rate of joint states [Hz]."""
+FRAMES_HZ = 100.0
+"""The greatest rate of frames [Hz]: more than a screen shows."""
 MAGIC = b"\x89MCAP0\r\n"
 """With which an MCAP file begins and ends (https://mcap.dev/spec)."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import IO, Any, NamedTuple
 
 import numpy as np
@@ -36,26 +36,40 @@ class Message(NamedTuple):
 
 
 class Part(NamedTuple):
-    """The messages of one channel in a series: copies of `template`, but for some bytes.
+    """One message of each round of a series: copies of `template`, but for some bytes.
 
-    `fill` puts into copies (n, len(template)) what is different from one message to another.
+    It comes `delay_ns` after the round begins [ns]; `fill` puts into copies (n, len(template))
+    what is different from one round to another.
     """
 
     channel: int
     template: bytes
     fill: Callable[[Rows, int, int], None]
+    delay_ns: int = 0
 
 
 class Series(NamedTuple):
-    """Messages at the same times [ns], (n,), rising: at each time one of each part."""
+    """Rounds of messages that begin at `times` [ns], (n,), rising: in each, one of each part.
+
+    The parts come by their delays, and the last before the next round.
+    """
 
     times: Times
     parts: tuple[Part, ...]
 
     @property
-    def width(self) -> int:
-        """How long the records of one time are [bytes]."""
-        return sum(_HEAD.size + len(part.template) for part in self.parts)
+    def starts(self) -> NDArray[np.int64]:
+        """Where the record of each part begins in a round, and where the round ends [bytes]."""
+        sizes = [_HEAD.size + len(part.template) for part in self.parts]
+        return np.cumsum([0, *sizes], dtype=np.int64)
+
+    @property
+    def message_times(self) -> Times:
+        """The time of each message [ns], (n, parts)."""
+        found: Times = self.times[:, None] + np.array(
+            [part.delay_ns for part in self.parts], np.int64
+        )
+        return found
 
 
 class PackedWriter:
@@ -105,17 +119,23 @@ class PackedWriter:
 
     def messages(self, series: Series | None, others: Sequence[Message]) -> None:
         """Write a series and other messages, both in time; of equal times the series goes first."""
-        times = np.zeros(0, np.int64) if series is None else series.times
-        per_chunk = 1 if series is None else max(1, CHUNK_BYTES // series.width)
-        bounds = list(range(0, len(times), per_chunk)) or [0]
+        rounds = _NO_ROUNDS if series is None else series
+        width, parts = max(1, int(rounds.starts[-1])), max(1, len(rounds.parts))
+        number = len(rounds.times)
+        per_chunk = max(1, CHUNK_BYTES // width)
+        bounds = list(range(0, number, per_chunk)) or [0]
+        times = rounds.message_times.reshape(-1)
         at = np.searchsorted(times, [each.time_ns for each in others], side="right")
         first = 0
-        for begin, end in zip(bounds, [*bounds[1:], len(times)], strict=True):
-            # What is behind the last state goes into the last chunk.
-            is_last = end == len(times)
-            last = len(others) if is_last else int(np.searchsorted(at, end, side="right"))
-            rows = None if series is None else _packed(series, begin, end)
-            self._chunk(series, begin, rows, others[first:last], at[first:last] - begin)
+        # Each chunk is packed where the last one was: what is alike in all is there already.
+        space = _templates(rounds, min(per_chunk, number))
+        for begin, end in zip(bounds, [*bounds[1:], number], strict=True):
+            # What is behind the last round goes into the last chunk.
+            is_last = end == number
+            last = len(others) if is_last else int(np.searchsorted(at, end * parts, side="right"))
+            rows = space[: end - begin]
+            _pack(rows, rounds, begin, end)
+            self._chunk(rounds, begin, rows, others[first:last], at[first:last] - begin * parts)
             first = last
 
     def attachment(self, time_ns: int, name: str, media_type: str, data: bytes) -> None:
@@ -184,47 +204,50 @@ class PackedWriter:
 
     def _chunk(
         self,
-        series: Series | None,
+        series: Series,
         begin: int,
-        rows: Rows | None,
+        rows: Rows,
         others: Sequence[Message],
         at: NDArray[np.intp],
     ) -> None:
-        """Write a chunk: packed rows, and before the row `at` of each the other messages."""
+        """Write a chunk: packed rounds, and before the message `at` of each the other messages."""
         from mcap.records import Chunk, ChunkIndex
         from zstandard import ZstdCompressor
 
-        number = 0 if rows is None else len(rows)
-        width = 0 if rows is None else rows.shape[1]
+        number, starts = len(rows), series.starts
+        packed_bytes = rows.reshape(-1)
+        own_at = np.append(np.arange(number)[:, None] * starts[-1] + starts[:-1], packed_bytes.size)
+        shifts = np.zeros(len(own_at), np.int64)
         pieces: list[bytes | memoryview] = []
         index: dict[int, list[tuple[int, int]]] = {}
-        shifts = np.zeros(number, np.int64)
-        position, done = 0, 0
+        inserted, done = 0, 0
         for message, place in zip(others, at.tolist(), strict=True):
-            if rows is not None and place > done:
-                pieces.append(rows[done:place].data)
-                position, done = position + (place - done) * width, place
+            cut = int(own_at[place])
+            if cut > done:
+                pieces.append(packed_bytes[done:cut].data)
+                done = cut
             head = _HEAD.pack(
                 *(_MESSAGE, 22 + len(message.data), message.channel, 0),
                 *(message.time_ns, message.time_ns),
             )
-            index.setdefault(message.channel, []).append((message.time_ns, position))
+            index.setdefault(message.channel, []).append((message.time_ns, cut + inserted))
             pieces += (head, message.data)
-            shifts[done:] += len(head) + len(message.data)
-            position += len(head) + len(message.data)
-        if rows is not None:
-            pieces.append(rows[done:].data)
-        data = b"".join(pieces)
+            inserted += len(head) + len(message.data)
+            shifts[place:] += len(head) + len(message.data)
+        pieces.append(packed_bytes[done:].data)
+        data = pieces[0] if len(pieces) == 1 else b"".join(pieces)
         if not data:
             return
         indexes = {channel: np.array(found, dtype=_INDEX_ROW) for channel, found in index.items()}
-        if series is not None and number:
-            at_row = np.arange(number) * width + shifts
-            for part, start in _starts(series):
-                own = np.empty(number, _INDEX_ROW)
-                own["time"] = series.times[begin : begin + number]
-                own["offset"] = at_row + start
-                indexes[part.channel] = own
+        if number:
+            found = np.empty((number, len(series.parts)), _INDEX_ROW)
+            found["time"] = series.message_times[begin : begin + number]
+            found["offset"] = (own_at + shifts)[:-1].reshape(found.shape)
+            channels = np.array([part.channel for part in series.parts])
+            for channel in np.unique(channels):
+                own = found[:, channels == channel].reshape(-1)
+                beside = indexes.get(int(channel), own[:0])
+                indexes[int(channel)] = np.sort(np.concatenate((own, beside)), order="offset")
         times = [int(each["time"].min()) for each in indexes.values()]
         lasts = [int(each["time"].max()) for each in indexes.values()]
         packed = ZstdCompressor(level=_LEVEL, write_checksum=True).compress(data)
@@ -240,11 +263,11 @@ class PackedWriter:
             )
         )
         places, index_start = {}, self._stream.tell()
-        for channel, found in sorted(indexes.items()):
+        for channel, rows_of in sorted(indexes.items()):
             places[channel] = self._stream.tell()
-            body = struct.pack("<HI", channel, found.nbytes) + found.tobytes()
+            body = struct.pack("<HI", channel, rows_of.nbytes) + rows_of.tobytes()
             self._stream.write(struct.pack("<BQ", _INDEX, len(body)) + body)
-            self._counts[channel] = self._counts.get(channel, 0) + len(found)
+            self._counts[channel] = self._counts.get(channel, 0) + len(rows_of)
         self._chunks.append(
             ChunkIndex(
                 message_start_time=min(times),
@@ -282,26 +305,24 @@ def put_stamps(out: Rows, places: Sequence[int], times: Times) -> None:
         out[:, at : at + 8] = stamps
 
 
-def _starts(series: Series) -> Iterator[tuple[Part, int]]:
-    """Yield each part with where its record begins within those of one time."""
-    start = 0
-    for part in series.parts:
-        yield part, start
-        start += _HEAD.size + len(part.template)
-
-
-def _packed(series: Series, begin: int, end: int) -> Rows:
-    """Return the records of messages, (n, series.width)."""
-    times = series.times[begin:end].astype("<u8")
-    stamps = times.view(np.uint8).reshape(len(times), 8)
+def _templates(series: Series, number: int) -> Rows:
+    """Return the records of so many rounds, without times and what is different in each."""
     one = b"".join(
         _HEAD.pack(_MESSAGE, 22 + len(part.template), part.channel, 0, 0, 0) + part.template
         for part in series.parts
     )
-    records = np.tile(np.frombuffer(one, np.uint8), (len(times), 1))
-    for part, start in _starts(series):
-        data = start + _HEAD.size
-        records[:, data - 16 : data - 8] = stamps
-        records[:, data - 8 : data] = stamps
+    return np.tile(np.frombuffer(one, np.uint8), (number, 1))
+
+
+def _pack(records: Rows, series: Series, begin: int, end: int) -> None:
+    """Put what is different into the records (n, bytes of a round) of messages."""
+    times = series.message_times[begin:end].astype("<u8")
+    stamps = times.view(np.uint8).reshape(*times.shape, 8)
+    for number, (part, start) in enumerate(zip(series.parts, series.starts, strict=False)):
+        data = int(start) + _HEAD.size
+        records[:, data - 16 : data - 8] = stamps[:, number]
+        records[:, data - 8 : data] = stamps[:, number]
         part.fill(records[:, data : data + len(part.template)], begin, end)
-    return records
+
+
+_NO_ROUNDS = Series(np.zeros(0, np.int64), ())

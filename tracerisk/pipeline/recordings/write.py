@@ -10,6 +10,7 @@ Source: MCAP specification 0 (https://mcap.dev/spec), profile `ros2`.
 from __future__ import annotations
 
 import json
+import math
 import os
 import threading
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,6 +41,7 @@ from tracerisk.pipeline.recordings.names import (
     CONTACTS,
     DESCRIPTION,
     FINDINGS,
+    FRAMES_HZ,
     JOINT_STATES,
     RATE_HZ,
     TF,
@@ -100,8 +102,9 @@ class _Message(NamedTuple):
 def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = RATE_HZ[1]) -> None:
     """Write the recording of a run, which `folder` keeps, as an MCAP file at `path`.
 
-    Times are those of the simulation, from 0 [ns]. `rate_hz` is how often joint states and
-    frames are written, 50 to 500 [Hz]; every n-th physics step is, so it is the nearest such one.
+    Times are those of the simulation, from 0 [ns]. `rate_hz` is how often joint states are
+    written, 50 to 500 [Hz]; every n-th physics step is, so it is the nearest such one. Frames are
+    written as often, but at most at `FRAMES_HZ`.
     The file appears whole or not at all.
     Raises SettingsError for another rate, LogError where the recording is damaged, InputError
     where the file cannot be written.
@@ -179,10 +182,11 @@ def _write(
         )
         for topic, name in _TYPES.items()
     }
+    others = [Message(time_ns, channels[topic], data) for time_ns, topic, data in beside]
     series = None
     if samples is not None:
-        series = _series(samples, frames, rate_hz, channels)
-    others = [Message(time_ns, channels[topic], data) for time_ns, topic, data in beside]
+        series, rest = _series(samples, frames, rate_hz, channels)
+        others = sorted([*rest, *others], key=lambda each: each.time_ns)
     writer.messages(series, others)
     end_ns = round((trace.end.simulated_s or 0.0) * _SECOND_NS)
     text = trace_json.dumps(trace, indent=None)
@@ -192,25 +196,42 @@ def _write(
 
 def _series(
     samples: Samples, frames: MovingFrames | None, rate_hz: float, channels: Mapping[str, int]
-) -> Series:
-    """Return the joint states and frames, of which there is one at each time."""
-    header = samples.header
-    every = max(1, round(_SECOND_NS / (rate_hz * header.step_ns)))
+) -> tuple[Series, list[Message]]:
+    """Return rounds of joint states, each with the frames at its begin, and the states left over.
+
+    Nobody sees frames at more than `FRAMES_HZ`, and they are larger than the states.
+    """
+    step_ns = samples.header.step_ns
+    every = max(1, round(_SECOND_NS / (rate_hz * step_ns)))
     at = np.arange(0, samples.n_steps, every)
-    times = at * header.step_ns
-    parts = [_joint_states(samples, at, times, channels[JOINT_STATES])]
+    in_round = 1 if frames is None else math.ceil(_SECOND_NS / (every * step_ns * FRAMES_HZ))
+    number = len(at) // in_round
+    firsts = at[: number * in_round : in_round]
+    parts = []
     if frames is not None:
         known = frames
 
         def fill(out: Rows, begin: int, end: int) -> None:
-            known.fill(out, times[begin:end], samples.position[at[begin:end]])
+            here = firsts[begin:end]
+            known.fill(out, here * step_ns, samples.position[here])
 
         parts.append(Part(channels[TF], frames.template, fill))
-    return Series(times, tuple(parts))
+    for later in range(in_round):
+        shift = later * every
+        part = _joint_states(samples, firsts + shift, channels[JOINT_STATES])
+        parts.append(part._replace(delay_ns=shift * step_ns))
+    left = at[number * in_round :]
+    rest = _joint_states(samples, left, channels[JOINT_STATES])
+    rows = np.tile(np.frombuffer(rest.template, np.uint8), (len(left), 1))
+    rest.fill(rows, 0, len(left))
+    return Series(firsts * step_ns, tuple(parts)), [
+        Message(time_ns, rest.channel, row.tobytes())
+        for time_ns, row in zip((left * step_ns).tolist(), rows, strict=True)
+    ]
 
 
-def _joint_states(samples: Samples, at: Times, times: Times, channel: int) -> Part:
-    """Return the joint states: one is written, and the numbers of all are put into copies."""
+def _joint_states(samples: Samples, at: Times, channel: int) -> Part:
+    """Return the joint states of steps: one is written, and all numbers are put into copies."""
     joints = samples.header.joints
     one = Cdr()
     stamp = one.stamp(0)
@@ -222,7 +243,7 @@ def _joint_states(samples: Samples, at: Times, times: Times, channel: int) -> Pa
     begins = [one.doubles([0.0] * len(joints), counted=True) for _ in measured]
 
     def fill(out: Rows, begin: int, end: int) -> None:
-        put_stamps(out, (stamp,), times[begin:end])
+        put_stamps(out, (stamp,), at[begin:end] * samples.header.step_ns)
         for start, values in zip(begins, measured, strict=True):
             put(out, start, values[at[begin:end]])
 
