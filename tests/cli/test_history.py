@@ -196,3 +196,14 @@ def test_a_repository_without_a_commit_is_named(example):
     done = example.run("history", "cell.py")
     assert done.code == 2
     assert "has no commit yet; commit first" in done.err
+
+
+def test_a_shallow_clone_is_said_to_lack_older_commits(grown, example_in, tmp_path):
+    source = f"file://{grown.folder}"
+    clone = ["git", "clone", "--quiet", "--depth", "1", source, str(tmp_path / "clone")]
+    subprocess.run(clone, check=True)
+    shallow = example_in(tmp_path / "clone")
+    done = shallow.run("history", "cell.py")
+    assert done.code == 0, done.err
+    assert "this clone is shallow, and older commits are not in it" in done.err
+    assert "shallow" not in grown.run("history", "cell.py").err

@@ -50,7 +50,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.freshness.known_controllers import all_controllers
-    from tracerisk.pipeline.review.history import first_above, histories, history_rows
+    from tracerisk.pipeline.review.history import (
+        first_above,
+        histories,
+        history_rows,
+        is_cut_short,
+    )
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
@@ -60,6 +65,11 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     walked = histories(files, most=options.most)
     found = dict(zip(map(str, files), walked, strict=True))
+    if is_cut_short(files):
+        note(
+            "this clone is shallow, and older commits are not in it: `git fetch --unshallow`",
+            quiet=options.quiet,
+        )
     rows = {name: history_rows(points) for name, points in found.items()}
     if options.svg is not None:
         write_file(options.svg, history_svg(rows))

@@ -95,6 +95,15 @@ def histories(
     return tuple(each.points for each in walks)
 
 
+def is_cut_short(controllers: Sequence[Path]) -> bool:
+    """Return whether git lacks older commits of a controller: it lies in a shallow clone."""
+    for folder in dict.fromkeys(each.resolve().parent for each in controllers):
+        with Repository.opened(folder) as repository:
+            if repository.is_shallow:
+                return True
+    return False
+
+
 class _Walk:
     """What is known of a controller on the way from its oldest commit to the working tree."""
 
