@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import itertools
 import math
 from xml.etree import ElementTree as ET
 
+import PIL.Image
 import pytest
 
 from tracerisk.errors import Location
@@ -15,6 +18,7 @@ from tracerisk.ros.drafts.usable_values import UsableValues, is_on
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.scenario.lines import scenario_lines
+from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.transforms.poses import compose
 from tracerisk.twin.motion.kinematics import Kinematics
@@ -467,15 +471,24 @@ def drafted(values, type_name, topic="/topic", made=Interfaces2):
     return draft.value["message"]
 
 
+def made_of(values, tmp_path, type_name, topic="/topic"):
+    """Make the message that a drafted entry of a scenario describes."""
+    (draft,) = drafts([Missed(Need("topic", topic, type_name), 0, 0, None)], Interfaces2(), values)
+    path = tmp_path / "s.yaml"
+    path.write_text(scenario_lines([draft]))
+    (written,) = read_scenario(path).published[0].messages
+    return MessageTemplate(Interfaces2().message(type_name), written).make(0)
+
+
 @pytest.mark.parametrize(
     ("topic", "encoding", "bytes_each"),
     [("/image_raw", "bgr8", 3), ("/camera/depth/image", "16UC1", 2), ("/cam/mono", "mono8", 1)],
 )
-def test_a_picture_is_as_long_as_it_says(values, topic, encoding, bytes_each):
-    image = drafted(values, "sensor_msgs/Image", topic)
-    assert image["encoding"] == encoding
-    assert image["step"] == image["width"] * bytes_each
-    assert len(image["data"]) == image["step"] * image["height"] > 0
+def test_a_picture_is_as_long_as_it_says(values, tmp_path, topic, encoding, bytes_each):
+    image = made_of(values, tmp_path, "sensor_msgs/Image", topic)
+    assert image.encoding == encoding
+    assert image.step == image.width * bytes_each
+    assert len(image.data) == image.step * image.height > 0
 
 
 @pytest.mark.parametrize(("made", "name"), [(Interfaces, "K"), (Interfaces2, "k")])
@@ -483,11 +496,71 @@ def test_a_camera_has_a_focal_length(values, made, name):
     assert drafted(values, "sensor_msgs/CameraInfo", made=made)[name][0] > 0
 
 
-def test_a_compressed_picture_can_be_read(values):
-    cv2 = pytest.importorskip("cv2")
-    numpy = pytest.importorskip("numpy")
-    data = drafted(values, "sensor_msgs/CompressedImage")["data"]
-    assert cv2.imdecode(numpy.array(data, numpy.uint8), cv2.IMREAD_COLOR).shape == (12, 16, 3)
+def test_a_compressed_picture_can_be_read(values, tmp_path):
+    image = made_of(values, tmp_path, "sensor_msgs/CompressedImage")
+    with PIL.Image.open(io.BytesIO(image.data)) as read:
+        assert (read.format, read.size, read.getpixel((3, 3))) == ("PNG", (16, 12), (128,) * 3)
+
+
+LOOKS = """\
+import cv2, rospy
+from sensor_msgs.msg import CameraInfo, Image
+
+{code}
+
+rospy.Subscriber("/camera/image", Image, on_image)
+rospy.Subscriber("/camera/depth", Image, on_depth)
+rospy.Subscriber("/camera/info", CameraInfo, on_info)
+"""
+ARUCO = """\
+NAMES = {"DICT_4X4_50": cv2.aruco.DICT_4X4_50, "DICT_6X6_250": cv2.aruco.DICT_6X6_250}
+WANTED = 23
+dictionary = cv2.aruco.Dictionary_get(NAMES[rospy.get_param("~dictionary", "DICT_6X6_250")])
+if ids[0] == WANTED:
+    pass
+"""
+TAGS = "detector = Detector(families='tag36h11')\nrospy.get_param('~tag_id', 4)"
+HSV = """\
+low, high = None, None
+low = np.array([50, 100, 100])
+high = np.array([70, 255, 255])
+mask = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), low, high)
+"""
+BGR = "mask = cv2.inRange(image, (0, 0, 150), (50, 50, 255))"
+
+
+@pytest.mark.parametrize(
+    ("code", "kind", "expected"),
+    [
+        (ARUCO, "markers", {"dictionary": "DICT_6X6_250", "id": 23}),
+        (TAGS, "markers", {"dictionary": "DICT_APRILTAG_36h11", "id": 4}),
+        (HSV, "discs", {"color": [54, 178, 54]}),
+        (BGR, "discs", {"color": [202, 25, 25]}),
+    ],
+)
+def test_a_picture_shows_what_the_code_looks_for_in_one_place_after_another(
+    tmp_path, values, code, kind, expected
+):
+    path = tmp_path / "c.py"
+    path.write_text(LOOKS.format(code=code))
+    lines = path.read_text().splitlines()
+
+    def drafted_for(topic, name):
+        line = next(i for i, text in enumerate(lines, 1) if f'"{topic}"' in text)
+        need = Need("topic", topic, f"sensor_msgs/{name}")
+        return drafts([Missed(need, 0, 0, Location(str(path), line))], Interfaces2(), values)
+
+    found = drafted_for("/camera/image", "Image")
+    pictures = [each.value["message"]["picture"] for each in found]
+    assert [each[kind] for each in pictures] == [
+        [{**expected, "at": at}] for at in ([160, 120], [320, 240], [480, 360])
+    ]
+    times = [(each.value["at"], each.value["until"]) for each in found]
+    assert all(end < begin for (_, end), (begin, _) in itertools.pairwise(times))
+    (depth,) = drafted_for("/camera/depth", "Image")
+    assert depth.value["message"]["picture"]["size"] == [640, 480]
+    (info,) = drafted_for("/camera/info", "CameraInfo")
+    assert info.value["message"]["k"][2] == 320.0
 
 
 def test_a_description_is_the_robots_own(values):

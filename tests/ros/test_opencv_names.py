@@ -1,4 +1,4 @@
-"""Names of `cv2.aruco` that OpenCV has removed, and that the OpenCV of older ROS has."""
+"""Names of `cv2.aruco` that OpenCV has removed, and windows, which a run does not open."""
 
 from __future__ import annotations
 
@@ -6,7 +6,17 @@ import pytest
 
 # An OpenCV of today, as far as these names go.
 OPENCV = {
-    "cv2/__init__.py": "from . import aruco\nSOLVEPNP_IPPE_SQUARE = 7\n",
+    "cv2/__init__.py": """\
+from . import aruco
+SOLVEPNP_IPPE_SQUARE = 7
+
+
+def imshow(name, image):
+    raise RuntimeError("no screen")
+
+
+waitKey = namedWindow = createTrackbar = getTrackbarPos = imshow
+""",
     "cv2/aruco.py": """\
 DICT_4X4_50 = 0
 
@@ -92,3 +102,33 @@ def test_the_functions_give_what_todays_classes_give():
     turns, places, _ = made["estimatePoseSingleMarkers"](corners, 0.1, camera, np.zeros(5))
     assert (turns.shape, places.shape) == ((1, 1, 3), (1, 1, 3))
     assert places[0, 0, 2] == pytest.approx(0.3, rel=0.03)
+
+
+SHOWN = """\
+import time
+import cv2, moveit_commander, rospy
+
+
+def turn():
+    cv2.namedWindow("view")
+    cv2.createTrackbar("turn", "view", 20, 100, lambda value: None)
+    group = moveit_commander.MoveGroupCommander("panda_arm")
+    joints = group.get_current_joint_values()
+    joints[0] += cv2.getTrackbarPos("turn", "view") / 100
+    group.go(joints, wait=True)
+    cv2.imshow("view", "image")
+    began = time.monotonic()
+    assert [cv2.waitKey(500) for _ in range(2)] == [-1, -1]
+    assert 1.0 <= time.monotonic() - began < 1.1
+    assert cv2.waitKey(0) == 13
+
+
+rospy.init_node("program")
+turn()
+"""
+
+
+def test_no_window_opens_and_the_wait_for_a_key_takes_simulated_time(controller):
+    controller.write("c.py", SHOWN)
+    ran = controller.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "complete", ran.err

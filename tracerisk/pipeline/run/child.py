@@ -64,7 +64,7 @@ from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
-from tracerisk.ros.imports.opencv_names import removed_opencv_names
+from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -234,7 +234,7 @@ def _run_recorded(
         activate(runtime),
         stand_ins,
         removed_numpy_names(),
-        removed_opencv_names(),
+        served_opencv_names(),
         virtual_time(scheduler, seed=request.seed, note=partial(recorder.finding, "not_simulated")),
         scripted_input(
             (*request.answers, *scenario.answers),

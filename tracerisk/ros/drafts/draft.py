@@ -9,10 +9,13 @@ from typing import Any
 
 from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
+from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
 from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import BOX, UsableValues, is_on
 from tracerisk.ros.messages.fields import fields_of, type_of
+from tracerisk.ros.messages.pictures import PICTURE
 from tracerisk.source.compared_values import (
     compared_in_callback,
     compared_in_file,
@@ -56,6 +59,8 @@ _MOST_IN_TURN = 6  # calls of one service, each with another value
 _TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
 _BESIDE = 0.1  # from one drafted object to the next [m]
+_SEEN_HZ = 5.0  # pictures a second
+_SEEN_S = 6.0  # for how long something is seen at one place of a picture
 _ON_S = 5.0  # before what was switched on is switched off
 _PRESSED_S = 1.0  # for how long each button of a game pad is pressed
 _BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
@@ -145,6 +150,9 @@ def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
 
 def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
     """Yield a draft; of a call with a field for which the code knows several values, each."""
+    if draft.need.type_name in PICTURES and draft.value is not None:
+        yield from _seen_in_turn(draft, place)
+        return
     yield draft
     if draft.need.type_name == _TRANSITION:
         for number, transition in enumerate(_BROUGHT_UP[1:], 2):
@@ -168,6 +176,21 @@ def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
             )
         if others:
             return
+
+
+def _seen_in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
+    """Yield a drafted picture, or those with what the code looks for at one place after another."""
+    seen = seen_in_pictures(place)
+    plain = draft.value["message"].get(PICTURE)
+    if seen is None or plain is None or plain.get("encoding") == DEPTHS:
+        yield draft
+        return
+    for number, message in enumerate(with_seen(draft.value["message"], seen)):
+        begin = number * _SEEN_S
+        timing = {"at": begin, "rate": _SEEN_HZ, "until": begin + _SEEN_S - 1 / _SEEN_HZ}
+        value = {**draft.value, **timing, "message": message}
+        key = f"{draft.key}[{number + 1}]" if number else draft.key
+        yield replace(draft, key=key, value=value, words=seen.words)
 
 
 def _is_last(need: Need) -> bool:
@@ -216,11 +239,12 @@ def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         entry = {**entry, "messages": commands, **timing}
         return need.name, entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
-        return (
-            need.name,
-            {**entry, "rate": 10.0, "until": 60.0, "message": message},
-            _typed_text(need.type_name, compared.values, values),
-        )
+        words = _typed_text(need.type_name, compared.values, values)
+        seen = seen_in_pictures(missed.location) if need.type_name in PICTURES else None
+        if seen is not None:
+            parts = [field.name for field in fields_of(made)]
+            message = picture(need.type_name, parts, values.robot.base_link, need.name, seen)
+        return need.name, {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
     entry = {**entry, "after": 1.0, "message": message}
     return need.name, entry, _typed_text(need.type_name, compared.values, values)
 

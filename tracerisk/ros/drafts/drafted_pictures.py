@@ -1,69 +1,81 @@
-"""What a camera that sees nothing would send: small pictures, with the encoding of their topic."""
+"""What a camera would send: small pictures of nothing, or large ones of what is looked for."""
 
 from __future__ import annotations
 
 import re
-import struct
-import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-_WIDTH, _HEIGHT = 16, 12  # [pixels]
+from tracerisk.ros.drafts.seen_in_pictures import Seen
+from tracerisk.ros.messages.pictures import PICTURE
+
+_SMALL, _LARGE = (16, 12), (640, 480)  # [pixels]
+DEPTHS = "16UC1"
+"""The encoding of a picture of depths, in which nothing is seen."""
 _GREY = 128
 _FAR_MM = 500  # depth of each pixel
-_FOCAL = 20.0  # [pixels]
+_FOCAL = 1.25  # of the width
+_PLACES = ((0.25, 0.25), (0.5, 0.5), (0.75, 0.75))
+"""Where it is seen in turn, as shares of the width and the height."""
 _DEPTH = re.compile(r"depth", re.IGNORECASE)
 _MONO = re.compile(r"mono|gr[ae]y|infra|(^|[/_])ir([/_]|$)", re.IGNORECASE)
 
 
-def picture(type_name: str, names: Iterable[str], frame: str, topic: str) -> dict[str, Any]:
+def picture(
+    type_name: str, names: Iterable[str], frame: str, topic: str, seen: Seen | None = None
+) -> dict[str, Any]:
     """Return the fields of one of the `PICTURES` that is sent on a topic in a camera's `frame`.
 
     `names` are the fields that the message has: each ROS writes the matrices of a camera its way.
+    It is as large as pictures with what is `seen` are, if that is given.
     """
-    made = {"header": {"stamp": "now", "frame_id": frame}, **PICTURES[type_name](topic)}
-    return {name: made[key] for name in names for key in (name, name.lower()) if key in made}
+    size = _SMALL if seen is None else _LARGE
+    made = {"header": {"stamp": "now", "frame_id": frame}, **PICTURES[type_name](topic, size)}
+    keys = [*names, PICTURE]
+    return {name: made[key] for name in keys for key in (name, name.lower()) if key in made}
 
 
-def _image(topic: str) -> dict[str, Any]:
-    encoding, pixel = "bgr8", [_GREY] * 3
+def with_seen(message: Mapping[str, Any], seen: Seen) -> Iterator[dict[str, Any]]:
+    """Yield a drafted picture with what is `seen` in it, each time at another place."""
+    plain = message[PICTURE]
+    width, height = plain["size"]
+    for right, down in _PLACES:
+        at = [round(right * width), round(down * height)]
+        if seen.dictionary:
+            marker = {"dictionary": seen.dictionary, "id": seen.number, "at": at}
+            yield {**message, PICTURE: {**plain, "markers": [marker]}}
+        else:
+            disc = {"color": list(seen.color), "at": at}
+            yield {**message, PICTURE: {**plain, "discs": [disc]}}
+
+
+def _image(topic: str, size: tuple[int, int]) -> dict[str, Any]:
+    encoding, fill = "bgr8", _GREY
     if _DEPTH.search(topic):
-        encoding, pixel = "16UC1", list(_FAR_MM.to_bytes(2, "little"))
+        encoding, fill = DEPTHS, _FAR_MM
     elif _MONO.search(topic):
-        encoding, pixel = "mono8", [_GREY]
-    return {
-        "height": _HEIGHT, "width": _WIDTH, "encoding": encoding, "is_bigendian": 0,
-        "step": _WIDTH * len(pixel), "data": pixel * (_WIDTH * _HEIGHT),
-    }  # fmt: skip
+        encoding = "mono8"
+    return {PICTURE: {"size": list(size), "encoding": encoding, "fill": fill}}
 
 
-def _png(topic: str) -> dict[str, Any]:
+def _png(topic: str, size: tuple[int, int]) -> dict[str, Any]:
     del topic
-    rows = (b"\0" + bytes([_GREY]) * _WIDTH) * _HEIGHT
-    parts = (
-        (b"IHDR", struct.pack(">IIBBBBB", _WIDTH, _HEIGHT, 8, 0, 0, 0, 0)),
-        (b"IDAT", zlib.compress(rows, 0)),
-        (b"IEND", b""),
-    )
-    text = b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in parts
-    )
-    return {"format": "png", "data": list(text)}
+    return {PICTURE: {"size": list(size), "fill": _GREY}}
 
 
-def _camera(topic: str) -> dict[str, Any]:
+def _camera(topic: str, size: tuple[int, int]) -> dict[str, Any]:
     del topic
-    x, y = _WIDTH / 2, _HEIGHT / 2
+    width, height = size
+    x, y, focal = width / 2, height / 2, _FOCAL * width
     return {
-        "height": _HEIGHT, "width": _WIDTH, "distortion_model": "plumb_bob", "d": [0.0] * 5,
-        "k": [_FOCAL, 0.0, x, 0.0, _FOCAL, y, 0.0, 0.0, 1.0],
+        "height": height, "width": width, "distortion_model": "plumb_bob", "d": [0.0] * 5,
+        "k": [focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0],
         "r": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        "p": [_FOCAL, 0.0, x, 0.0, 0.0, _FOCAL, y, 0.0, 0.0, 0.0, 1.0, 0.0],
+        "p": [focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0],
     }  # fmt: skip
 
 
-PICTURES: Mapping[str, Callable[[str], dict[str, Any]]] = {
+PICTURES: Mapping[str, Callable[[str, tuple[int, int]], dict[str, Any]]] = {
     "sensor_msgs/Image": _image,
     "sensor_msgs/CompressedImage": _png,
     "sensor_msgs/CameraInfo": _camera,

@@ -1,4 +1,6 @@
-"""Names of `cv2.aruco` that OpenCV has removed, for controllers written for that of their ROS.
+"""What controllers ask of OpenCV that today's does not give, or a run has no use for.
+
+A run has no screen: no window opens, and where one waits for a key without an end, Enter comes.
 
 OpenCV 4.7 gave markers an interface of classes, and took the functions away from the packages
 without contributed modules. Noetic and Humble come with an OpenCV that has the functions.
@@ -25,29 +27,33 @@ _RENAMED = {
     "DetectorParameters_create": "DetectorParameters",
     "drawMarker": "generateImageMarker",
 }
+_OF_WINDOWS = (
+    *("imshow", "namedWindow", "destroyWindow", "destroyAllWindows", "moveWindow"),
+    *("resizeWindow", "setWindowTitle", "setWindowProperty", "setMouseCallback"),
+    *("startWindowThread", "setTrackbarMin", "setTrackbarMax", "displayOverlay"),
+)
+_ENTER = 13
+_ENTER_NS = 1_000_000_000  # until it is pressed
 
 
 @contextlib.contextmanager
-def removed_opencv_names() -> Iterator[None]:
-    """Serve the controller's code the names of `cv2.aruco` that are gone, with a note."""
-    finder = _Finder()
-    sys.meta_path.insert(0, finder)
-    before = sys.modules.get("cv2")
-    if before is not None:
-        _serve(before)
-    try:
+def served_opencv_names() -> Iterator[None]:
+    """Serve names of `cv2.aruco` that are gone, with a note, and windows that do not open."""
+    with contextlib.ExitStack() as undo:
+        finder = _Finder(undo)
+        sys.meta_path.insert(0, finder)
+        undo.callback(sys.meta_path.remove, finder)
+        before = sys.modules.get("cv2")
+        if before is not None:
+            _serve(before, undo)
         yield
-    finally:
-        sys.meta_path.remove(finder)
-        aruco = getattr(sys.modules.get("cv2"), "aruco", None)
-        if isinstance(aruco, ModuleType):
-            vars(aruco).pop("__getattr__", None)
 
 
 class _Finder(MetaPathFinder):
     """Finds OpenCV where it is installed, and adds the names once it is loaded."""
 
-    def __init__(self) -> None:
+    def __init__(self, undo: contextlib.ExitStack) -> None:
+        self._undo = undo
         self._is_looking = False
 
     def find_spec(
@@ -63,13 +69,14 @@ class _Finder(MetaPathFinder):
         finally:
             self._is_looking = False
         if spec is not None and spec.loader is not None:
-            spec.loader = _Loader(spec.loader)
+            spec.loader = _Loader(spec.loader, self._undo)
         return spec
 
 
 class _Loader(Loader):
-    def __init__(self, real: Any) -> None:
+    def __init__(self, real: Any, undo: contextlib.ExitStack) -> None:
         self._real = real
+        self._undo = undo
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._real, name)
@@ -80,13 +87,42 @@ class _Loader(Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         self._real.exec_module(module)
-        _serve(sys.modules.get("cv2", module))
+        _serve(sys.modules.get("cv2", module), self._undo)
 
 
-def _serve(cv2: ModuleType) -> None:
+def _serve(cv2: ModuleType, undo: contextlib.ExitStack) -> None:
+    windows = {name: each for name, each in _windows().items() if name in vars(cv2)}
+    undo.callback(vars(cv2).update, {name: vars(cv2)[name] for name in windows})
+    vars(cv2).update(windows)
     aruco = getattr(cv2, "aruco", None)
-    if not isinstance(aruco, ModuleType):
-        return
+    if isinstance(aruco, ModuleType):
+        vars(aruco)["__getattr__"] = _removed(cv2, aruco)
+        undo.callback(vars(aruco).pop, "__getattr__", None)
+
+
+def _windows() -> dict[str, Callable[..., Any]]:
+    """Return functions of windows that open none; a wait for a key takes its simulated time."""
+    bars: dict[tuple[str, str], int] = {}
+
+    def wait(delay: int = 0) -> int:
+        current().scheduler.sleep(delay * 1_000_000 if delay > 0 else _ENTER_NS)
+        return -1 if delay > 0 else _ENTER
+
+    def add_bar(bar: str, window: str, value: int, *_: Any, **__: Any) -> None:
+        bars[window, bar] = value
+
+    return {
+        **dict.fromkeys(_OF_WINDOWS, lambda *_, **__: None),
+        **dict.fromkeys(("waitKey", "waitKeyEx"), wait),
+        "pollKey": lambda: wait(1),
+        "createTrackbar": add_bar,
+        "getTrackbarPos": lambda bar, window: bars.get((window, bar), -1),
+        "setTrackbarPos": lambda bar, window, value: add_bar(bar, window, value),
+        "getWindowProperty": lambda *_: 1.0,
+    }
+
+
+def _removed(cv2: ModuleType, aruco: ModuleType) -> Callable[[str], Any]:
     made = _functions(cv2, aruco)
 
     def served(name: str) -> Any:
@@ -103,7 +139,7 @@ def _serve(cv2: ModuleType) -> None:
         )
         return stands
 
-    vars(aruco)["__getattr__"] = served
+    return served
 
 
 def _functions(cv2: Any, aruco: Any) -> dict[str, Callable[..., Any]]:

@@ -185,15 +185,18 @@ class Field2:
             kind = numbers.Real
         elif self.base in TYPE_CODES and is_vector:
             kind = numbers.Integral
-        fits = (is_sequence or (is_vector and self.base in TYPE_CODES)) and all(
-            isinstance(item, kind) for item in value
+        # Pictures are long, and each byte of one fits.
+        are_bytes = self.base == "uint8" and isinstance(value, bytes | bytearray)
+        fits = are_bytes or (
+            (is_sequence or (is_vector and self.base in TYPE_CODES))
+            and all(isinstance(item, kind) for item in value)
         )
         if fits and self.size is not None:
             exactly = self.arrangement == "array"
             fits = len(value) == self.size if exactly else len(value) <= self.size
         if fits and longest is not None:
             fits = all(len(item) <= longest for item in value)
-        if fits and self.base in TYPE_CODES:
+        if fits and self.base in TYPE_CODES and not are_bytes:
             fits = all(self._in_range(item) for item in value)
         if not fits:
             raise AssertionError(self._many_text())

@@ -1,4 +1,4 @@
-"""Messages written in YAML: nested fields, arrays, constants by name, `stamp: now`."""
+"""Messages written in YAML: nested fields, arrays, constants by name, `stamp: now`, pictures."""
 
 from __future__ import annotations
 
@@ -17,8 +17,12 @@ from tracerisk.ros.messages.fields import (
     fields_of,
     type_of,
 )
+from tracerisk.ros.messages.pictures import PICTURE, picture_fields
 from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.text.yaml_reader import YamlMap
 
+_DRAWN = {"sensor_msgs/Image": False, "sensor_msgs/CompressedImage": True}
+"""What a picture can be written for, and whether it is a file of its own."""
 NOW = "now"
 
 
@@ -98,12 +102,28 @@ def _message(message_class: Any, written: Written, now_ns: int) -> Any:
         )
     for name in value:
         inner = written.key(name)
+        if name == PICTURE and type_of(message_class) in _DRAWN:
+            _draw(message, inner, [each for each in value if each in fields])
+            continue
         if name not in fields:
             inner.fail(
                 f"{type_of(message_class)} has no field '{name}'; {one_of(fields, str(name))}"
             )
         _set(message, fields[name], _value(message_class, fields[name], inner, now_ns), inner)
     return message
+
+
+def _draw(message: Any, written: Written, others: Sequence[str]) -> None:
+    """Fill the fields of a message with a picture; `others` are written beside it."""
+    if not isinstance(written.value, dict):
+        written.fail(f"expected a mapping, found {_kind(written.value)}")
+    entry = YamlMap(written.value, written.file, written.path, ScenarioError)
+    drawn = picture_fields(entry, is_png=_DRAWN[type_of(type(message))])
+    twice = next((each for each in others if each in drawn), None)
+    if twice is not None:
+        written.fail(f"the picture gives '{twice}', which is written beside it too; leave one out")
+    for name, each in drawn.items():
+        setattr(message, name, each)
 
 
 def _is_vector(fields: Any) -> bool:

@@ -1,0 +1,97 @@
+"""Pictures that a scenario describes are drawn as it says."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+
+import pytest
+
+from tracerisk.errors import ScenarioError
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.scenario.message import MessageTemplate
+from tracerisk.ros.scenario.scenario import read_scenario
+
+ENTRY = "publish:\n  - topic: /image\n    type: sensor_msgs/Image\n    message: {}\n"
+
+
+@pytest.fixture
+def opencv(monkeypatch):
+    """OpenCV, as far as markers are drawn with it."""
+    aruco = ModuleType("cv2.aruco")
+    aruco.DICT_4X4_50 = 0
+    dictionary = ModuleType("dictionary")
+    dictionary.bytesList = range(50)
+    aruco.getPredefinedDictionary = lambda number: dictionary
+    aruco.generateImageMarker = lambda words, number, side: [[number] * side] * side
+    cv2 = ModuleType("cv2")
+    cv2.aruco = aruco
+    monkeypatch.setitem(sys.modules, "cv2", cv2)
+
+
+@pytest.fixture
+def image(tmp_path):
+    def made(message):
+        path = tmp_path / "s.yaml"
+        path.write_text(ENTRY.format(message))
+        (written,) = read_scenario(path).published[0].messages
+        return MessageTemplate(Interfaces().message("sensor_msgs/Image"), written).make(0)
+
+    return made
+
+
+def pixel(image, x, y):
+    channels = image.step // image.width
+    at = y * image.step + x * channels
+    return tuple(image.data[at : at + channels])
+
+
+def test_a_disc_of_a_colour_is_drawn_in_the_order_of_the_encoding(image):
+    disc = "discs: [{color: [10, 20, 30], at: [3, 2], radius: 1}]"
+    drawn = image(f"{{picture: {{size: [8, 6], fill: 99, {disc}}}}}")
+    assert (drawn.width, drawn.height, drawn.encoding) == (8, 6, "bgr8")
+    where = [(x, y) for x in range(8) for y in range(6) if pixel(drawn, x, y) == (30, 20, 10)]
+    assert where == [(2, 2), (3, 1), (3, 2), (3, 3), (4, 2)]
+    assert pixel(drawn, 0, 0) == (99, 99, 99)
+    assert pixel(image(f"{{picture: {{encoding: mono8, {disc}}}}}"), 3, 2) == (20,)
+
+
+def test_a_marker_has_a_white_border(image, opencv):
+    marker = "{dictionary: DICT_4X4_50, id: 7, at: [10, 10], side: 12}"
+    drawn = image(f"{{picture: {{size: [20, 20], encoding: mono8, markers: [{marker}]}}}}")
+    row = [pixel(drawn, x, 10)[0] for x in range(20)]
+    assert row == [128] * 2 + [255] * 2 + [7] * 12 + [255] * 2 + [128] * 2
+
+
+def test_depths_are_those_of_the_fill(image):
+    drawn = image("{picture: {size: [2, 1], encoding: 16UC1, fill: 500}}")
+    assert (drawn.step, drawn.data) == (4, b"\xf4\x01\xf4\x01")
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ("{picture: 3}", "expected a mapping, found '3'"),
+        ("{picture: {sise: [2, 2]}}", "unknown key 'sise'"),
+        ("{picture: {size: [2, 9999]}}", "from 0 to 4096"),
+        ("{picture: {size: [0, 2]}}", "at least one pixel"),
+        ("{picture: {encoding: jpeg}}", "'jpeg' cannot be drawn here; "),
+        ("{picture: {fill: [1, 2, 300]}}", "each from 0 to 255"),
+        ("{picture: {}, width: 3}", "the picture gives 'width'"),
+        ("{picture: {encoding: 32FC1, discs: [{color: 3}]}}", "a picture of depths"),
+        ("{picture: {markers: [{dictionary: DICT_4X5_50}]}}", "did you mean 'DICT_4X4_50'"),
+        ("{picture: {markers: [{dictionary: DICT_4X4_50, id: 50}]}}", "the markers 0 to 49"),
+        ("{picture: {markers: [{dictionary: DICT_4X4_50, at: [5, 5]}]}}", "do not fit"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_at_its_place(image, opencv, message, expected):
+    with pytest.raises(ScenarioError) as error:
+        image(message)
+    assert expected in str(error.value)
+    assert "s.yaml:4:" in str(error.value)
+
+
+def test_markers_need_opencv(image, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    with pytest.raises(ScenarioError, match="pip install opencv-contrib-python-headless"):
+        image("{picture: {markers: [{dictionary: DICT_4X4_50}]}}")
