@@ -470,3 +470,28 @@ def test_a_server_that_executes_keeps_its_process_alive(scheduler, graph, execut
                 assert over.value.cause == "quiescent"
             else:
                 scheduler.run_main(main)
+
+
+def test_a_handle_keeps_the_message_as_it_came_around_the_goal(run_node):
+    def main():
+        import actionlib
+        import rospy
+        from actionlib.msg import TestAction, TestGoal
+
+        rospy.init_node("n")
+        seen = []
+
+        def take(handle):
+            handle.set_accepted()
+            stamp = handle.goal.header.stamp
+            seen.append((handle.goal.goal.goal, handle.goal.goal_id == handle.get_goal_id()))
+            seen.append((handle.get_goal().goal, stamp == handle.get_goal_id().stamp))
+            handle.set_succeeded()
+
+        actionlib.ActionServer("count", TestAction, take, auto_start=False).start()
+        client = actionlib.SimpleActionClient("count", TestAction)
+        client.wait_for_server()
+        client.send_goal_and_wait(TestGoal(3))
+        return seen
+
+    assert run_node(main) == [(3, True), (3, True)]

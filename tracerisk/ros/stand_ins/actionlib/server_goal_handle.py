@@ -29,7 +29,12 @@ class ServerGoalHandle:
         self.status_tracker = status_tracker
         self.action_server = action_server
         self.handle_tracker = handle_tracker
-        self.goal: Any = None if status_tracker is None else status_tracker.message
+        self.goal: Any = None
+        if status_tracker is not None and action_server is not None:
+            # The message as it came, in which the goal is one of the fields.
+            self.goal = action_server.ActionGoal(goal_id=self.get_goal_id())
+            self.goal.header.stamp = self.goal.goal_id.stamp
+            self.goal.goal = status_tracker.message
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -90,7 +95,7 @@ class ServerGoalHandle:
 
     def get_goal(self) -> Any:
         """Return the goal message, None for a handle of no goal."""
-        return self.goal
+        return None if self.goal is None else self.goal.goal
 
     def get_goal_id(self) -> Any:
         """Return the goal's id, with the time at which it was sent."""
