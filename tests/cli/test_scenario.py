@@ -191,8 +191,28 @@ def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example, is_wri
     outcome = example.run("scenario", "c.py", "--json")
     assert outcome.code == 0, outcome.err
     assert outcome.json["verdict"]["kind"] == "partial"
-    (other,) = (each["value"]["message"]["pose"]["position"] for each in outcome.json["given"])
+    other = next(
+        each["value"]["message"]["pose"]["position"]
+        for each in outcome.json["given"]
+        if each["name"] == "/part"
+    )
     assert other["x"] != place["x"]
+
+
+@pytest.mark.slow
+def test_a_pose_is_moved_until_what_the_code_makes_of_it_is_reached(example):
+    example.write(
+        "c.py",
+        HEAD + "turn(0.1)\npose = rospy.wait_for_message('/part', PoseStamped)\n"
+        "for above in (0.1, 0.85):\n    pose.pose.position.z += above\n"
+        "    arm.set_pose_target(pose)\n    if not arm.go(wait=True):\n"
+        "        rospy.logerr('lost')\n        break\n    pose.pose.position.z -= above\n",
+    )
+    outcome = example.run("scenario", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["verdict"]["kind"] == "partial"
+    (found,) = (each["value"]["message"]["pose"]["position"] for each in outcome.json["given"])
+    assert found["z"] < 0.19
 
 
 @pytest.mark.slow

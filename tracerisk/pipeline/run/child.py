@@ -68,6 +68,7 @@ from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.scenario.objects import with_objects, with_start
@@ -190,6 +191,9 @@ def _run_recorded(
         script=script,
         in_source=lambda source: asked_in_file(source, 2 if is_ros2 else 1),
         drafts=request.drafts,
+        shift=lambda: (
+            runtime.client(MoveGroupServer).shift_to_reach() if scenario.unconfirmed else None
+        ),
     )
     fate: FateWatch | None = None
     if request.beside is not None:

@@ -31,6 +31,7 @@ from tracerisk.pipeline.trace.run_trace import make_trace
 from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, drafts_of
+from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
 
@@ -66,7 +67,7 @@ class ControllerRun:
 
     `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
     `request` are what it ran with: enough to run it once more. `own_s` is for how long its process
-    computed or slept [s].
+    computed or slept [s]. `shift` is a place that was not reached and by how much to move it.
     """
 
     trace: Trace
@@ -76,6 +77,7 @@ class ControllerRun:
     needs: tuple[Need, ...] = ()
     drafts: tuple[Draft, ...] = ()
     own_s: float = 0.0
+    shift: PlaceAndShift | None = None
 
 
 def ended_run(
@@ -144,9 +146,10 @@ def _read(
     ]
     unmet = recording.note(NEEDS) or {"needs": ()}
     needs = tuple(Need(kind, name, type_name) for kind, name, type_name in unmet["needs"])
-    drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
+    noted = recording.note(DRAFTS) or {"drafts": (), "shift": None}
+    drafted, shift = tuple(drafts_of(noted["drafts"])), noted["shift"]
     joints = tuple(dict.fromkeys(asked))
-    return ControllerRun(trace, robot, request, joints, needs, drafted, process_end.own_s)
+    return ControllerRun(trace, robot, request, joints, needs, drafted, process_end.own_s, shift)
 
 
 def _recording(folder: Path, request: RunRequest) -> Recording:

@@ -12,6 +12,7 @@ from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
@@ -66,7 +67,7 @@ class UnmetNeeds:
     `unused` returns what of the scenario nobody made use of, which becomes a finding at the end.
 
     `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
-    what is in them.
+    what is in them. `shift` returns by how much to move assumed poses whose goals were not reached.
     """
 
     def __init__(
@@ -81,8 +82,10 @@ class UnmetNeeds:
         script: Path = Path(),
         in_source: Callable[[Path], Iterable[Missed]] = lambda _: (),
         drafts: DraftsNoted = "never",
+        shift: Callable[[], PlaceAndShift | None] = lambda: None,
     ) -> None:
         self._script = script
+        self._shift = shift
         self._in_source = in_source
         self._values = values
         self._drafts = drafts
@@ -223,7 +226,8 @@ class UnmetNeeds:
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self._interfaces, self._values, with_others=True)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
-        self._runtime.recorder.note(DRAFTS, drafts=[asdict(each) for each in placed])
+        fields = [asdict(each) for each in placed]
+        self._runtime.recorder.note(DRAFTS, drafts=fields, shift=self._shift())
 
     def _beside(self) -> Iterator[Missed]:
         """Yield the services that a function asks for which waits for one: it waits for each."""

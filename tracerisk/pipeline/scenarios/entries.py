@@ -12,6 +12,7 @@ from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.workspace.needs_in_source import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.drafted_pictures import PICTURES
+from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.marks import MARK
 from tracerisk.ros.scenario.scenario import Scenario
@@ -52,12 +53,16 @@ class Entries:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """A run with some entries: what it showed, what it `wanted`, what kept it from running."""
+    """A run with some entries: what it showed, what it `wanted`, what kept it from running.
+
+    `shift` is a place that was not reached, and by how much to move it.
+    """
 
     entries: Entries
     trace: Trace | None = None
     wanted: tuple[Draft, ...] = ()
     error: TraceRiskError | None = None
+    shift: PlaceAndShift | None = None
 
     @property
     def is_traced(self) -> bool:

@@ -39,6 +39,7 @@ from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_li
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.sandbox.fork_server import several_come
@@ -55,6 +56,7 @@ _LEAST_WALL_S = 1.0  # what a run may take, however little is left of the wall t
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _MOST_PLACES = 2  # other poses for what a motion did not reach
+_MOST_SHIFTS = 4  # of the poses, by as much as brings the goals made of them within reach
 _UNREACHED = frozenset(
     {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
 )
@@ -118,6 +120,7 @@ class Rounds:
         self._usable: dict[EntryKey, Draft] = {}
         self._cannot: dict[EntryKey, Draft] = {}
         self._places = 0
+        self._shifts = 0
         self._began = time.monotonic()
         self._simulated_s = 0.0
         self._read: dict[str, str] = {}
@@ -290,7 +293,7 @@ class Rounds:
             had = entries.drafts.keys() | self._cannot.keys()
             beside = next((run for run in reversed(runs) if is_accompanied(run)), chosen)
             chosen = beside if any((e.section, e.key) not in had for e in beside.drafts) else chosen
-        return Attempt(entries, trace, useful_drafts(chosen.drafts, runs))
+        return Attempt(entries, trace, useful_drafts(chosen.drafts, runs), shift=chosen.shift)
 
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
@@ -409,9 +412,20 @@ class Rounds:
         verdict = None if best.trace is None else best.trace.verdict
         if verdict is None or not any(each.code in _UNREACHED for each in verdict.reasons):
             return None
+        entries = best.entries.copy()
+        if best.shift is not None and self._shifts < _MOST_SHIFTS:
+            self._shifts += 1
+            # What the repository writes of an entry stays.
+            moved = {
+                key: self._from_repository(replace(draft, value=shifted(draft.value, *best.shift)))
+                for key, draft in entries.drafts.items()
+                if key in self._usable
+            }
+            if any(entries.drafts[key] != draft for key, draft in moved.items()):
+                entries.drafts |= moved
+                return entries
         if self._places >= _MOST_PLACES:
             return None
-        entries = best.entries.copy()
         for key, draft in entries.drafts.items():
             usable = self._usable.get(key)
             if usable is None or self._places >= len(usable.others):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.drafts.shifted_poses import PlaceAndShift, Vector, reachable_shift
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.path_constraints import PathRule
 from tracerisk.ros.moveit.planning_scene import PlanningScene
@@ -21,6 +22,7 @@ from tracerisk.ros.moveit.scene_changes import SceneChanges
 from tracerisk.ros.moveit.scene_shapes import scene_body
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.ros.robot.frames import fixed_frame
+from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
 from tracerisk.twin.physics.motion import (
     JointTrajectory,
@@ -38,6 +40,9 @@ if TYPE_CHECKING:
 
 _FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
 _FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
+
+_MOST_SOUGHT = 200  # goals that are kept
+_SAME_PLACE = 0.02  # seen from above: what was made of one pose [m]
 
 GoalKind = Literal["pose", "position", "orientation"]
 
@@ -110,6 +115,7 @@ class MoveGroupServer(RobotGroups):
         )
         self.execution = TrajectoryExecution(runtime)
         self._joint_names = frozenset(joint.name for joint in self.robot.joints)
+        self._sought: dict[tuple[str, PoseGoal], bool] = {}
 
     # What the state is; each look moves the clock if it was looked at before
 
@@ -218,8 +224,10 @@ class MoveGroupServer(RobotGroups):
             except PlanningError as error:
                 failure = error
             else:
+                self._note_sought(group, goals, is_reached=True)
                 self._planned(group, _places(goals[:1]))
                 return plan
+        self._note_sought(group, goals, is_reached=False)
         return self._failed(group, failure, _places(goals[:1]))
 
     def plan_cartesian(
@@ -253,7 +261,10 @@ class MoveGroupServer(RobotGroups):
             )
         except PlanningError as error:
             return self._failed(group, error, _last_place(waypoints)), -1.0
-        if fraction < min(least, WHOLE_PATH):
+        is_cut = fraction < min(least, WHOLE_PATH)
+        ends = [[PoseGoal(link, pose)] for pose in waypoints[-1:]]
+        self._note_sought(group, ends, is_reached=not is_cut)
+        if is_cut:
             self.execution.report(
                 "path_cut",
                 f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
@@ -264,6 +275,45 @@ class MoveGroupServer(RobotGroups):
         else:
             self._planned(group, _last_place(waypoints))
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
+
+    def _note_sought(
+        self, group: str, goals: Sequence[Sequence[PoseGoal]], *, is_reached: bool
+    ) -> None:
+        """Keep whether the first of the alternatives was reached."""
+        for goal in next(iter(goals), ()):
+            if len(self._sought) < _MOST_SOUGHT or (group, goal) in self._sought:
+                self._sought[group, goal] = is_reached
+
+    def shift_to_reach(self) -> PlaceAndShift | None:
+        """Return the first place that was not reached, and by how much to move it, in the base.
+
+        What was reached above or below it is to be reached as well. None where all was reached, or
+        nothing that is tried helps.
+        """
+        base = self._twin.link_pose(self.robot.base_link)
+        seen = {key: compose(inverse(base), key[1].pose) for key in self._sought}
+        missed = [seen[key] for key, is_reached in self._sought.items() if not is_reached]
+        if not missed:
+            return None
+        x, y, z = missed[0].position
+        wanted = [
+            (group, goal, pose)
+            for (group, goal), pose in seen.items()
+            if abs(pose.position[0] - x) < _SAME_PLACE and abs(pose.position[1] - y) < _SAME_PLACE
+        ]
+
+        def is_reached(shift: Vector) -> bool:
+            for group, goal, pose in wanted:
+                a, b, c = (each + by for each, by in zip(pose.position, shift, strict=True))
+                there = compose(base, Pose((a, b, c), pose.orientation))
+                try:
+                    self.reach(group, [replace(goal, pose=there)])
+                except PlanningError:
+                    return False
+            return True
+
+        found = reachable_shift((x, y, z), is_reached)
+        return None if found is None else ((x, y, z), found)
 
     def straight_way(
         self, group: str, goal: Pose, *, link: str, eef_step: float, start: Mapping[str, float]
