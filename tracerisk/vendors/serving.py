@@ -17,6 +17,7 @@ from tracerisk.vendors.kinova.driver import FOLLOW_CARTESIAN, KortexDriver
 from tracerisk.vendors.niryo.actions import ROBOT_MOVE, TOOL
 from tracerisk.vendors.niryo.driver import NiryoRobot
 from tracerisk.vendors.rethink.driver import BaxterDriver
+from tracerisk.vendors.rethink.io_devices import IoDevices
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -35,6 +36,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
         DescribedDriver(driver, runtime, messages, twin.set_points)
     InterbotixDriver(runtime, messages, commands)
     BaxterDriver(runtime, messages, commands, twin.set_points)
+    IoDevices(runtime, messages, commands)
     kortex = KortexDriver(runtime, messages, commands)
     DobotDriver(runtime, messages, commands)
     DoosanController(runtime, messages, commands)

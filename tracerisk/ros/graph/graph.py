@@ -107,7 +107,7 @@ class Subscription:
 
     `deliver` is called while the message is published, with what was sent and by whom; it must
     neither wait nor change the message, which others receive too. `on_close` are called when it
-    leaves its topic.
+    leaves its topic. `hears_scenario`: one of the twin's own that takes what a scenario sends.
     """
 
     graph: Graph
@@ -118,6 +118,7 @@ class Subscription:
     on_disconnect: Callable[[Publication], None] | None = None
     by_controller: bool = True
     place: Location | None = None
+    hears_scenario: bool = False
     closed: bool = False
     on_close: list[Callable[[], None]] = field(default_factory=list)
 

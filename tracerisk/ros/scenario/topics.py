@@ -61,7 +61,8 @@ class ScenarioTopic:
         return f"nobody subscribed to topic {self._entry.topic}", self._entry.type_location
 
     def _has_listener(self) -> bool:
-        return any(each.by_controller for each in self._publication.subscriptions)
+        known = self._publication.subscriptions
+        return any(each.by_controller or each.hears_scenario for each in known)
 
     def _on_subscriber(self, subscription: Subscription) -> None:
         # What the twin itself listens to asks for nothing.
