@@ -526,6 +526,10 @@ low = np.array([50, 100, 100])
 high = np.array([70, 255, 255])
 mask = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), low, high)
 """
+INLINE = """\
+state["mask"] = None
+mask = cv2.inRange(image, np.array([0, 0, 150]), np.array([50, 50, 255]))
+"""
 BGR = "mask = cv2.inRange(image, (0, 0, 150), (50, 50, 255))"
 
 
@@ -535,6 +539,7 @@ BGR = "mask = cv2.inRange(image, (0, 0, 150), (50, 50, 255))"
         (ARUCO, "markers", {"dictionary": "DICT_6X6_250", "id": 23}),
         (TAGS, "markers", {"dictionary": "DICT_APRILTAG_36h11", "id": 4}),
         (HSV, "discs", {"color": [54, 178, 54]}),
+        (INLINE, "discs", {"color": [202, 25, 25]}),
         (BGR, "discs", {"color": [202, 25, 25]}),
     ],
 )
@@ -561,6 +566,37 @@ def test_a_picture_shows_what_the_code_looks_for_in_one_place_after_another(
     assert depth.value["message"]["picture"]["size"] == [640, 480]
     (info,) = drafted_for("/camera/info", "CameraInfo")
     assert info.value["message"]["k"][2] == 320.0
+
+
+TAGGED = """\
+import rospy
+from apriltag_ros.msg import AprilTagDetectionArray
+
+TAG = 5
+
+
+def on_tags(message):
+    for detection in message.detections:
+        if {test}:
+            print(detection.pose)
+
+
+rospy.Subscriber("/tags", AprilTagDetectionArray, on_tags)
+"""
+
+
+@pytest.mark.parametrize(
+    ("test", "expected"),
+    [("TAG in detection.id", [5]), ("detection.id[0] == 7", [7]), ("detection", [0])],
+)
+def test_what_is_detected_has_the_number_that_the_code_looks_for(tmp_path, values, test, expected):
+    path = tmp_path / "c.py"
+    path.write_text(TAGGED.format(test=test))
+    need = Need("topic", "/tags", "apriltag_ros/AprilTagDetectionArray")
+    place = Location(str(path), 13)
+    (draft,) = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
+    (detection,) = draft.value["message"]["detections"]
+    assert detection["id"] == expected
 
 
 def test_a_description_is_the_robots_own(values):

@@ -398,7 +398,7 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
         yield from ((left, each) for each in _literals(right))
         yield from ((right, each) for each in _literals(left) if isinstance(operator, ast.Eq))
         if isinstance(operator, ast.In):
-            yield from ((right, each) for each in _literals(left) if isinstance(each, str))
+            yield from ((right, each) for each in _literals(left) if not isinstance(each, bool))
     elif isinstance(operator, ast.Gt | ast.GtE):
         yield from ((left, _beyond(each, +1)) for each in _literals(right) if _is_number(each))
         yield from ((right, _beyond(each, -1)) for each in _literals(left) if _is_number(each))
@@ -455,6 +455,10 @@ def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ..
             path = (*known[dotted], *rest)
             # The goal of a goal handle is the message.
             return path[1:] if path[:1] and path[0] in _OF_GOAL and len(path) > 1 else path
+        if isinstance(bare, ast.Subscript):
+            # What is in a list has the path of the list.
+            bare = bare.value
+            continue
         if not isinstance(bare, ast.Attribute):
             return None
         names.append(bare.attr)

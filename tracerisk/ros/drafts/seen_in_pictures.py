@@ -104,6 +104,7 @@ def _colors(tree: ast.Module) -> Iterator[tuple[int, int, int]]:
         for node in nodes
         if isinstance(node, ast.Assign)
         for target in node.targets
+        if dotted_name(target)
     }
     changes = [name for node in nodes if "HSV" in (name := last_name(node))]
     for node in nodes:

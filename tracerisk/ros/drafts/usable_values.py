@@ -54,6 +54,7 @@ _DESCRIPTION = re.compile(r"(^|[/_])robot_description$|(^|[/_])urdf(_(xml|string
 _NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
 _GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
+_NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
 BOX = (0.04, 0.04, 0.1)
 """A thing that a gripper can hold [m]."""
@@ -330,6 +331,11 @@ class UsableValues:
                 return numbers
         if field.base == "bool":
             return [True] * (field.length or 0)
+        if field.base not in FLOATS and field.length is None:
+            # A list that something is looked for in; what is detected has a number at least.
+            known = _fitting(field, compared.numbers(path))
+            if known or _NUMBERS.search(field.name):
+                return known or [0]
         zero: Any = 0.0 if field.base in FLOATS else 0
         return [zero] * (field.length or 0)
 
@@ -400,10 +406,13 @@ def is_on(name: str) -> bool:
     return not _OFF.search(name)
 
 
+def _fitting(field: MessageField, numbers: Sequence[float]) -> list[int]:
+    low, high = field.integer_limits or (0, 1)
+    return [whole for each in numbers if low <= (whole := round(each)) <= high]
+
+
 def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
-    whole = [round(each) for each in numbers]
-    limits = field.integer_limits or (0, 1)
-    fitting = [each for each in whole if limits[0] <= each <= limits[1]]
+    fitting = _fitting(field, numbers)
     if fitting:
         return fitting[0]
     constants = constants_of(owner)
