@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tracerisk.ros.controller.needs import Need, NeedKind
 from tracerisk.ros.controller.thread import undisturbed
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
@@ -27,7 +28,7 @@ from tracerisk.vendors.described_parts import (
     is_named,
     short_name,
 )
-from tracerisk.vendors.description import Case, Driver, Interface, Output
+from tracerisk.vendors.description import Case, Driver, Interface, InterfaceKind, Output
 from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
 from tracerisk.vendors.motion_queue import Job
 from tracerisk.vendors.requests import Request
@@ -37,6 +38,13 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 _FOREVER_S = 1000.0
+
+
+_NEEDED: Mapping[InterfaceKind, NeedKind] = {
+    "services": "service",
+    "actions": "action",
+    "subscribed_topics": "command",
+}
 
 
 class DescribedDriver:
@@ -99,6 +107,11 @@ class DescribedDriver:
             return None
         return self._arm(None).answers.plain(output)
 
+    def _request(self, interface: Interface, message: Any) -> Request:
+        need = Need(_NEEDED[interface.kind], f"/{interface.name.strip('/')}", interface.types[0])
+        on_large = partial(self._scheduler.needs.doubt, need)
+        return Request(message, self._state, self._conventions, on_large)
+
     # Services
 
     def _offer(self, interface: Interface) -> None:
@@ -119,7 +132,7 @@ class DescribedDriver:
         case: Case | None = None
         jobs: list[Job] = []
         result = Result()
-        request = Request(message, self._state, self._conventions)
+        request = self._request(interface, message)
         try:
             case = case_of(interface, request)
             self._set(case, request)
@@ -249,7 +262,7 @@ class DescribedDriver:
 
     def _on_goal(self, interface: Interface, goal: ActionGoal) -> None:
         goal.accept()
-        request = Request(goal.message, self._state, self._conventions)
+        request = self._request(interface, goal.message)
         try:
             case = case_of(interface, request)
             self._set(case, request)
@@ -325,7 +338,7 @@ class DescribedDriver:
         def deliver(message: Any, publication: Publication) -> None:
             if not publication.by_controller:
                 return
-            request = Request(message, self._state, self._conventions)
+            request = self._request(interface, message)
             try:
                 with undisturbed(self._scheduler.current):
                     self._take(interface, name, request)

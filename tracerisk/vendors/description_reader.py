@@ -72,8 +72,12 @@ def read_driver(path: Path, *, shown: str | None = None, origin: Origin = "user"
 
     Raises DriverError with file and line for all that is not allowed.
     """
-    top = read_large_yaml(path, DriverError, shown=shown)
-    return _Reader(top, shown or str(path)).driver(origin)
+    return driver_of(read_large_yaml(path, DriverError, shown=shown), shown or str(path), origin)
+
+
+def driver_of(top: YamlMap, file: str, origin: Origin = "user") -> Driver:
+    """Read the description of a driver that stands in `file`; raises as `read_driver`."""
+    return _Reader(top, file).driver(origin)
 
 
 class _Reader:

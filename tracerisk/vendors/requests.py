@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import one_of
@@ -13,6 +13,8 @@ from tracerisk.vendors.conventions import Conventions, Dimension
 from tracerisk.vendors.description import UNITS, Case, Condition, Value
 from tracerisk.vendors.message_paths import SI, FieldError, is_message, is_of_ros, numbers_in, read
 
+_LARGEST: Mapping[str, float] = {"angle": math.tau + 0.1, "length": 10.0}
+
 Goal = Sequence[float] | Mapping[str, float]
 """Positions or velocities: of all joints in their order, or of some by their names."""
 
@@ -20,8 +22,19 @@ Goal = Sequence[float] | Mapping[str, float]
 class Request:
     """The values of one message; what cannot be read is a PlanningError of a bad request."""
 
-    def __init__(self, message: Any, state: Mapping[str, Any], conventions: Conventions) -> None:
+    def __init__(
+        self,
+        message: Any,
+        state: Mapping[str, Any],
+        conventions: Conventions,
+        on_large: Callable[[Dimension], None] = lambda _: None,
+    ) -> None:
+        """`on_large` is called where a number is larger than one in its unit is ever meant to be.
+
+        That is an angle of more than a turn in radians, or a length of more than 10 m.
+        """
         self.message = message
+        self._on_large = on_large
         self._state = state
         self._conventions = conventions
 
@@ -131,6 +144,8 @@ class Request:
             raise PlanningError("bad_request", f"{value.key} holds no numbers of joints")
         if not all(math.isfinite(each) for each in found):
             raise PlanningError("bad_request", f"{value.key} holds a number that is not finite")
+        if factor == 1.0 and not is_of_ros(raw) and not value.unit:
+            self._look_at("angle", found)
         scaled = [each * factor for each in found]
         if not names:
             return scaled
@@ -164,6 +179,9 @@ class Request:
             raise PlanningError("bad_request", f"{value.key} holds no pose")
         if is_of_ros(raw):
             return SI.pose(numbers), ""
+        self._look_at("length", numbers[:3])
+        if len(numbers) == 6:
+            self._look_at("angle", numbers[3:])
         return self._conventions.pose(numbers), ""
 
     def position(self, value: Value) -> tuple[float, float, float]:
@@ -179,6 +197,8 @@ class Request:
         if numbers is None or len(numbers) != 3 or not all(map(math.isfinite, numbers)):
             raise PlanningError("bad_request", f"{value.key} holds no position of three numbers")
         factor = 1.0 if is_of_ros(raw) else self._conventions.factor("length")
+        if not is_of_ros(raw):
+            self._look_at("length", numbers)
         x, y, z = (each * factor for each in numbers)
         return x, y, z
 
@@ -206,6 +226,11 @@ class Request:
         length = self._conventions.factor("length")
         angle = self._conventions.factor("angle")
         return [each * length for each in numbers[:3]], [each * angle for each in numbers[3:]]
+
+    def _look_at(self, dimension: Dimension, numbers: Sequence[float]) -> None:
+        is_si = self._conventions.factor(dimension) == 1.0
+        if is_si and max(map(abs, numbers), default=0.0) > _LARGEST[dimension]:
+            self._on_large(dimension)
 
     def _read(self, path: str) -> Any:
         if path.startswith("$"):

@@ -87,6 +87,7 @@ from tracerisk.twin.robots.assumed_names import with_assumed_names
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.description import Driver
+from tracerisk.vendors.description_reader import driver_of
 from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
@@ -168,7 +169,7 @@ def _run_recorded(
     is_ros2 = ros_version(script, root) == 2
     leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
-    drivers, more = drivers_of(request, folder)
+    drivers, more = drivers_of(request, scenario, folder)
     interfaces = (
         Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
     )
@@ -353,9 +354,12 @@ def note_given(recorder: Recorder, scenario: Scenario) -> None:
     )
 
 
-def drivers_of(request: RunRequest, folder: Path) -> tuple[tuple[Driver, ...], dict[str, Path]]:
-    """Return the drivers that a request names, and where their and our messages are defined."""
-    drivers = read_drivers(map(Path, request.drivers), Path(request.root))
+def drivers_of(
+    request: RunRequest, scenario: Scenario, folder: Path
+) -> tuple[tuple[Driver, ...], dict[str, Path]]:
+    """Return the drivers of scenario and request, and where theirs and our messages are defined."""
+    described = (driver_of(each, scenario.file) for each in scenario.drivers)
+    drivers = (*described, *read_drivers(map(Path, request.drivers), Path(request.root)))
     return drivers, write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
 
 

@@ -222,12 +222,24 @@ class UnmetNeeds:
         if needs.came_nowhere is not None and not shows_risk:
             left_off = (*left_off, needs.came_nowhere)
         beside = self._further(self._beside())
-        for each in (*self._unserved(), *beside, *self._uncalled(), *left_off):
+        obeyed = () if shows_risk else self._may_be_obeyed()
+        for each in (*self._unserved(), *beside, *self._uncalled(), *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self._interfaces, self._values, with_others=True)
+        for need, dimensions in needs.doubts.items():
+            doubting = self._values.doubting(sorted(dimensions))
+            made += drafts([Missed(need, 0, 0, None)], self._interfaces, doubting)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         fields = [asdict(each) for each in placed]
         self._runtime.recorder.note(DRAFTS, drafts=fields, shift=self._shift())
+
+    def _may_be_obeyed(self) -> Iterator[Missed]:
+        """Yield what is published to nobody, and by its fields may move the robot."""
+        for each in self._runtime.graph.unheard():
+            obeyed = replace(each, need=replace(each.need, kind="command"))
+            (draft,) = drafts([obeyed], self._interfaces, self._values)
+            if draft.value is not None:
+                yield obeyed
 
     def _beside(self) -> Iterator[Missed]:
         """Yield the services that a function asks for which waits for one: it waits for each."""

@@ -116,6 +116,7 @@ def is_given(known: Scenario, draft: Draft) -> bool:
         "actions": (each.name for each in known.actions),
         "frames": (each.frame for each in known.frames),
         "start": (draft.need.name,) if known.start else (),
+        "drivers": (each.string("driver") for each in known.drivers),
         "objects": (each.string("name") for each in known.objects),
         "calls": (
             str(each.get(key))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
-from tracerisk.errors import ScenarioError, TraceRiskError
+from tracerisk.errors import DriverError, ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
@@ -60,7 +60,7 @@ _MOST_SHIFTS = 4  # of the poses, by as much as brings the goals made of them wi
 _UNREACHED = frozenset(
     {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
 )
-_OF_NODES = frozenset({"services", "actions"})
+_OF_NODES = frozenset({"services", "actions", "drivers"})
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
 
 
@@ -134,6 +134,7 @@ class Rounds:
         self._before = Entries()
         self._lines: list[CommandLine] | None = None
         self._left: set[Need] = set()
+        self._in_other_units: set[EntryKey] = set()
 
     def result(self) -> ScenarioDraft:
         """Run until nothing is lacking, or nothing helps."""
@@ -301,7 +302,7 @@ class Rounds:
         if entries.robot is None and (guess := guessed_robot(error)) is not None:
             entries.robot = guess
             return entries
-        if isinstance(error, ScenarioError) and error.location is not None:
+        if isinstance(error, ScenarioError | DriverError) and error.location is not None:
             key = self.entry_at(entries, error.location.line or 0)
             if key is None:
                 return None
@@ -335,7 +336,14 @@ class Rounds:
         for draft in attempt.wanted:
             key = draft.section, draft.key
             if key in entries.drafts:
-                if draft.section == "answers" and not attempt.is_traced:
+                if draft.section == "drivers" and draft.value != entries.drafts[key].value:
+                    # It was asked for numbers too large for its units.
+                    is_new |= key not in self._in_other_units
+                    self._in_other_units.add(key)
+                    entries.drafts[key] = replace(
+                        entries.drafts[key], value=draft.value, words=draft.words
+                    )
+                elif draft.section == "answers" and not attempt.is_traced:
                     entries.repeats[key] = entries.repeats.get(key, 1) + 1
                     is_new |= entries.repeats[key] <= _ASKED_AGAIN
                 continue

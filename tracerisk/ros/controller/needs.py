@@ -7,7 +7,7 @@ where the controller asks, and forgotten when it is given.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,8 +15,9 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_frame
 
 NeedKind = Literal[
-    "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object", "start"
-]
+    "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object", "start",
+    "command",
+]  # fmt: skip
 
 KEYS = "keys that are pressed"
 """The name of the need of keys at a terminal."""
@@ -54,6 +55,7 @@ class Need:
             "goal": "goals for action server",
             "object": "object of the planning scene",
             "start": "a start with room to move for",
+            "command": "a driver that obeys",
         }[self.kind]
         if self.name == KEYS:
             return KEYS
@@ -81,6 +83,7 @@ class NeedLedger:
         self._left_off: dict[str, Missed] = {}
         self._sought: dict[tuple[NeedKind, str], Missed] = {}
         self._errors: list[str] = []
+        self._doubts: dict[Need, set[str]] = {}
         self.came_nowhere: Missed | None = None
         """The last motion that could not be planned, if there is one."""
 
@@ -122,6 +125,15 @@ class NeedLedger:
     def left_off(self) -> tuple[Missed, ...]:
         """The switches that are off by their default."""
         return tuple(self._left_off.values())
+
+    def doubt(self, need: Need, dimension: str) -> None:
+        """Note that a driver is asked for numbers too large to be in its unit of a dimension."""
+        self._doubts.setdefault(need, set()).add(dimension)
+
+    @property
+    def doubts(self) -> Mapping[Need, Collection[str]]:
+        """The interfaces of drivers with such numbers, each with the dimensions: angle, length."""
+        return self._doubts
 
     def seek(self, need: Need, now_ns: int) -> None:
         """Note a look for what need not be there: it is lacking where an error names it."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
+from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
@@ -38,6 +39,7 @@ SECTIONS: Mapping[NeedKind, str] = {
     "object": "objects",
     "start": "start",
     "input": "answers",
+    "command": "drivers",
 }
 """Where a scenario gives what is needed."""
 
@@ -69,6 +71,11 @@ _JOINTS = re.compile(
     r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
 )
 _FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
+_OF_DRIVERS = frozenset(
+    {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger", "sensor_msgs/JointState"}
+)
+"""Types of ROS that drivers of arms and grippers take too."""
+_KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
 _NUMBERS: tuple[tuple[str, Any], ...] = (
     (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
@@ -96,7 +103,8 @@ class Draft:
     @property
     def section(self) -> str:
         """The section of the scenario that it belongs to."""
-        return SECTIONS[self.need.kind]
+        is_driver = isinstance(self.value, Mapping) and "driver" in self.value
+        return "drivers" if is_driver else SECTIONS[self.need.kind]
 
 
 def drafts(
@@ -262,9 +270,13 @@ def _service(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     need = missed.need
     if not need.type_name:
         return need.name, {"name": need.name, "reply": {}}, "its type is not known"
-    response = service_parts(interfaces, need.type_name)[1]
+    request, response = service_parts(interfaces, need.type_name)
     compared = compared_in_file(missed.location)
     reply = values.fields(response, compared)
+    asked = Asked("services", need.name, need.type_name, request)
+    guess = _guess(asked, reply, interfaces, values)
+    if guess is not None:
+        return need.name, guess.entry, guess.words
     entry = {"name": need.name, "type": need.type_name, "reply": reply}
     return need.name, entry, "a reply that says it went well"
 
@@ -272,12 +284,44 @@ def _service(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
 def _action(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     need = missed.need
     goal = goal_class(interfaces, need.type_name)
+    result = values.fields(action_parts(interfaces, need.type_name)[0])
+    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, interfaces, values)
+    if guess is not None:
+        return need.name, guess.entry, guess.words
     if _moves_robot(need, goal):
         words = "moves the robot: a driver has to serve it, no scenario can"
         return need.name, None, words
-    result = values.fields(action_parts(interfaces, need.type_name)[0])
     entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
     return need.name, entry, "a goal that succeeds"
+
+
+def _command(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    asked = Asked(
+        "subscribed_topics", need.name, need.type_name, interfaces.message(need.type_name)
+    )
+    guess = _guess(asked, {}, interfaces, values)
+    if guess is None:
+        return need.name, None, "nobody receives it"
+    return need.name, guess.entry, guess.words
+
+
+def _guess(
+    asked: Asked, reply: Mapping[str, Any], interfaces: Any, values: UsableValues
+) -> Guess | None:
+    """Return a driver for what the workspace has messages of its own for, or a gripper's switch."""
+    package = asked.type_name.partition("/")[0]
+    if package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
+        return None
+    group = None if values.group is None else values.group[0]
+    return guessed_driver(
+        asked,
+        reply,
+        joints=len(values.joints),
+        states=values.robot.named_states.get(group or "", {}),
+        comments=interfaces.comments(asked.type_name, _KINDS[asked.kind]),
+        doubted=values.doubted,
+    )
 
 
 def _moves_robot(need: Need, goal: Any) -> bool:
@@ -423,6 +467,7 @@ _ENTRIES = {
     "start": _start,
     "input": _answer,
     "parameter": _parameter,
+    "command": _command,
 }
 
 

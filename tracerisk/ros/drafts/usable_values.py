@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from functools import cached_property
@@ -88,6 +88,8 @@ class UsableValues:
         self._solve = inverse
         self._alone = alone
         self._number = 0
+        self.doubted: Collection[str] = ()
+        """Dimensions whose SI units a controller does not speak in: `angle`, `length`."""
 
     def fields(
         self, message_class: Any, compared: Compared | None = None, name: str = ""
@@ -140,6 +142,12 @@ class UsableValues:
         """Return the values with another of the `poses`, counted from 0."""
         other = copy(self)
         other._number = number
+        return other
+
+    def doubting(self, dimensions: Collection[str]) -> UsableValues:
+        """Return the values where SI units of these dimensions are not meant."""
+        other = copy(self)
+        other.doubted = dimensions
         return other
 
     @cached_property

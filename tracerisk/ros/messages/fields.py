@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,3 +98,9 @@ def constants_of(message_class: type) -> dict[str, Any]:
 def type_of(message_class: Any) -> str:
     """Return the name of a message class: `geometry_msgs/Pose`."""
     return str(getattr(message_class, "_ros_type", "") or message_class._type)
+
+
+def snake_case(name: str) -> str:
+    """Return a type's name as rosidl names its module: `pose_stamped` of `PoseStamped`."""
+    split = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
+    return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split).lower()

@@ -68,6 +68,21 @@ def interface_text(definition: Definition) -> str:
     return definition.read_text(encoding="utf-8", errors="replace")
 
 
+def field_comments(definition: Definition) -> dict[str, str]:
+    """Return the comments of the fields before the first line `---`: beside them, or just above."""
+    found: dict[str, str] = {}
+    above: list[str] = []
+    for line in interface_text(definition).splitlines():
+        code, _, comment = line.partition("#")
+        if code.strip() == _SEPARATOR:
+            break
+        words = code.split()
+        if len(words) > 1 and "=" not in code:
+            found[words[1]] = comment.strip() or " ".join(above)
+        above = [*above, comment.strip()] if not words and comment else []
+    return found
+
+
 def interface_parts(definition: Definition, count: int) -> list[str]:
     """Return the parts of a definition between its lines `---`.
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, cast
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.messages.interface_texts import (
     Definition,
+    field_comments,
     interface_parts,
     interface_text,
     shipped_packages,
@@ -197,6 +198,12 @@ class Interfaces:
             }
             self._services[name] = type(short, (Service,), body)
         return self._services[name]
+
+    def comments(self, name: str, kind: str) -> dict[str, str]:
+        """Return the comments beside the fields of a message, a request or a goal."""
+        package, _, short = name.partition("/")
+        found = self._file(package, kind, short)
+        return {} if found is None else field_comments(found)
 
     @cached_property
     def _store(self) -> Typesdict:

@@ -16,9 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.ros.messages.fields import snake_case
 from tracerisk.ros.messages.interface_texts import (
     Definition,
     ShippedText,
+    field_comments,
     interface_parts,
     interface_text,
     shipped_packages,
@@ -72,6 +74,11 @@ class Interfaces2:
         self._services: dict[str, type[Service2]] = {}
         self._actions: dict[str, type[Action2]] = {}
         self._listed: dict[tuple[str, str], dict[str, Definition]] = {}
+
+    @property
+    def workspace(self) -> Mapping[str, Path]:
+        """The folders of the packages of the workspace."""
+        return self._workspace
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
@@ -168,6 +175,12 @@ class Interfaces2:
         if name not in self._actions:
             self._actions[name] = self._composite(name, "action", Action2)
         return self._actions[name]
+
+    def comments(self, name: str, kind: str) -> dict[str, str]:
+        """Return the comments beside the fields of a message, a request or a goal."""
+        package, _, short = name.partition("/")
+        found = self._files(package, kind).get(short)
+        return {} if found is None else field_comments(found)
 
     @cached_property
     def _store(self) -> Typesdict:
@@ -369,12 +382,6 @@ def _message_class(
     body |= constants
     body |= {field.name: accessor(field) for field in fields}
     return type(short, (Message2,), body)
-
-
-def snake_case(name: str) -> str:
-    """Return a type's name as rosidl names its module: `pose_stamped` of `PoseStamped`."""
-    split = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
-    return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split).lower()
 
 
 def _defaults(text: str, path: Definition) -> dict[str, Any]:

@@ -106,7 +106,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """All that one scenario file holds; `calls` and `objects` are read by modules of their own."""
+    """All that one scenario file holds; `calls`, `objects` and `drivers` are read elsewhere."""
 
     file: str = ""
     parameters: tuple[Parameter, ...] = ()
@@ -116,6 +116,7 @@ class Scenario:
     frames: tuple[Frame, ...] = ()
     calls: tuple[YamlMap, ...] = ()
     objects: tuple[YamlMap, ...] = ()
+    drivers: tuple[YamlMap, ...] = ()
     answers: tuple[str, ...] = ()
     accept: tuple[Acceptance, ...] = ()
     robot: str | None = None
@@ -142,7 +143,7 @@ def read_scenario(path: Path) -> Scenario:
         {
             *("parameters", "publish", "services", "actions"),
             *("calls", "frames", "objects", "answers", "accept", "arguments", "robot", "success"),
-            "start",
+            *("start", "drivers"),
         }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
@@ -155,6 +156,7 @@ def read_scenario(path: Path) -> Scenario:
         frames=_entries(top, "frames", _frame),
         calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
         objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
+        drivers=tuple(top.maps("drivers")) if top.get("drivers") is not None else (),
         answers=_texts(top, "answers", "one answer for each input()"),
         accept=_accept(top),
         robot=_robot(top, path),

@@ -1,0 +1,182 @@
+"""What a driver that nobody has described does, inferred from names and comments of its messages."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.ros.drafts.drafted_driver import Asked, guessed_driver
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.text.yaml_reader import read_large_yaml
+from tracerisk.vendors.description_reader import driver_of
+from tracerisk.vendors.interface_checks import check_interface
+
+
+@pytest.fixture(params=[1, 2], ids=["ros1", "ros2"])
+def guess(request, tmp_path):
+    """Return the guess of a service by the fields of its request and response."""
+
+    def guessed(name, fields, answer="bool success", *, type_name="Move", reply=None, **more):
+        folder = tmp_path / "acme_msgs" / "srv"
+        folder.mkdir(parents=True)
+        (folder / f"{type_name}.srv").write_text(f"{fields}\n---\n{answer}\n")
+        make = Interfaces if request.param == 1 else Interfaces2
+        interfaces = make(workspace={"acme_msgs": tmp_path / "acme_msgs"})
+        full = f"acme_msgs/{type_name}"
+        service = interfaces.service(full)
+        asked = Asked(
+            "services", name, full, getattr(service, "_request_class", None) or service.Request
+        )
+        comments = interfaces.comments(full, "srv")
+        reply = {"success": True} if reply is None else reply
+        found = guessed_driver(asked, reply, **{"joints": 6, "comments": comments, **more})
+        if found is None:
+            return None, {}, ""
+        # What is guessed is a description as users write them, and fits its messages.
+        import json
+
+        path = tmp_path / "guess.driver.yaml"
+        path.write_text(json.dumps(found.entry))
+        from tracerisk.errors import DriverError
+        from tracerisk.ros.robot.messages import TwinMessages
+
+        driver = driver_of(read_large_yaml(path, DriverError), str(path))
+        check_interface(driver.interfaces[0], full, TwinMessages(interfaces))
+        (interface,) = found.entry["services"].values()
+        return found.entry, interface, found.words
+
+    return guessed
+
+
+MOTIONS = {
+    "a list of positions": ("/set_positions", "float64[] positions", {"joints": "positions"}, {}),
+    "degrees by the name": ("/move", "float32[6] axis_deg", {"joints": "axis_deg"}, {"angle": "deg"}),
+    "degrees by a comment beside": (
+        "/move", "float32[6] joints  # degrees", {"joints": "joints"}, {"angle": "deg"},
+    ),
+    "degrees by a comment above": (
+        "/move", "# in deg\nfloat32[6] joints", {"joints": "joints"}, {"angle": "deg"},
+    ),
+    "one field a joint": (
+        "/arm/move_joints",
+        "\n".join(f"float64 j{n}" for n in range(1, 7)),
+        {"joints": [f"j{n}" for n in range(1, 7)]},
+        {},
+    ),
+    "one field a joint, counted from 0": (
+        "/arm/move_joints",
+        "\n".join(f"float64 joint_{n}" for n in range(6)),
+        {"joints": [f"joint_{n}" for n in range(6)]},
+        {},
+    ),
+    "a list called a pose, of a motion of joints": (
+        "/acme/joint_move", "float32[] pose\nfloat32[] ref_joint", {"joints": "pose"}, {},
+    ),
+    "a straight line to a list": (
+        "/acme/linear_move", "float32[] pose", {"pose": "pose", "line": True}, {},
+    ),
+    "a message of a pose": (
+        "/go_to_pose", "geometry_msgs/Pose target", {"pose": "target"}, {},
+    ),
+    "joints of a message": (
+        "/move", "sensor_msgs/JointState goal",
+        {"joints": "goal.position", "joint_names": "goal.name"}, {},
+    ),
+    "a trajectory": (
+        "/execute", "trajectory_msgs/JointTrajectory way", {"trajectory": "way"}, {},
+    ),
+    "six numbers of a pose": (
+        "/move_l", "\n".join(f"float64 {n}" for n in ("x", "y", "z", "rx", "ry", "rz")),
+        {"pose": ["x", "y", "z", "rx", "ry", "rz"], "line": True}, {},
+    ),
+    "a place in mm": (
+        "/move_to", "float64[3] xyz_mm", {"position": "xyz_mm"}, {"length": "mm"},
+    ),
+    "a speed in percent": (
+        "/move", "float64[6] joints # rad\nint32 speed # percent",
+        {"joints": "joints", "speed": {"field": "speed", "unit": "percent"}}, {},
+    ),
+    "a speed as a fraction": (
+        "/move", "float64[6] joints # rad\nfloat64 velocity_scaling",
+        {"joints": "joints", "speed": {"field": "velocity_scaling", "unit": "fraction"}}, {},
+    ),
+    "a relative motion": (
+        "/move_relative", "float64[6] joints", {"joints": "joints", "relative": True}, {},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "fields", "roles", "units"), MOTIONS.values(), ids=MOTIONS)
+def test_a_motion_is_what_its_fields_are_called(guess, name, fields, roles, units):
+    entry, interface, _ = guess(name, fields)
+    assert interface["move"] == roles
+    assert entry.get("units", {}) == units
+
+
+GRIPS = {
+    "a width": ("/gripper/move", "float64 width # m", {"width": "width"}),
+    "a switch that closes": (
+        "/gripper", "bool close", {"open": {"field": "close", "map": {"true": False, "false": True}}},
+    ),
+    "a switch that opens": ("/hand", "bool open", {"open": "open"}),
+    "nothing but its name": ("/open_gripper", "", {"open": True}),
+    "percent": (
+        "/gripper/set", "int32 position # 0-100",
+        {"position": {"field": "position", "unit": "percent"}},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "fields", "roles"), GRIPS.values(), ids=GRIPS)
+def test_a_gripper_is_what_its_name_says(guess, name, fields, roles):
+    assert guess(name, fields, type_name="Grip")[1]["grip"] == roles
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("/get_joints", "float64[6] joints"),
+        ("/compute_ik", "geometry_msgs/Pose target"),
+        ("/check_target", "geometry_msgs/Pose target"),
+        ("/move_base", "geometry_msgs/Pose target"),
+        ("/camera/move_to", "float64[3] position"),
+        ("/move", "string program"),
+        ("/move", "float64[6] velocities"),
+        ("/move", "float64[5] joints"),
+        ("/ready", ""),
+        ("/detect", "float64[] positions"),
+    ],
+)
+def test_what_asks_or_moves_another_thing_is_no_motion_of_the_arm(guess, name, fields):
+    type_name = "Ask" if "get" in name or "detect" in name else "Order"
+    assert guess(name, fields, type_name=type_name, states=("ready",))[0] is None
+
+
+def test_a_named_state_is_gone_to_where_the_name_says_so(guess):
+    assert guess("/go_ready", "", type_name="Go", states=("ready",))[1]["move"] == {
+        "named": "ready"
+    }
+
+
+def test_units_that_nobody_writes_are_assumed_and_said(guess):
+    _, _, words = guess("/move_l", "float64[6] pose\nfloat64 speed")
+    assert words == (
+        "`pose` is a pose of the tool in m and rad; `speed`, of no known unit, is left out"
+    )
+
+
+def test_units_are_others_where_numbers_were_too_large_for_them(guess):
+    entry, _, words = guess("/move_l", "float64[6] pose", doubted=("length",))
+    assert entry["units"] == {"length": "mm"}
+    assert "mm and rad (some numbers are too large for m)" in words
+
+
+def test_an_answer_has_the_code_of_success_and_another_of_failure(guess):
+    entry, interface, _ = guess(
+        "/move",
+        "float64[6] joints",
+        "int16 ret\nstring message\nfloat64 took",
+        reply={"ret": 1, "message": "", "took": 0.1},
+    )
+    assert entry["codes"] == {"succeeded": 1, "failed": 0}
+    assert interface["response"] == {"ret": "$code", "message": "$message", "took": 0.1}
