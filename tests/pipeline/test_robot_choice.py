@@ -97,3 +97,19 @@ def test_a_controller_of_a_gripper_alone_gets_the_generic_arm(tmp_path):
     name, reported = chosen_by(project(tmp_path, 'NAMES = ["gripper", "gripper_controller"]\n'))
     assert name == "generic"
     assert "--robot" in reported
+
+
+@pytest.mark.parametrize(
+    ("files", "robot"),
+    [
+        ({"README_DOT_md": "A cell with an OpenMANIPULATOR."}, "open_manipulator_x"),
+        ({"README_DOT_md": "UR5 and Panda."}, "generic"),
+        ({"README_DOT_md": "An arm."}, "generic"),
+    ],
+)
+def test_what_a_readme_alone_speaks_of_is_assumed_and_not_a_generic_arm(tmp_path, files, robot):
+    script = project(tmp_path, GROUP, **files)
+    found = choose_robot(pipeline.load_controller(script), Settings()).robot
+    assert found.name == robot
+    if robot != "generic":
+        assert found.doubt == f"nothing names it but that {robot} is named in a readme (README.md)"

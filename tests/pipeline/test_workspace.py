@@ -62,6 +62,17 @@ def test_packages_of_a_copied_repository_are_found_by_what_lies_at_its_top(tmp_p
     assert project_top(own) == tmp_path / "repo"
 
 
+def test_a_script_beside_the_src_of_a_workspace_has_its_packages(tmp_path):
+    arm = tmp_path / "ws" / "src" / "arm"
+    tools = tmp_path / "ws" / "tools"
+    for folder in (arm, tools):
+        folder.mkdir(parents=True)
+    (arm / "package.xml").write_text("<package><name>arm</name></package>")
+    assert find_workspace(tools).packages == {}
+    (tmp_path / "ws" / "README.md").write_text("An arm.")
+    assert find_workspace(tools).packages == {"arm": arm}
+
+
 def test_a_repository_is_never_left(tmp_path):
     (tmp_path / "README.md").write_text("\n")
     own = package(tmp_path / "repo" / "pick_demo")
@@ -83,3 +94,17 @@ def test_packages_beside_the_controllers_that_its_modules_import_are_its_own(tmp
     (own / "scripts").mkdir()
     (own / "scripts" / "pick.py").write_text("import os\nfrom arm_interfaces.srv import Move\n")
     assert find_workspace(own).packages == {"arm_interfaces": arm, "pick_demo": own}
+
+
+@pytest.mark.parametrize("mark", [".git", "README.md"])
+def test_what_a_package_needs_of_another_repository_in_the_same_src_is_found(tmp_path, mark):
+    """Several repositories are cloned into the `src` of one workspace."""
+    sources = tmp_path / "ws" / "src"
+    own, needed = sources / "own_repo" / "pick", sources / "arm_repo" / "arm_msgs"
+    other = sources / "other_repo" / "other"
+    for folder in (own, needed, other):
+        folder.mkdir(parents=True)
+        (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
+        (folder.parent / mark).mkdir()
+    (own / "pick.py").write_text("from arm_msgs.srv import Move\n")
+    assert find_workspace(own).packages == {"arm_msgs": needed, "pick": own}

@@ -18,8 +18,8 @@ from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, 
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import Spoken
-from tracerisk.twin.robots.robot import Robot
-from tracerisk.twin.robots.robot_names import mentioned
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_names import decide, mentioned
 from tracerisk.twin.workspace.robot_of_workspace import (
     UnreadableRobotError,
     WorkspaceRobot,
@@ -82,6 +82,10 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
     return RobotChoice(equipped(replace(robot, chosen_by=origin), asked.whole), files=(found[1],))
 
 
+# What these say of the robot has been weighed in other ways.
+_ASKED_BEFORE = frozenset({"a program beside it", "the package's manifest"})
+
+
 class _Search:
     def __init__(
         self,
@@ -131,6 +135,9 @@ class _Search:
                 "; put what is missing into the workspace, mend the file, or say with --robot "
                 "which robot it is: a file, a shipped one, or generic for a stand-in"
             )
+        spoken_of = self._spoken_of()
+        if spoken_of is not None:
+            return self._shipped(spoken_of)
         return self._shipped(
             replace(
                 generic_arm(self._asked.names),
@@ -185,6 +192,20 @@ class _Search:
             return None
         origin = f"{robot.name} is inferred from the names in {file} beside it"
         return self._shipped(replace(robot, chosen_by=origin, assumes_names=True))
+
+    def _spoken_of(self) -> Robot | None:
+        """Return the shipped robot that comments, launch files or a readme alone speak of."""
+        known = {each.name: each for each in shipped_names()}
+        hints = (each for each in robot_hints(self._controller) if each.what not in _ASKED_BEFORE)
+        verdict = decide(known, known, hints)
+        if not verdict.reason:
+            return None
+        robot = load_robot(verdict.left[0])
+        names = self._asked.names
+        if not set(names.joints) <= {joint.name for joint in robot.joints}:
+            return None
+        doubt = f"nothing names it but that {verdict.reason}"
+        return replace(robot, chosen_by=verdict.reason, assumes_names=True, doubt=doubt)
 
     def _names_another(self, robot: Robot) -> bool:
         """Return whether the controller itself names a robot, and not this one."""

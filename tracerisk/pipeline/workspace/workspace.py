@@ -97,12 +97,14 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
 def find_workspace(root: Path) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
-    A root that is no package has those around it where it lies in the `src` of a workspace.
+    A root that is no package has those around it where it lies in the `src` of a workspace, or
+    beside that in the same repository.
 
     Looked for upwards, at most four folders up and never beyond the repository. Without one, it is
     the folder `src` of a workspace, or the nearest folder with what lies at the top of a
     repository (a readme, a licence, ...). Where there is neither, what lies beside a package is
-    none of its own but for the packages that it depends on.
+    none of its own but for the packages that it depends on. So do those of the other repositories
+    in the same `src`.
     Where two packages have one name, the one that contains `root` or is nearest to it wins.
     """
     top = project_top(root)
@@ -112,8 +114,9 @@ def find_workspace(root: Path) -> Workspace:
         if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
             packages[_name_of(folder)] = folder
     if (root / PACKAGE_FILE).is_file():
-        if top == root.resolve() and not (top / ".git").exists():
-            packages = {**_needed_beside(top), **packages}
+        in_sources = any(each.name == _SOURCES for each in top.parents[:_BESIDE])
+        if in_sources or (top == root.resolve() and not (top / ".git").exists()):
+            packages = {**_needed_beside(root.resolve()), **packages}
         packages[_name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
 
@@ -160,7 +163,11 @@ def project_top(root: Path) -> Path:
     if not (root / PACKAGE_FILE).is_file():
         # A script in no package may lie among those of a workspace all the same.
         sources = next((each for each in upwards if each.name == _SOURCES), None)
-        if sources is None or not any(_packages_below(sources, deepest=_BESIDE)):
+        if sources is None:
+            # Or beside its folder `src`.
+            top = next((each for each in upwards if _is_marked(each)), root)
+            return top if any(_packages_below(top / _SOURCES, deepest=_BESIDE)) else root
+        if not any(_packages_below(sources, deepest=_BESIDE)):
             return root
         return sources.parent if _is_marked(sources.parent) else sources
     for folder in upwards:

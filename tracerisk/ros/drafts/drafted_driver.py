@@ -238,8 +238,13 @@ def _motion(asked: Asked, parts: tuple[_Part, ...], joints: int) -> _Found | Non
     found = _of_messages(parts)
     if found is None:
         lists = _ANY_LIST if _IN_JOINTS.search(called) else _JOINT_LIST
-        ways = (_of_joints(parts, joints, lists), _of_pose(parts))
-        found = next(filter(None, reversed(ways) if in_space else ways), None)
+        by_joints, in_pose = _of_joints(parts, joints, lists), _of_pose(parts)
+        if by_joints and in_pose and not in_space:
+            # Where both are asked for, a field says which counts: that takes a manual.
+            if by_joints[0]["joints"] != in_pose[0].get("pose"):
+                return None
+            in_pose = None
+        found = in_pose or by_joints
     if found is None:
         return None
     roles, what = found
