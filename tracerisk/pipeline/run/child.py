@@ -79,6 +79,7 @@ from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.sandbox.limited_process import mark_start
+from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.overlay import Overlay
 from tracerisk.source.ros_version import ros_version
 from tracerisk.twin.physics.scene import load_scene
@@ -236,6 +237,7 @@ def _run_recorded(
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
         _files(request, recorder) as overlay,
+        moved_files(root, workspace, recorder).active(),
         activate(runtime),
         stand_ins,
         removed_numpy_names(),
@@ -382,6 +384,21 @@ def _found_elsewhere(
     if folder is not None:
         recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
     return folder
+
+
+def moved_files(root: Path, workspace: Workspace, recorder: Recorder) -> MovedFiles:
+    """Return where files are that the author names by another machine's paths; these are noted."""
+
+    def found(path: str, here: str) -> None:
+        place = os.path.relpath(here, root)
+        recorder.finding(
+            "file_elsewhere",
+            f"{path} is not here: {place} of the workspace is taken for it",
+            asking_place(),
+            object_name=path,
+        )
+
+    return MovedFiles({root.name: root, **workspace.packages}, found)
 
 
 @contextlib.contextmanager

@@ -85,6 +85,7 @@ _OF_FINDING = {
     "denied": "access-denied",
     "unused": UNUSED_INPUT,
     "answer_assumed": "input-assumed",
+    "file_elsewhere": "input-assumed",
     "companion_failed": "companion-failed",
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
