@@ -192,12 +192,14 @@ class Driver:
     which also set `enabled` to false with `error_disables`. `definitions` are texts of messages
     that the workspace lacks, by `package/srv/Name`. `frames` are those of tf that it
     publishes, each with the link where it is. One of whose messages a user's workspace has none is
-    a mistake; a shipped or an installed one is not meant then.
+    a mistake; a shipped or an installed one is not meant then. `robot` is the one that who uses
+    its messages drives, where nothing names another.
     """
 
     name: str
     file: str
     packages: tuple[str, ...] = ()
+    robot: str | None = None
     node: str = "/robot_driver"
     group: str | None = None
     tool: tuple[str, ...] = ()

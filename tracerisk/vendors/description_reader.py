@@ -30,7 +30,8 @@ from tracerisk.vendors.description import (
 from tracerisk.vendors.value_reader import ValueReader, check_path, plain_value
 
 TOP = (
-    *("driver", "source", "packages", "node", "group", "tool", "frame", "gripper", "units"),
+    *("driver", "source", "packages", "robot", "node", "group", "tool", "frame", "gripper"),
+    "units",
     *("rotation", "while_moving", "codes", "errors", "error_disables", "state", "parameters"),
     *(
         "services",
@@ -112,6 +113,7 @@ class _Reader:
             name=name,
             file=self._file,
             packages=packages,
+            robot=top.optional_string("robot"),
             node=_node(top),
             group=top.optional_string("group"),
             tool=_strings(top, "tool"),

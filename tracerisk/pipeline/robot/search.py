@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from tracerisk.config import Settings
@@ -11,6 +12,7 @@ from tracerisk.pipeline.launch.robots_launched import launched_robots
 from tracerisk.pipeline.robot.choice import RobotChoice, equipped
 from tracerisk.pipeline.robot.hints import robot_hints
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
+from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import find_workspace, named_packages
@@ -26,6 +28,7 @@ from tracerisk.twin.workspace.robot_of_workspace import (
     find_workspace_robot,
 )
 from tracerisk.twin.workspace.srdf_stand_in import spoken_srdf, srdf_stand_in
+from tracerisk.vendors.driver_search import read_drivers, shipped_drivers
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +85,7 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
     return RobotChoice(equipped(replace(robot, chosen_by=origin), asked.whole), files=(found[1],))
 
 
+_IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 # What these say of the robot has been weighed in other ways.
 _ASKED_BEFORE = frozenset({"a program beside it", "the package's manifest"})
 
@@ -135,7 +139,7 @@ class _Search:
                 "; put what is missing into the workspace, mend the file, or say with --robot "
                 "which robot it is: a file, a shipped one, or generic for a stand-in"
             )
-        spoken_of = self._spoken_of()
+        spoken_of = self._of_driver() or self._spoken_of()
         if spoken_of is not None:
             return self._shipped(spoken_of)
         return self._shipped(
@@ -192,6 +196,25 @@ class _Search:
             return None
         origin = f"{robot.name} is inferred from the names in {file} beside it"
         return self._shipped(replace(robot, chosen_by=origin, assumes_names=True))
+
+    def _of_driver(self) -> Robot | None:
+        """Return the robot of the one driver whose messages the controller imports."""
+        imported = set(_IMPORTED.findall(self._asked.whole.source))
+        drivers = read_drivers(
+            driver_files(self._controller.root, self._settings), self._controller.root
+        )
+        found = {
+            each.robot: each
+            for each in (*shipped_drivers(), *drivers)
+            if each.robot is not None and imported & {name.encode() for name in each.packages}
+        }
+        if len(found) != 1:
+            return None
+        ((name, driver),) = found.items()
+        assert name is not None
+        doubt = f"nothing names it but that it is what driver {driver.name} is for"
+        reason = f"{name} is what driver {driver.name} ({driver.file}) is for"
+        return replace(load_robot(name), chosen_by=reason, assumes_names=True, doubt=doubt)
 
     def _spoken_of(self) -> Robot | None:
         """Return the shipped robot that comments, launch files or a readme alone speak of."""
