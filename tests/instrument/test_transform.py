@@ -4,6 +4,7 @@ import ast
 import dis
 import inspect
 import os
+import sys
 import textwrap
 from pathlib import Path
 from types import CodeType
@@ -252,6 +253,12 @@ def _defines_functions(code: object) -> bool:
         (b"# coding: klingon\n", "c.py:1", "unknown encoding"),
         (b"x = 1\ny = '\xff'\n", "c.py:2:6", "byte 0xff is not utf-8"),
         (b"x = 1\0\n", "c.py", "null byte"),
+        pytest.param(
+            b"x = f\"{'it\\'s'}\"\n",
+            "c.py:1",
+            "Python 3.12 reads it if that is all",
+            marks=pytest.mark.skipif(sys.version_info >= (3, 12), reason="it is valid"),
+        ),
     ],
 )
 def test_what_is_not_python_3_is_refused_with_place_and_reason(

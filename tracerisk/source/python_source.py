@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import io
 import re
+import sys
 import tokenize
 import warnings
 from dataclasses import dataclass
@@ -132,6 +133,11 @@ def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
         shown = lines[error.lineno - 1]
     shown = (shown or "").strip()
     message = f"not valid Python: {error.msg}" + (f" in `{shown}`" if shown else "")
+    if "f-string" in (error.msg or "") and sys.version_info < (3, 12):
+        version = f"{sys.version_info[0]}.{sys.version_info[1]}"
+        message += (
+            f"; Python 3.12 reads it if that is all, and this is {version}: install tracerisk there"
+        )
     if _is_python_2(error, shown):
         message = (
             f"this is Python 2: `{shown}` is not valid in Python 3 ({error.msg}); convert the file "
