@@ -37,6 +37,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "run-exited",
     "run-raised",
     "service-refused",
+    "stopped-at-limit",
     "thread-raised",
     "unmet-need",
     "unused-input",

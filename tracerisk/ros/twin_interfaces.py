@@ -12,7 +12,9 @@ from typing import Any
 from tracerisk.ros.gazebo.services import GazeboServices
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
+from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
 from tracerisk.ros.moveit.scene_services import SceneInterfaces
 from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
@@ -42,7 +44,8 @@ class TwinInterfaces:
         self._actions = runtime.client(Actions)
         commands = runtime.client(TwinCommands)
         messages = self.messages = TwinMessages(interfaces)
-        follow = FollowServer(commands, messages)
+        names, rules = runtime.client(JointNames), runtime.client(TrajectoryRules)
+        follow = FollowServer(commands, messages, names, rules)
         self._types: dict[str, tuple[Handler, Handler]] = {
             FOLLOW: (follow.on_goal, follow.on_cancel)
         }

@@ -17,7 +17,8 @@ from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, SetPoints
+from tracerisk.ros.robot.state_topics import fill_joint_state
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
@@ -27,6 +28,7 @@ from tracerisk.vendors.described_parts import (
     case_of,
     is_named,
     short_name,
+    take_rules,
 )
 from tracerisk.vendors.description import Case, Driver, Interface, InterfaceKind, Output
 from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
@@ -61,6 +63,7 @@ class DescribedDriver:
         messages: TwinMessages,
         set_points: SetPoints,
     ) -> None:
+        take_rules(driver, runtime)
         self._driver = driver
         self._runtime = runtime
         self._graph, self._scheduler = runtime.graph, runtime.scheduler
@@ -388,7 +391,8 @@ class DescribedDriver:
             latch=interface.latch,
             by_controller=False,
         )
-        if self._arm(interface).answers.asks_sensors(interface.response):
+        is_of_joints = interface.response is None and type_name == JOINT_STATE_TYPE
+        if is_of_joints or self._arm(interface).answers.asks_sensors(interface.response):
             self._reading.reports_joints(publication, interface.rate)
         self._schedule(interface, publication)
 
@@ -404,5 +408,7 @@ class DescribedDriver:
             return
         message = self._messages.new(publication.type_name)
         answers = self._arm(interface).answers
+        if interface.response is None and publication.type_name == JOINT_STATE_TYPE:
+            fill_joint_state(message, self._runtime)
         publication.publish(answers.fill(message, interface.response or {}, Result()))
         self._schedule(interface, publication)

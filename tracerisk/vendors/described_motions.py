@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
@@ -133,6 +134,7 @@ class DescribedMotions:
         named = (
             goal if isinstance(goal, Mapping) else dict(zip(self._arm.joints, goal, strict=False))
         )
+        named = self._by_joints(named)
         self._check_names(named)
         if not is_share(value.unit):
             return dict(named)
@@ -235,6 +237,7 @@ class DescribedMotions:
         """Return a goal of all joints: those that are not named stay where they are."""
         here = self._arm.positions()
         if isinstance(goal, Mapping):
+            goal = self._by_joints(goal)
             self._check_names(goal)
             stay = [0.0] * len(here) if is_relative else here
             goal = [goal.get(name, at) for name, at in zip(self._arm.joints, stay, strict=True)]
@@ -245,6 +248,10 @@ class DescribedMotions:
         if is_relative and len(values) == len(here):
             values = [a + b for a, b in zip(here, values, strict=True)]
         return values
+
+    def _by_joints(self, named: Mapping[str, float]) -> Mapping[str, float]:
+        """Return values by the robot's own joints, where the driver has other names for some."""
+        return self._runtime.client(JointNames).spread([*named], [*named.values()])
 
     def _check_names(self, named: Mapping[str, float]) -> None:
         unknown = next((name for name in named if name not in self._arm.joints), None)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.errors import one_of
+from tracerisk.errors import DriverError, one_of
+from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
@@ -19,6 +21,7 @@ from tracerisk.vendors.requests import Request
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.twin.robots.robot import Robot
 
 
 class DriverState(dict[str, Any]):
@@ -65,6 +68,39 @@ class DescribedArm:
         self.motions = DescribedMotions(driver, self.motion, state, runtime)
         queues = state.queue, state.grips
         self.answers = Answers(driver, self.motion, *queues, state, messages, reading)
+
+
+def is_of_robot(driver: Driver, robot: Robot) -> bool:
+    """Return whether a driver is one of this robot: it has the joints that are named for it."""
+    return {joint.name for joint in robot.joints}.issuperset(driver.of_joints)
+
+
+def take_rules(driver: Driver, runtime: Runtime) -> None:
+    """Give the run a driver's names of joints, and what it does with trajectories.
+
+    A shipped driver is also that of robots without all that its names move: without a gripper.
+
+    Raises:
+        DriverError: the robot lacks a joint that a name moves.
+    """
+    robot = runtime.twin.robot
+    known = [joint.name for joint in robot.joints]
+    names = {}
+    for name, each in driver.joints.items():
+        lacking = next((joint for joint in each.meaning.moves if joint not in known), None)
+        if lacking is None and name not in known:
+            names[name] = each.meaning
+        elif lacking is not None and driver.origin == "user":
+            raise DriverError(
+                f"joints.{name}.moves: robot '{robot.name}' has no joint '{lacking}'; "
+                f"{one_of(known, lacking)}; if the driver is that of another robot, give its "
+                "joints as 'of_joints'",
+                each.location,
+            )
+    runtime.client(JointNames).add(names)
+    rules = runtime.client(TrajectoryRules)
+    rules.stop_at_limits |= driver.stop_at_limits
+    rules.ignore_tolerances |= driver.ignore_tolerances
 
 
 def case_of(interface: Interface, request: Request) -> Case:

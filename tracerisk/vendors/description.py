@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.errors import Location
+from tracerisk.ros.graph.joint_names import JointName
 
 InterfaceKind = Literal["services", "actions", "subscribed_topics", "published_topics"]
 Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_xyz", "euler_zyz"]
@@ -161,6 +162,14 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
+class NamedJoints:
+    """What a name of a driver's own stands for."""
+
+    meaning: JointName
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
 class Interface:
     """A service, an action or a topic; `types` are its types, of which one is in use.
 
@@ -193,7 +202,9 @@ class Driver:
     that the workspace lacks, by `package/srv/Name`. `frames` are those of tf that it
     publishes, each with the link where it is. One of whose messages a user's workspace has none is
     a mistake; a shipped or an installed one is not meant then. `robot` is the one that who uses
-    its messages drives, where nothing names another.
+    its messages drives, where nothing names another. `joints` are names that it has beside those
+    of the joints. With `of_joints` it is that of robots which have these. `stop_at_limits` and
+    `ignore_tolerances` are what it does with trajectories.
     """
 
     name: str
@@ -218,6 +229,10 @@ class Driver:
     interfaces: tuple[Interface, ...] = ()
     definitions: Mapping[str, str] = field(default_factory=dict)
     frames: Mapping[str, str] = field(default_factory=dict)
+    joints: Mapping[str, NamedJoints] = field(default_factory=dict)
+    of_joints: tuple[str, ...] = ()
+    stop_at_limits: bool = False
+    ignore_tolerances: bool = False
     origin: Origin = "user"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from tracerisk.errors import DriverError, one_of
+from tracerisk.ros.graph.joint_names import JointName
 from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.vendors.description import (
     EFFECTS,
@@ -21,6 +22,7 @@ from tracerisk.vendors.description import (
     Driver,
     Interface,
     InterfaceKind,
+    NamedJoints,
     Origin,
     Rotation,
     Units,
@@ -40,11 +42,22 @@ TOP = (
         "published_topics",
         "definitions",
         "frames",
+        "joints",
+        "of_joints",
+        "trajectories",
         "common",
     ),
 )
 """The keys of a description; `common` holds what its parts share by YAML's anchors."""
 GRIPPER = ("name", "closed", "open")
+TRAJECTORIES: Mapping[str, tuple[str, str]] = {
+    "past_limit": ("missed", "stop"),
+    "tolerances": ("kept", "ignored"),
+}
+"""What a driver may do with trajectories; the first is the default."""
+ALONE = ("parameters", "joints", "trajectories")
+"""The keys of which one is enough where a driver serves nothing of its own."""
+NAMED_JOINTS = ("moves", "note")
 CASE = (*EFFECTS, "when", "stop", "clear", "set", "note", "refuse", "wait", "timeout")
 OF_KIND: Mapping[InterfaceKind, tuple[str, ...]] = {
     "services": ("type", "name", "cases", "response", "while_moving", "group", "gripper"),
@@ -106,7 +119,7 @@ class _Reader:
             for kind in OF_KIND
             for name, entry in _entries(top, kind)
         ]
-        if not interfaces and "parameters" not in top:
+        if not interfaces and not {*ALONE} & {*top}:
             top.fail("driver", f"it serves nothing; describe some: {', '.join(OF_KIND)}")
         closed, opened, gripper = _gripper(top)
         return Driver(
@@ -132,6 +145,10 @@ class _Reader:
             interfaces=tuple(interfaces),
             definitions=_definitions(top),
             frames=_frames(top),
+            joints=_joints(top),
+            of_joints=_strings(top, "of_joints"),
+            stop_at_limits=_rule(top, "past_limit", "stop"),
+            ignore_tolerances=_rule(top, "tolerances", "ignored"),
             origin=origin,
         )
 
@@ -335,6 +352,35 @@ def _node(top: YamlMap) -> str:
 def _frames(top: YamlMap) -> dict[str, str]:
     frames = top.optional_map("frames")
     return {} if frames is None else {name: frames.string(name) for name in frames}
+
+
+def _joints(top: YamlMap) -> dict[str, NamedJoints]:
+    joints = top.optional_map("joints")
+    found: dict[str, NamedJoints] = {}
+    for name, entry in () if joints is None else joints.items_as_maps():
+        entry.forbid_unknown(NAMED_JOINTS)
+        if ("moves" in entry) == ("note" in entry):
+            raise DriverError(f"joints.{name}: give it either 'moves' or 'note'", entry.location)
+        note = entry.string("note", default="-")
+        if not note:
+            entry.fail("note", "is empty; say why the name moves nothing")
+        found[name] = NamedJoints(JointName(note=note), entry.location)
+        if "moves" in entry:
+            moves = entry.map("moves")
+            parts = {joint: moves.number(joint) for joint in moves}
+            if not all(parts.values()) or not parts:
+                entry.fail("moves", "give each joint the part of the value that it takes, not 0")
+            found[name] = NamedJoints(JointName(parts), entry.location)
+    return found
+
+
+def _rule(top: YamlMap, key: str, wanted: str) -> bool:
+    rules = top.optional_map("trajectories")
+    if rules is None:
+        return False
+    rules.forbid_unknown(TRAJECTORIES)
+    allowed = TRAJECTORIES[key]
+    return bool(_choice(rules, key, allowed, allowed[0]) == wanted)
 
 
 def _definitions(top: YamlMap) -> dict[str, str]:

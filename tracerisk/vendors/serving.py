@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.vendors.described_driver import DescribedDriver
+from tracerisk.vendors.described_parts import is_of_robot
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.dobot.driver import DobotDriver
 from tracerisk.vendors.doosan.driver import DoosanController
@@ -33,7 +34,8 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     """
     messages, commands = twin.messages, runtime.client(TwinCommands)
     for driver in (*drivers, *shipped_drivers()):
-        DescribedDriver(driver, runtime, messages, twin.set_points)
+        if is_of_robot(driver, runtime.twin.robot):
+            DescribedDriver(driver, runtime, messages, twin.set_points)
     InterbotixDriver(runtime, messages, commands)
     BaxterDriver(runtime, messages, commands, twin.set_points)
     IoDevices(runtime, messages, commands)

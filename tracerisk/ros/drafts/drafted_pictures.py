@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from tracerisk.ros.drafts.seen_in_pictures import Seen
@@ -17,6 +18,7 @@ _FAR_MM = 500  # depth of each pixel
 _FOCAL = 1.25  # of the width
 _PLACES = ((0.25, 0.25), (0.5, 0.5), (0.75, 0.75))
 """Where it is seen in turn, as shares of the width and the height."""
+_SIDE, _STEP_M = 5, 0.03  # points along a side of a patch, and from one to the next [m]
 _DEPTH = re.compile(r"depth", re.IGNORECASE)
 _MONO = re.compile(r"mono|gr[ae]y|infra|(^|[/_])ir([/_]|$)", re.IGNORECASE)
 
@@ -72,6 +74,24 @@ def _camera(topic: str, size: tuple[int, int]) -> dict[str, Any]:
         "k": [focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0],
         "r": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         "p": [focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0],
+    }  # fmt: skip
+
+
+def cloud(position: Sequence[float]) -> dict[str, Any]:
+    """Return a sensor_msgs/PointCloud2 of a level patch around a place [m], grey."""
+    x, y, z = position
+    steps = [_STEP_M * (i - _SIDE // 2) for i in range(_SIDE)]
+    rgb = _GREY << 16 | _GREY << 8 | _GREY
+    points = [struct.pack("<fffI", x + dx, y + dy, z, rgb) for dx in steps for dy in steps]
+    size, floats = len(points[0]), 7
+    names = ("x", "y", "z", "rgb")
+    return {
+        "height": 1, "width": len(points), "is_bigendian": False, "is_dense": True,
+        "fields": [
+            {"name": name, "offset": 4 * i, "datatype": floats, "count": 1}
+            for i, name in enumerate(names)
+        ],
+        "point_step": size, "row_step": size * len(points), "data": list(b"".join(points)),
     }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from copy import copy
 from functools import cached_property
 from typing import Any
 
-from tracerisk.ros.drafts.drafted_pictures import PICTURES, picture
+from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
 from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.messages.fields import (
     DURATIONS,
@@ -271,6 +271,11 @@ class UsableValues:
         if kind in PICTURES:
             parts = [field.name for field in fields_of(message_class)]
             return picture(kind, parts, self.robot.base_link, name)
+        if kind == "sensor_msgs/PointCloud2":
+            return {
+                "header": {"stamp": "now", "frame_id": self.robot.base_link},
+                **cloud(self.pose.position),
+            }
         if kind == "std_msgs/Header":
             return {"stamp": "now", "frame_id": self.robot.base_link}
         if kind in ("geometry_msgs/Point", "geometry_msgs/Point32"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
+from tracerisk.ros.graph.joint_names import JointNames
+from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
@@ -42,20 +44,44 @@ class FollowServer:
     error code; a new goal on the same joints preempts the one before.
     """
 
-    def __init__(self, commands: TwinCommands, messages: TwinMessages) -> None:
+    def __init__(
+        self,
+        commands: TwinCommands,
+        messages: TwinMessages,
+        names: JointNames,
+        rules: TrajectoryRules,
+    ) -> None:
         self._commands = commands
         self._messages = messages
+        self._names = names
+        self._rules = rules
 
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""
         twin, now_ns = self._commands.twin, self._commands.scheduler.now_ns
-        asked = goal.message
+        asked = self._names.goal(goal.message)
+        if notes := self._names.notes(goal.message.trajectory.joint_names):
+            self._report_unmoved(goal, notes)
+            if not asked.trajectory.joint_names:
+                goal.accept()
+                goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
+                return
         try:
             trajectory = twin_trajectory(asked.trajectory, twin, now_ns)
         except TrajectoryRefusedError as error:
             self._refuse(goal, error.code, str(error))
             return
-        limit = _GoalLimit.of(asked, trajectory.joints)
+        if self._rules.stop_at_limits:
+            trajectory, past = within_limits(trajectory, twin.robot)
+            for joint, words in past.items():
+                self._commands.report(
+                    "stopped_at_limit",
+                    f"a goal of action {goal.client.name} takes joint '{joint}' {words}",
+                    goal.stack,
+                    object_name=joint,
+                )
+        ignored = self._rules.ignore_tolerances
+        limit = _GoalLimit() if ignored else _GoalLimit.of(asked, trajectory.joints)
         goal.accept()
         try:
             motion = twin.follow(trajectory, goal_tolerance=limit.tolerance)
@@ -63,13 +89,22 @@ class FollowServer:
             self._report_refused(goal, error.message)
             goal.abort(self._result(TrajectoryCode.INVALID_GOAL, error.message), error.message)
             return
-        _Pursuit(self, goal, trajectory, motion, limit)
+        _Pursuit(self, goal, asked, trajectory, motion, limit)
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Bring the joints to rest; the goal ends with their motion."""
         goal.accept_cancel()
         if isinstance(goal.data, _Pursuit):
             goal.data.cancel()
+
+    def _report_unmoved(self, goal: ActionGoal, notes: Mapping[str, str]) -> None:
+        for name, note in notes.items():
+            self._commands.report(
+                "unprovided",
+                f"'{name}' of a goal of action {goal.client.name} moved nothing: {note}",
+                goal.stack,
+                object_name=name,
+            )
 
     def _refuse(self, goal: ActionGoal, code: TrajectoryCode, message: str) -> None:
         self._report_refused(goal, message)
@@ -136,12 +171,15 @@ class _Pursuit:
         self,
         server: FollowServer,
         goal: ActionGoal,
+        asked: Any,
         trajectory: JointTrajectory,
         motion: Motion,
         limit: _GoalLimit,
     ) -> None:
         self._server = server
         self._goal = goal
+        self._names = list(goal.message.trajectory.joint_names)
+        self._is_by_joints = asked is goal.message
         self._trajectory = trajectory
         self._motion = motion
         self._commands = server._commands
@@ -151,7 +189,7 @@ class _Pursuit:
         self._limit = limit
         self._limits = {
             each.name: each.position
-            for each in goal.message.path_tolerance
+            for each in (() if server._rules.ignore_tolerances else asked.path_tolerance)
             if each.position > 0.0 and each.name in trajectory.joints
         }
         state = self._commands.twin.joint_state()
@@ -163,9 +201,8 @@ class _Pursuit:
         )
         self._schedule()
         if limit.time_s is not None and math.isfinite(limit.time_s):
-            asked = goal.message.trajectory
-            ends_ns = nanoseconds(asked.points[-1].time_from_start)
-            stamp_ns = nanoseconds(asked.header.stamp)
+            ends_ns = nanoseconds(asked.trajectory.points[-1].time_from_start)
+            stamp_ns = nanoseconds(asked.trajectory.header.stamp)
             if stamp_ns:
                 ends_ns += stamp_ns - EPOCH_NS - self._began_ns
             due_ns = self._began_ns + ends_ns + round(limit.time_s * 1e9)
@@ -204,18 +241,26 @@ class _Pursuit:
             return
         feedback = self._server._messages.part(TYPE, "Feedback")
         self._server._messages.stamp(feedback.header, self._commands.scheduler.now_ns)
-        feedback.joint_names = list(self._trajectory.joints)
+        feedback.joint_names = self._names
         elapsed_ns = self._commands.scheduler.now_ns - self._began_ns
         for part, positions, velocities in (
             (feedback.desired, desired, rate),
             (feedback.actual, actual, speed),
             (feedback.error, desired - actual, rate - speed),
         ):
-            part.positions = positions.tolist()
-            part.velocities = velocities.tolist()
+            part.positions = self._as_asked(positions)
+            part.velocities = self._as_asked(velocities)
             set_time(part.time_from_start, elapsed_ns)
         self._goal.publish_feedback(feedback)
         self._schedule()
+
+    def _as_asked(self, values: Array) -> list[float]:
+        """Return values of the trajectory's joints by the names that the goal has."""
+        listed: list[float] = values.tolist()
+        if self._is_by_joints:
+            return listed
+        of_joints = dict(zip(self._trajectory.joints, listed, strict=True))
+        return [self._server._names.value(name, of_joints) for name in self._names]
 
     def _look_at_goal(self) -> None:
         """End a goal that is not reached when its time is over."""

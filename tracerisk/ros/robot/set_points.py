@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,9 @@ from tracerisk.errors import one_of
 from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
@@ -84,6 +87,8 @@ class SetPoints:
     def __init__(self, runtime: Runtime, commands: TwinCommands) -> None:
         self._graph = runtime.graph
         self._declared = runtime.client(DeclaredControllers)
+        self._names = runtime.client(JointNames)
+        self._rules = runtime.client(TrajectoryRules)
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
@@ -110,6 +115,10 @@ class SetPoints:
         def deliver(message: Any, publication: Publication) -> None:
             if not publication.by_controller:
                 return
+            if type_name == TRAJECTORY:
+                message = self._by_joints(name, message)
+                if message is None:
+                    return
             if publication.pace.is_of_loop and self._is_there(message):
                 # A loop that sends one trajectory all the time does so, too, once it is there.
                 return
@@ -118,6 +127,21 @@ class SetPoints:
                 take(name, message)
 
         self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+
+    def _by_joints(self, topic: str, message: Any) -> Any | None:
+        """Return a trajectory by the names of the robot's own joints, None where it moves none."""
+        self._report_unmoved(topic, message.joint_names)
+        made = self._names.trajectory(message)
+        return made if made is message or made.joint_names else None
+
+    def _report_unmoved(self, topic: str, names: Sequence[str]) -> None:
+        for name, note in self._names.notes(names).items():
+            self._commands.report(
+                "unprovided",
+                f"'{name}' of a message on {topic} moved nothing: {note}",
+                self._commands.stack(),
+                object_name=name,
+            )
 
     def _take_trajectory(self, topic: str, message: Any) -> None:
         now_ns = self._commands.scheduler.now_ns
@@ -133,6 +157,15 @@ class SetPoints:
             if not (is_late and self._is_there(message, _NEARLY)):
                 self._refuse(topic, str(error))
             return
+        if self._rules.stop_at_limits:
+            trajectory, past = within_limits(trajectory, self._twin.robot)
+            for joint, words in past.items():
+                self._commands.report(
+                    "stopped_at_limit",
+                    f"a message on {topic} takes joint '{joint}' {words}",
+                    self._commands.stack(),
+                    object_name=joint,
+                )
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
             self.set_point(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
             return
@@ -232,6 +265,13 @@ class SetPoints:
         speeds = [float(value) for value in message.velocity]
         is_velocity = not values and len(speeds) > 0
         values = speeds if is_velocity else values
+        if len(names) == len(values) and self._names.has_any(names):
+            self._report_unmoved(topic, names)
+            spread = self._names.spread(names, values)
+            names, values = [*spread], [*spread.values()]
+            unknown = [name for name in names if name not in known]
+            if not names:
+                return
         if not values and len(message.effort):
             self._refuse(topic, "commands of effort are not simulated")
         elif not names or len(names) != len(values):

@@ -12,6 +12,7 @@ from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ, SensorReading
 from tracerisk.ros.messages.dialect import set_time
@@ -157,25 +158,41 @@ class TwinTopics:
         return message
 
     def _joint_state(self) -> Any:
-        state = self._runtime.twin.joint_state()
         message: Any = self._interfaces.message(JOINT_STATE_TYPE)()
         self._sequence += 1
         if not isinstance(message, Message2):
             message.header.seq = self._sequence
         set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
-        first = [state.names.index(name) for name in self._order if name in state.names]
-        order = [*first, *(i for i in range(len(state.names)) if i not in first)]
-        places = [i for i in order if state.names[i] not in state.absent]
-        message.name = [state.names[i] for i in places]
-        message.position = [state.position[i] for i in places]
-        message.velocity = [state.velocity[i] for i in places]
-        message.effort = [state.effort[i] for i in places]
+        fill_joint_state(message, self._runtime, self._order)
         return message
 
     def _clock(self) -> Any:
         message: Any = self._interfaces.message(CLOCK_TYPE)()
         set_time(message.clock, EPOCH_NS + self._runtime.scheduler.now_ns)
         return message
+
+
+def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[str] = ()) -> None:
+    """Fill a sensor_msgs/JointState with all joints of the twin, first those in `order`.
+
+    After them come the names that a driver has for several of them.
+    """
+    state = runtime.twin.joint_state()
+    names = runtime.client(JointNames)
+    first = [state.names.index(name) for name in order if name in state.names]
+    listed = [*first, *(i for i in range(len(state.names)) if i not in first)]
+    places = [i for i in listed if state.names[i] not in state.absent]
+    present = [state.names[i] for i in places]
+    more = [name for name in names.of_joints if {*names.joints_of(name)} <= {*present}]
+    message.name = [*present, *more]
+    for key, values, combine in (
+        ("position", state.position, names.value),
+        ("velocity", state.velocity, names.value),
+        ("effort", state.effort, names.effort),
+    ):
+        numbers = [values[i] for i in places]
+        of_joints = dict(zip(present, numbers, strict=True)) if more else {}
+        setattr(message, key, [*numbers, *(combine(name, of_joints) for name in more)])
 
 
 class TopicStream:
