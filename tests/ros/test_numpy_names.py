@@ -33,3 +33,13 @@ def test_what_numpy_never_had_is_not_there(example):
     example.write("c.py", PROGRAM.replace("np.Inf > 1", "np.whole"))
     ran = example.run("run", "c.py", "--check")
     assert "has no attribute 'whole'" in ran.err
+
+
+def test_an_argument_that_changes_nothing_may_still_be_given(example):
+    saved = "    np.save('joints.npy', joints, fix_imports=True)\n"
+    program = PROGRAM.replace(
+        "    group.go", f"{saved}    assert len(np.load('joints.npy')) == 7\n    group.go"
+    )
+    example.write("c.py", program)
+    ran = example.run("run", "c.py", "--json", "--fail-on", "finding")
+    assert ran.code == 0, ran.err

@@ -386,3 +386,22 @@ def test_a_controller_of_the_workspace_for_joints_that_the_robot_lacks(example, 
     assert ran.json["verdict"]["kind"] == "partial", ran.err
     (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "unmet-need")
     assert "controller for left_knuckle, and robot 'panda' has no such joint" in reason["words"]
+
+
+def test_the_same_joints_in_two_namespaces_are_those_of_two_robots(ran):
+    result = ran("""
+left = rospy.Publisher("/left/arm_controller/command", JointTrajectory, queue_size=1)
+right = rospy.Publisher("/right/arm_controller/command", JointTrajectory, queue_size=1)
+other = rospy.Publisher("/left/other_controller/command", JointTrajectory, queue_size=1)
+
+def send(publisher):
+    point = JointTrajectoryPoint(positions=READY, time_from_start=rospy.Duration(1.0))
+    publisher.publish(JointTrajectory(joint_names=JOINTS, points=[point]))
+    rospy.sleep(1.5)
+
+for publisher in (left, other, left, right, right):
+    send(publisher)
+""")
+    (finding,) = [each for each in result.recording.findings if each.kind == "one_robot"]
+    assert "in the namespaces '/left' and '/right': the twin is one robot" in finding.message
+    assert finding.object == "/right/arm_controller/command"

@@ -55,3 +55,23 @@ rospy.sleep(1.0)
     # The end effector of a Panda with its hand lies between the fingers.
     tool = ran.twin.link_pose("panda_hand_tcp").position
     assert tool == pytest.approx((0.4, 0.099, 0.5), abs=0.003)
+
+
+def test_the_state_of_the_arm_is_published_with_its_pose_as_a_matrix(run_on):
+    ran = run_on(
+        "panda",
+        """
+import rospy
+from franka_msgs.msg import FrankaState
+rospy.init_node('state')
+state = rospy.wait_for_message('/franka_state_controller/franka_states', FrankaState, timeout=5.0)
+""",
+    )
+    state = ran["state"]
+    tool = ran.twin.link_pose("panda_hand_tcp")
+    assert state.O_T_EE[12:15] == pytest.approx(tool.position, abs=1e-4)
+    assert (state.O_T_EE[3], state.O_T_EE[15]) == (0.0, 1.0)
+    # The tool of a Panda that is ready points down: the third column is its axis.
+    assert state.O_T_EE[8:11] == pytest.approx((0.0, 0.0, -1.0), abs=0.05)
+    assert state.q[3] == pytest.approx(ran.position("panda_joint4"), abs=1e-3)
+    assert state.robot_mode == state.ROBOT_MODE_MOVE

@@ -13,6 +13,7 @@ from tracerisk.ros.gazebo.services import GazeboServices
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.joint_names import JointNames
+from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
@@ -44,8 +45,13 @@ class TwinInterfaces:
         self._actions = runtime.client(Actions)
         commands = runtime.client(TwinCommands)
         messages = self.messages = TwinMessages(interfaces)
-        names, rules = runtime.client(JointNames), runtime.client(TrajectoryRules)
-        follow = FollowServer(commands, messages, names, rules)
+        follow = FollowServer(
+            commands,
+            messages,
+            runtime.client(JointNames),
+            runtime.client(TrajectoryRules),
+            runtime.client(RobotSpaces),
+        )
         self._types: dict[str, tuple[Handler, Handler]] = {
             FOLLOW: (follow.on_goal, follow.on_cancel)
         }

@@ -12,7 +12,7 @@ from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.messages.fields import fields_of
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.transforms.poses import compose, inverse, rpy_from_quaternion
+from tracerisk.ros.transforms.poses import compose, inverse, rotate, rpy_from_quaternion
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.vendors.conventions import Conventions, Dimension, Quantity
 from tracerisk.vendors.description import Driver, Output
@@ -28,6 +28,7 @@ _OF_JOINTS = frozenset(
         "orientation",
         "rpy",
         "rotation",
+        "transform",
         "gripper",
         "gripper_width",
     }
@@ -190,6 +191,15 @@ class Answers:
             return Quantity(turn, ("plain",) * 4)
         in_radians = Conventions(rotation=self._driver.rotation)
         return Quantity(tuple(in_radians.turn_numbers(turn)), ("angle",) * 3)
+
+    def _transform(self, result: Result) -> Quantity:
+        x, y, z = self._pose(result).position
+        turn = self._pose(result).orientation
+        columns = (rotate(turn, axis) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+        plain: list[Dimension] = ["plain", "plain", "plain", "plain"]
+        numbers = [value for column in columns for value in (*column, 0.0)]
+        place: list[Dimension] = ["length", "length", "length", "plain"]
+        return Quantity((*numbers, x, y, z, 1.0), (*plain * 3, *place))
 
     def _gripper(self, result: Result) -> float:
         closed, opened = self._driver.closed, self._driver.opened

@@ -49,7 +49,7 @@ OUTCOMES = (
 
 REFERENCES = (
     *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation"),
-    *("rpy", "rotation"),
+    *("rpy", "rotation", "transform"),
     *("gripper", "gripper_width", "gripper_moving", "has_gripper", "moving", "queued", "status"),
     *("success", "code", "message", "error", "stamp", "robot"),
 )

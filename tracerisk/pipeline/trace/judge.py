@@ -83,6 +83,7 @@ _OF_FINDING = {
     "error_logged": "error-logged",
     "unprovided": "unmet-need",
     "foreign_gripper": "robot-assumed",
+    "one_robot": "robot-assumed",
     "stopped_at_limit": "stopped-at-limit",
     "denied": "access-denied",
     "unused": UNUSED_INPUT,

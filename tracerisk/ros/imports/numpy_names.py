@@ -1,14 +1,17 @@
 """Names that NumPy has removed, for controllers written for the NumPy of their ROS.
 
-NumPy 1.24 took away `np.int` and its like, 2.0 more. Noetic and Humble come with a NumPy that has
-them, so a controller that uses them works on its robot.
+NumPy 1.24 took away `np.int` and its like, 2.0 more, and 2.4 an argument of `np.save`. Noetic and
+Humble come with a NumPy that has them, so a controller that uses them works on its robot.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
+import inspect
 from collections.abc import Callable, Iterator
 from sys import _getframe
+from types import FrameType
 from typing import Any
 
 from tracerisk.errors import Location
@@ -45,6 +48,8 @@ _RENAMED = {
     "trapz": "trapezoid",
     "mat": "asmatrix",
 }
+_REMOVED_ARGUMENTS = {"save": "fix_imports"}
+"""Arguments that changed nothing in Python 3."""
 
 
 @contextlib.contextmanager
@@ -62,17 +67,40 @@ def removed_numpy_names() -> Iterator[None]:
         if is_library(asker.f_code.co_filename) or not (name in _BUILTINS or renamed in names):
             return own(name)
         text = f"numpy.{renamed}" if renamed else f"the builtin {_BUILTINS[name].__name__}"
-        current().recorder.finding(
-            "removed_name",
-            f"numpy.{name} is gone from the NumPy that is installed here; {text} stands for it, as "
-            f"in the NumPy of older ROS",
-            Location(asker.f_code.co_filename, asker.f_lineno),
-            object_name=f"numpy.{name}",
-        )
+        _note(f"numpy.{name}", f"{text} stands for it", asker)
         return names[renamed] if renamed else _BUILTINS[name]
 
-    names["__getattr__"] = served
+    changed: dict[str, Any] = {"__getattr__": served}
+    for name, argument in _REMOVED_ARGUMENTS.items():
+        if argument not in inspect.signature(names[name]).parameters:
+            changed[name] = _without(names[name], argument)
+    before = {name: names[name] for name in changed}
+    names.update(changed)
     try:
         yield
     finally:
-        names["__getattr__"] = own
+        names.update(before)
+
+
+def _without(function: Callable[..., Any], argument: str) -> Callable[..., Any]:
+    """Return a function that leaves out an argument which it no longer takes."""
+
+    @functools.wraps(function)
+    def called(*values: Any, **named: Any) -> Any:
+        asker = _getframe(1)
+        if argument in named and not is_library(asker.f_code.co_filename):
+            del named[argument]
+            _note(f"argument {argument} of numpy.{function.__name__}", "it is left out", asker)
+        return function(*values, **named)
+
+    return called
+
+
+def _note(what: str, instead: str, asker: FrameType) -> None:
+    current().recorder.finding(
+        "removed_name",
+        f"{what} is gone from the NumPy that is installed here; {instead}, as in the NumPy of "
+        "older ROS",
+        Location(asker.f_code.co_filename, asker.f_lineno),
+        object_name=what,
+    )

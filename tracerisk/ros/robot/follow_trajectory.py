@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.joint_names import JointNames
+from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
@@ -50,11 +51,13 @@ class FollowServer:
         messages: TwinMessages,
         names: JointNames,
         rules: TrajectoryRules,
+        spaces: RobotSpaces,
     ) -> None:
         self._commands = commands
         self._messages = messages
         self._names = names
         self._rules = rules
+        self._spaces = spaces
 
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""
@@ -71,6 +74,8 @@ class FollowServer:
         except TrajectoryRefusedError as error:
             self._refuse(goal, error.code, str(error))
             return
+        if words := self._spaces.other(goal.client.name, trajectory.joints):
+            self._commands.report("one_robot", words, goal.stack, object_name=goal.client.name)
         if self._rules.stop_at_limits:
             trajectory, past = within_limits(trajectory, twin.robot)
             for joint, words in past.items():

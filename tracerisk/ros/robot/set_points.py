@@ -29,6 +29,7 @@ from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.joint_names import JointNames
+from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
@@ -89,6 +90,7 @@ class SetPoints:
         self._declared = runtime.client(DeclaredControllers)
         self._names = runtime.client(JointNames)
         self._rules = runtime.client(TrajectoryRules)
+        self._spaces = runtime.client(RobotSpaces)
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
@@ -157,6 +159,7 @@ class SetPoints:
             if not (is_late and self._is_there(message, _NEARLY)):
                 self._refuse(topic, str(error))
             return
+        self._note_space(topic, trajectory.joints)
         if self._rules.stop_at_limits:
             trajectory, past = within_limits(trajectory, self._twin.robot)
             for joint, words in past.items():
@@ -199,6 +202,7 @@ class SetPoints:
 
     def _command(self, topic: str, joints: tuple[str, ...], values: Array, kind: str) -> None:
         """Bring joints to positions, or move them at velocities, as the topic means its numbers."""
+        self._note_space(topic, joints)
         quantity = self._quantity(topic)
         if quantity == "position":
             self.set_point(topic, joints, values, kind)
@@ -286,6 +290,11 @@ class SetPoints:
             self._go_on_at(topic, tuple(names), np.array(values), "joint_state_velocity")
         else:
             self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
+
+    def _note_space(self, topic: str, joints: Sequence[str]) -> None:
+        if words := self._spaces.other(topic, joints):
+            stack = self._commands.stack()
+            self._commands.report("one_robot", words, stack, object_name=topic)
 
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""
