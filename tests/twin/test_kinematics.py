@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -169,3 +171,39 @@ def test_a_joint_without_stops_is_turned_back_by_whole_turns_where_its_range_end
         assert joint.lower <= found[joint.name] <= joint.upper
     if abs(wanted) < 6.2:
         assert found["joint_1"] == pytest.approx(wanted, abs=0.2), "no way round"
+
+
+def test_a_pose_that_was_out_of_reach_is_not_searched_for_again(panda, monkeypatch):
+    kinematics = Kinematics(panda)
+    searches = []
+    starts = kinematics._starts
+    monkeypatch.setattr(kinematics, "_starts", lambda *given: searches.append(1) or starts(*given))
+    texts = set()
+    for _ in range(2):
+        with pytest.raises(PlanningError) as caught:
+            kinematics.inverse("panda_arm", Pose((2.0, 0.0, 0.0), DOWN))
+        texts.add(caught.value.message)
+    assert (len(searches), len(texts)) == (1, 1)
+    # What was refused for another reason may be accepted later.
+    near = kinematics.forward(panda.initial_state, "panda_link8")
+    for is_clear in (False, True):
+        try:
+            found = kinematics.inverse("panda_arm", near, accept=lambda _: is_clear, restarts=0)  # noqa: B023
+        except PlanningError:
+            found = None
+        assert (found is not None) is is_clear
+
+
+def test_a_group_that_turns_freely_comes_to_the_position_turned_as_near_as_it_may():
+    robot = load_robot("px100")
+    group = replace(robot.group("interbotix_arm"), turns_freely=True)
+    kinematics = Kinematics(replace(robot, groups={**robot.groups, "interbotix_arm": group}))
+    pose = kinematics.forward(robot.initial_state, group.tip_link)
+    x, y, z = pose.position
+    aside = Pose((x, y + 0.05, z), pose.orientation)
+    with pytest.raises(PlanningError):
+        Kinematics(robot).inverse("interbotix_arm", aside)
+    found = kinematics.inverse("interbotix_arm", aside)
+    there = kinematics.forward(found, group.tip_link)
+    assert there.position == pytest.approx(aside.position, abs=2e-4)
+    assert turn_between(there.orientation, aside.orientation) < 0.55

@@ -139,6 +139,36 @@ def test_a_file_without_limits_changes_nothing(tmp_path, text):
     assert chosen(script).robot == rated.robot
 
 
+@pytest.mark.parametrize(
+    ("solver", "is_free"),
+    [
+        ("{position_only_ik: true}", True),
+        ("{kinematics_solver: tiny_limb/IKFastKinematicsPlugin}", True),
+        ("{kinematics_solver: kdl_kinematics_plugin/KDLKinematicsPlugin}", False),
+        ("", False),
+    ],
+)
+def test_groups_whose_solver_is_for_positions_turn_freely(tmp_path, solver, is_free):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    path = folder / "kinematics.yaml"
+    path.write_text(f"limb: {solver}\n")
+    choice = chosen(script)
+    assert choice.robot.group("limb").turns_freely is is_free
+    assert (path in choice.files) is is_free
+
+
+def test_a_file_of_solvers_that_is_none_is_reported_and_not_taken(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    (folder / "kinematics.yaml").write_text("\t- :\n")
+    choice = chosen(script)
+    assert not choice.robot.group("limb").turns_freely
+    assert any("kinematics.yaml:1" in each for each in choice.skipped), choice.skipped
+
+
 def test_an_arm_is_completed_as_the_shipped_one_whose_lengths_come_nearest():
     for name in ("ur3", "ur3e", "ur5", "ur5e", "ur10", "ur10e"):
         known = load_robot(name)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ _TURN = 2 * math.pi
 _MAX_ITERATIONS = 40
 _RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
 _TURN_COST = 0.3  # of a turn that is missed, beside a distance [m/rad]
+_FREE_TURN_COST = 1e-3  # where any turn will do, and the nearest is wanted [m/rad]
+_MOST_KEPT = 10_000  # poses out of reach that are remembered
 _STALLED = 1e-8  # a step this small changes nothing more [rad]
 
 _Miss = tuple[float, float]  # the distance [m] and the turn [rad] from a target
@@ -47,6 +50,7 @@ class Kinematics:
         }
         self._configuration = mink.Configuration(self._model)
         self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
+        self._unreached: dict[Hashable, _Miss] = {}
         self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
 
     def positions(self, given: Mapping[str, float]) -> NDArray[np.float64]:
@@ -138,15 +142,26 @@ class Kinematics:
         members = self._robot.group(group)
         for target in targets:
             self._link(target.link)
+        if members.turns_freely:
+            targets = [replace(target, orientation_tolerance=math.inf) for target in targets]
+        # What no start reaches is out of reach for the next who asks, too.
+        near = tuple((name, round(value, 3)) for name, value in sorted((seed or {}).items()))
+        asked = (group, tuple(targets), near, restarts)
+        if asked in self._unreached:
+            raise self._out_of_reach(group, targets, seed or {}, self._unreached[asked])
         search = _Search(self._configuration, self._limits, self._frozen(members.joints), targets)
         best = (math.inf, math.inf)
+        is_reached = False
         for start in self._starts(group, seed or {}, restarts):
             found, error = search.descend(start)
             if found is not None:
+                is_reached = True
                 reached = self._within_limits(members.joints, found)
                 if accept is None or accept(reached):
                     return reached
             best = min(best, error, key=_cost)
+        if not is_reached and len(self._unreached) < _MOST_KEPT:
+            self._unreached[asked] = best
         raise self._out_of_reach(group, targets, seed or {}, best)
 
     def _out_of_reach(
@@ -226,7 +241,9 @@ class _Search:
         self._frozen = frozen
         self._targets = targets
         self._tasks = [
-            mink.FrameTask(target.link, "body", position_cost=1.0, orientation_cost=_TURN_COST)
+            mink.FrameTask(
+                target.link, "body", position_cost=1.0, orientation_cost=_turn_cost(target)
+            )
             for target in targets
         ]
         for task, target in zip(self._tasks, targets, strict=True):
@@ -268,6 +285,10 @@ class _Search:
             is_near = distance <= target.position_tolerance
             is_there = is_there and is_near and turn <= target.orientation_tolerance
         return max(misses, key=_cost, default=(0.0, 0.0)), is_there
+
+
+def _turn_cost(target: LinkTarget) -> float:
+    return _TURN_COST if math.isfinite(target.orientation_tolerance) else _FREE_TURN_COST
 
 
 def _cost(miss: _Miss) -> float:

@@ -99,10 +99,14 @@ class Attachment:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A planning group: its joints in order, and the link whose pose a goal speaks of."""
+    """A planning group: its joints in order, and the link whose pose a goal speaks of.
+
+    `turns_freely` says that its solver brings the link to positions, turned as near as it may be.
+    """
 
     joints: tuple[str, ...]
     tip_link: str | None
+    turns_freely: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_pr
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.robots.robot_names import Hint, decide
 from tracerisk.twin.urdf.joint_limits import limited_as_beside
+from tracerisk.twin.urdf.solvers import solved_as_beside
 from tracerisk.twin.urdf.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf.tree import NoWholeRobotError
 from tracerisk.twin.urdf.urdf import read_urdf
@@ -173,13 +174,15 @@ class _Search:
     def _limited(
         self, robot: Robot, srdf: DescriptionFile, read: tuple[Path, ...]
     ) -> tuple[Robot, tuple[Path, ...]]:
-        """Return the robot with the limits of the MoveIt package that its SRDF is of."""
-        try:
-            limited, path = limited_as_beside(robot, srdf.path, shown=srdf.shown)
-        except TraceRiskError as error:
-            self._skipped.append(str(error))
-            return robot, read
-        return limited, read if path is None else (*read, path)
+        """Return the robot with the limits and solvers of the MoveIt package of its SRDF."""
+        for as_beside in (limited_as_beside, solved_as_beside):
+            try:
+                robot, path = as_beside(robot, srdf.path, shown=srdf.shown)
+            except TraceRiskError as error:
+                self._skipped.append(str(error))
+                continue
+            read = read if path is None else (*read, path)
+        return robot, read
 
     def _from_srdf(self) -> _Taken | None:
         files = [file for file in self._files if file.is_srdf]
