@@ -19,6 +19,7 @@ from tracerisk.vendors.niryo.actions import ROBOT_MOVE, TOOL
 from tracerisk.vendors.niryo.driver import NiryoRobot
 from tracerisk.vendors.rethink.driver import BaxterDriver
 from tracerisk.vendors.rethink.io_devices import IoDevices
+from tracerisk.vendors.universal_robots.driver import ScriptTopics
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -41,6 +42,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     IoDevices(runtime, messages, commands)
     kortex = KortexDriver(runtime, messages, commands)
     DobotDriver(runtime, messages, commands)
+    ScriptTopics(runtime)
     DoosanController(runtime, messages, commands)
     niryo = NiryoRobot(runtime, messages, commands).actions
     twin.take(

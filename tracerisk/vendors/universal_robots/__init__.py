@@ -1,0 +1,1 @@
+"""Arms of Universal Robots: their driver is described, the programs that they take are read."""
