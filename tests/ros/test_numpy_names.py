@@ -36,7 +36,7 @@ def test_what_numpy_never_had_is_not_there(example):
 
 
 def test_an_argument_that_changes_nothing_may_still_be_given(example):
-    saved = "    np.save('joints.npy', joints, fix_imports=True)\n"
+    saved = "    np.save('joints.npy', joints, fix_imports=True)\n    np.histogram(joints, normed=True)\n"
     program = PROGRAM.replace(
         "    group.go", f"{saved}    assert len(np.load('joints.npy')) == 7\n    group.go"
     )

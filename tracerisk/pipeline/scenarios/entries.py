@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tracerisk.errors import TraceRiskError
@@ -18,6 +18,7 @@ from tracerisk.ros.scenario.marks import MARK
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 
+_ABOVE_M = 0.02  # a thing that is set down comes from above [m]
 _QUATERNION = frozenset("xyzw")
 
 EntryKey = tuple[str, str]
@@ -176,6 +177,41 @@ def without_repeats(entries: Entries) -> Entries:
     for key in repeats:
         del fewer.drafts[key]
     return fewer
+
+
+def set_down_above(entries: Entries) -> Entries | None:
+    """Return entries whose later calls have their poses a little higher; None where none has any.
+
+    What is taken at a pose, and set down at the same one, touches what it lay on.
+    """
+    above = entries.copy()
+    seen: list[tuple[str, Any]] = []
+    is_new = False
+    for key, draft in entries.drafts.items():
+        if key[0] != "calls":
+            continue
+        content = "goal" if draft.need.kind == "goal" else "request"
+        sent = draft.need.type_name, draft.value[content]
+        if sent in seen and (raised := _raised(sent[1])) != sent[1]:
+            words = f"{draft.words}; {_ABOVE_M:g} m above the one before"
+            value = {**draft.value, content: raised}
+            above.drafts[key] = replace(draft, value=value, words=words)
+            is_new = True
+        seen.append(sent)
+    return above if is_new else None
+
+
+def _raised(value: Any) -> Any:
+    """Return a message with the position of each pose in it higher."""
+    if isinstance(value, list):
+        return [_raised(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    made = {key: _raised(each) for key, each in value.items()}
+    place = made.get("position")
+    if isinstance(place, dict) and "orientation" in made and "z" in place:
+        made["position"] = {**place, "z": round(place["z"] + _ABOVE_M, 3)}
+    return made
 
 
 def one_by_one(best: Entries, tried: Entries) -> list[Entries]:

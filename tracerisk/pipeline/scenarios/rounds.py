@@ -29,6 +29,7 @@ from tracerisk.pipeline.scenarios.entries import (
     merged,
     names_own_joints,
     one_by_one,
+    set_down_above,
     useful_drafts,
     without_repeats,
 )
@@ -207,6 +208,9 @@ class Rounds:
         while self._singles:
             ground = self._before if self.best.has_raised else self.best.entries
             yield self._on_top(ground, self._singles.pop(0))
+        above = set_down_above(self.best.entries) if self.best.is_faulted else None
+        if above is not None:
+            yield above
         elsewhere = self._elsewhere(self.best)
         if elsewhere is not None:
             yield elsewhere

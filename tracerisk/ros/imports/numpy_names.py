@@ -1,6 +1,6 @@
 """Names that NumPy has removed, for controllers written for the NumPy of their ROS.
 
-NumPy 1.24 took away `np.int` and its like, 2.0 more, and 2.4 an argument of `np.save`. Noetic and
+NumPy 1.24 took away `np.int` and its like, 2.0 more, and others arguments of functions. Noetic and
 Humble come with a NumPy that has them, so a controller that uses them works on its robot.
 """
 
@@ -48,8 +48,12 @@ _RENAMED = {
     "trapz": "trapezoid",
     "mat": "asmatrix",
 }
-_REMOVED_ARGUMENTS = {"save": "fix_imports"}
-"""Arguments that changed nothing in Python 3."""
+_REMOVED_ARGUMENTS = {
+    "save": ("fix_imports", ""),
+    "histogram": ("normed", "density"),
+    "histogram2d": ("normed", "density"),
+}
+"""Arguments by function, each with what it is called now; empty where it changed nothing."""
 
 
 @contextlib.contextmanager
@@ -71,9 +75,9 @@ def removed_numpy_names() -> Iterator[None]:
         return names[renamed] if renamed else _BUILTINS[name]
 
     changed: dict[str, Any] = {"__getattr__": served}
-    for name, argument in _REMOVED_ARGUMENTS.items():
+    for name, (argument, renamed) in _REMOVED_ARGUMENTS.items():
         if argument not in inspect.signature(names[name]).parameters:
-            changed[name] = _without(names[name], argument)
+            changed[name] = _without(names[name], argument, renamed)
     before = {name: names[name] for name in changed}
     names.update(changed)
     try:
@@ -82,15 +86,18 @@ def removed_numpy_names() -> Iterator[None]:
         names.update(before)
 
 
-def _without(function: Callable[..., Any], argument: str) -> Callable[..., Any]:
-    """Return a function that leaves out an argument which it no longer takes."""
+def _without(function: Callable[..., Any], argument: str, renamed: str) -> Callable[..., Any]:
+    """Return a function for who gives it an argument that it no longer takes."""
 
     @functools.wraps(function)
     def called(*values: Any, **named: Any) -> Any:
         asker = _getframe(1)
         if argument in named and not is_library(asker.f_code.co_filename):
-            del named[argument]
-            _note(f"argument {argument} of numpy.{function.__name__}", "it is left out", asker)
+            value = named.pop(argument)
+            if renamed:
+                named.setdefault(renamed, value)
+            text = f"{renamed} stands for it" if renamed else "it is left out"
+            _note(f"argument {argument} of numpy.{function.__name__}", text, asker)
         return function(*values, **named)
 
     return called
