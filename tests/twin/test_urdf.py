@@ -267,3 +267,23 @@ def test_endless_joints_turn_at_will():
 def test_what_is_no_robot_is_reported_with_its_place(text, message):
     with pytest.raises(RobotError, match=message):
         read_urdf(text, "bad.urdf")
+
+
+def test_a_passive_joint_that_carries_only_a_frame_stands_still_and_is_no_finger():
+    added = """<link name="gripper_frame"/>
+  <joint name="gripper_frame_joint" type="revolute">
+    <origin xyz="0 0 0.1"/><parent link="fore"/><child link="gripper_frame"/><axis xyz="1 0 0"/>
+    <limit lower="-3" upper="3" effort="30" velocity="1"/>
+  </joint>
+</robot>"""
+    text = RATED.replace("</robot>", added)
+    passive = SRDF.replace("</robot>", '<passive_joint name="gripper_frame_joint"/></robot>')
+    passive = passive.replace('tip_link="tool"', 'tip_link="gripper_frame"')
+    tiny = read_urdf(text, "tiny.urdf", srdf=read_srdf(passive, "tiny.srdf"))
+    assert "gripper_frame_joint" not in [joint.name for joint in tiny.joints]
+    assert [gripper.joints for gripper in tiny.grippers] == [
+        ("left_finger_joint", "right_finger_joint")
+    ]
+    (frame,) = (link for link in tiny.links if link.name == "gripper_frame")
+    assert not frame.shapes
+    assert tiny.group("limb").tip_link == "gripper_frame"

@@ -54,6 +54,8 @@ def read_urdf(
     """
     root = read_xml(text, file)
     tree = read_tree(root, file)
+    if srdf is not None:
+        tree = _without_turning_frames(root, tree, srdf)
     read = _links(root, tree, mesh_shape or (lambda _: None))
     return assembled_robot(
         RobotParts(
@@ -65,6 +67,25 @@ def read_urdf(
             srdf=srdf,
         )
     )
+
+
+def _without_turning_frames(root: XmlElement, tree: Tree, srdf: Srdf) -> Tree:
+    """Return the tree with passive joints fixed that carry nothing but a frame: no tool turns."""
+    bodies = {
+        entry.string("name")
+        for entry in root.all("link")
+        if any(True for kind in ("inertial", "collision", "visual") for _ in entry.all(kind))
+    }
+    joints = (
+        replace(joint, moves=False)
+        if joint.moves
+        and joint.name in srdf.passive_joints
+        and joint.child not in bodies
+        and not any(tree.below(joint.child))
+        else joint
+        for joint in tree.joints
+    )
+    return replace(tree, joints=tuple(joints))
 
 
 def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> _Read:
