@@ -72,6 +72,8 @@ pose = scene.get_object_poses(["box"])["box"]
     assert ran["world"] == []
     assert ran["attached"]["box"].link_name == "panda_hand"
     assert ran["attached"]["box"].touch_links == ["panda_leftfinger", "panda_rightfinger"]
+    (shape,) = ran["attached"]["box"].object.primitive_poses
+    assert (shape.position.x, shape.orientation.w) == (0.0, 1.0)
     assert ran["pose"].position.z == pytest.approx(ran["hand"].position.z, abs=2e-4)
 
 

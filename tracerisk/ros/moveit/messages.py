@@ -16,6 +16,7 @@ New = Callable[[str], Any]
 
 SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses")
 """The fields of a moveit_msgs/CollisionObject that hold its shapes."""
+_POSES = tuple(zip(SHAPES[::2], SHAPES[1::2], strict=True))
 
 
 def set_pose(message: Any, pose: Pose) -> None:
@@ -65,7 +66,19 @@ def object_message(new: New, item: SceneObject, frame: str, *, with_shapes: bool
     set_pose(message.pose, item.pose)
     for field in SHAPES if with_shapes else ():
         setattr(message, field, list(getattr(item.message, field)))
+    fill_poses(message, lambda: new("geometry_msgs/Pose"))
     return message
+
+
+def fill_poses(message: Any, new_pose: Callable[[], Any]) -> None:
+    """Give each shape of a CollisionObject a pose, as MoveIt does in what it answers."""
+    for shapes, poses in _POSES:
+        given = list(getattr(message, poses))
+        for _ in getattr(message, shapes)[len(given) :]:
+            pose = new_pose()
+            pose.orientation.w = 1.0
+            given.append(pose)
+        setattr(message, poses, given)
 
 
 def attached_messages(new: New, scene: PlanningScene) -> list[Any]:

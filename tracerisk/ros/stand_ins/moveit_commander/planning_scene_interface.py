@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Pose
 from moveit_msgs.msg import (
     AllowedCollisionEntry,
     AllowedCollisionMatrix,
@@ -17,6 +17,7 @@ from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from tracerisk.errors import one_of
 from tracerisk.geometry.triangle_mesh import read_triangles
+from tracerisk.ros.moveit.messages import fill_poses
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.planning_scene import SceneObject
 from tracerisk.ros.transforms.poses import compose
@@ -311,6 +312,7 @@ class PlanningSceneInterface:
             setattr(described, name, getattr(item.message, name))
         described.header = type(described.header)(frame_id=frame)
         described.pose = _pose_message(item.pose)
+        fill_poses(described, Pose)
         return described
 
     def _apply(self, message: Any) -> None:
