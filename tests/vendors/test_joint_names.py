@@ -162,8 +162,11 @@ def test_joint_states_that_command_know_the_names_too(mast):
 
 def test_a_driver_is_not_that_of_a_robot_without_its_joints(mast):
     mast.write("mast.driver.yaml", DRIVER.replace("mast_", "boom_") + "of_joints: boom_outer\n")
-    reasons = traced(mast, REACH)["verdict"]["reasons"]
+    found = traced(mast, REACH)
+    reasons = found["verdict"]["reasons"]
     assert any("has no joint 'reach'" in each["words"] for each in reasons), reasons
+    messages = [each["message"] for each in found["trace"]["findings"]]
+    assert any("mast.driver.yaml is not in use" in each for each in messages), messages
 
 
 def test_a_name_of_joints_of_which_the_robot_lacks_some_is_reported_with_its_line(mast):

@@ -70,9 +70,10 @@ class DescribedArm:
         self.answers = Answers(driver, self.motion, *queues, state, messages, reading)
 
 
-def is_of_robot(driver: Driver, robot: Robot) -> bool:
-    """Return whether a driver is one of this robot: it has the joints that are named for it."""
-    return {joint.name for joint in robot.joints}.issuperset(driver.of_joints)
+def lacking_joint(driver: Driver, robot: Robot) -> str:
+    """Return a joint that a driver's robots have and this one has not; empty where it is one."""
+    known = {joint.name for joint in robot.joints}
+    return next((joint for joint in driver.of_joints if joint not in known), "")
 
 
 def take_rules(driver: Driver, runtime: Runtime) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.vendors.described_driver import DescribedDriver
-from tracerisk.vendors.described_parts import is_of_robot
+from tracerisk.vendors.described_parts import lacking_joint
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.dobot.driver import DobotDriver
 from tracerisk.vendors.doosan.driver import DoosanController
@@ -35,8 +35,16 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     """
     messages, commands = twin.messages, runtime.client(TwinCommands)
     for driver in (*drivers, *shipped_drivers()):
-        if is_of_robot(driver, runtime.twin.robot):
+        lacking = lacking_joint(driver, runtime.twin.robot)
+        if not lacking:
             DescribedDriver(driver, runtime, messages, twin.set_points)
+        elif driver.origin != "shipped" and runtime.recorder is not None:
+            runtime.recorder.finding(
+                "not_simulated",
+                f"{driver.file} is not in use: it is of robots with the joint '{lacking}', which "
+                f"'{runtime.twin.robot.name}' has not",
+                object_name=driver.name,
+            )
     InterbotixDriver(runtime, messages, commands)
     BaxterDriver(runtime, messages, commands, twin.set_points)
     IoDevices(runtime, messages, commands)
