@@ -256,3 +256,14 @@ def test_a_tree_that_would_take_too_long_as_python_says_how_to_compile_the_loops
         "this installation of tracerisk lacks; with a C compiler at hand, install it anew: "
         "pip install --force-reinstall --no-binary tracerisk tracerisk"
     )
+
+
+def test_a_description_in_sysml_says_which_extra_reads_it(example, light):
+    example.write("cell.sysml", "package Cell {}\n")
+    outcome = light("hardware", "show", "cell.sysml")
+    assert outcome.code == 2
+    assert outcome.err.strip() == (
+        "tracerisk: a hardware description in SysML v2 needs lark; install it: "
+        "pip install 'tracerisk[sysml]'"
+        " [dependency]"
+    )

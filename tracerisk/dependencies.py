@@ -44,10 +44,11 @@ MODULES: Mapping[str, str] = {
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sim": (
-        *("daqp", "dm-control", "etils", "greenlet", "libcst", "mcap", "mink", "mujoco"),
+        *("daqp", "dm-control", "etils", "greenlet", "lark", "libcst", "mcap", "mink", "mujoco"),
         *("numpy", "pillow", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numpy", "scipy"),
+    "sysml": ("lark",),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
     "lsp": ("lsprotocol", "pygls"),
     "film": ("av",),
@@ -61,15 +62,17 @@ SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.ya
 _SIGN = {
     "sim": "mujoco",
     "large": "scipy",
+    "sysml": "lark",
     "cpp": "tree-sitter-cpp",
     "lsp": "pygls",
     "film": "av",
     "dds": "cyclonedds",
 }
-"""The distribution that shows that an extra is installed; `sim` brings all of `large`."""
+"""What shows that an extra is installed; `sim` brings all of `large` and `sysml`."""
 _WHAT = {
     "sim": "the simulator",
     "large": "NumPy and SciPy",
+    "sysml": "lark",
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",
@@ -205,6 +208,8 @@ def error_of(error: ImportError, purpose: str) -> DependencyError | None:
     distribution = distribution_of(error)
     if distribution is None:
         return None
+    if distribution in EXTRAS["sysml"]:
+        return missing_extra("sysml", "a hardware description in SysML v2")
     if distribution in EXTRAS["sim"] and "sim" in missing_extras():
         return missing_extra("sim", purpose)
     if distribution in EXTRAS["large"] and "large" in missing_extras():
