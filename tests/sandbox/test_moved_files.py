@@ -20,7 +20,7 @@ def workspace(tmp_path):
     (arm / "config").mkdir(parents=True)
     (arm / "config" / "poses.yaml").write_text("up: 1\n")
     found: dict[str, str] = {}
-    with MovedFiles({"arm": arm}, found.__setitem__).active():
+    with MovedFiles({"arm": arm}, tmp_path / "clone", found.__setitem__).active():
         yield arm, found
 
 
@@ -54,6 +54,12 @@ def test_what_is_nowhere_stays_so(workspace, path):
     _, found = workspace
     with pytest.raises(FileNotFoundError):
         open(path)  # noqa: PTH123, SIM115
+    assert not found
+
+
+def test_what_lacks_in_the_workspace_itself_is_not_looked_for_in_another_package(workspace):
+    arm, found = workspace
+    assert not (arm.parent / "src" / "arm" / "config" / "poses.yaml").exists()
     assert not found
 
 

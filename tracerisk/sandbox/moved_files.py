@@ -11,6 +11,7 @@ import contextlib
 import functools
 import io
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -22,11 +23,17 @@ _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
 class MovedFiles:
     """The folders of a workspace by the names that they have on every machine.
 
-    `on_found` is called once for each path that was found elsewhere, with both places.
+    What lies below `top`, the folder around all of them, or in this Python's own folders is of
+    this machine. `on_found` is called once for each path that was found elsewhere, with both
+    places.
     """
 
-    def __init__(self, folders: Mapping[str, Path], on_found: Callable[[str, str], None]) -> None:
+    def __init__(
+        self, folders: Mapping[str, Path], top: Path, on_found: Callable[[str, str], None]
+    ) -> None:
         self._folders = {name: str(folder) for name, folder in folders.items()}
+        own = (f"{top}/", f"{sys.prefix}/", f"{sys.base_prefix}/")
+        self._of_here = (*_SYSTEM, *own)
         self._on_found = on_found
         self._found: dict[str, str] = {}
         self._lstat = os.lstat
@@ -43,7 +50,7 @@ class MovedFiles:
         if not isinstance(path, str | os.PathLike):
             return path
         text = os.fspath(path)
-        if not isinstance(text, str) or not text.startswith("/") or text.startswith(_SYSTEM):
+        if not isinstance(text, str) or not text.startswith("/") or text.startswith(self._of_here):
             return path
         if text not in self._found and not self._is_there(text):
             parts = [each for each in text.split("/") if each]

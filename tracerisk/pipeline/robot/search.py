@@ -219,7 +219,8 @@ class _Search:
     def _spoken_of(self) -> Robot | None:
         """Return the shipped robot that comments, launch files or a readme alone speak of."""
         known = {each.name: each for each in shipped_names()}
-        hints = (each for each in robot_hints(self._controller) if each.what not in _ASKED_BEFORE)
+        unasked = {*_ASKED_BEFORE, *(() if self._settings.launch else ("a launch file",))}
+        hints = (each for each in robot_hints(self._controller) if each.what not in unasked)
         verdict = decide(known, known, hints)
         if not verdict.reason:
             return None

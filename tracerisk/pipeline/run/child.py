@@ -54,7 +54,7 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
-from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.pipeline.workspace.workspace import Workspace, project_top
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.drafts.draft import known_answers
 from tracerisk.ros.drafts.usable_values import UsableValues
@@ -398,7 +398,8 @@ def moved_files(root: Path, workspace: Workspace, recorder: Recorder) -> MovedFi
             object_name=path,
         )
 
-    return MovedFiles({root.name: root, **workspace.packages}, found)
+    top = project_top(root)
+    return MovedFiles({root.name: root, **workspace.packages}, top, found)
 
 
 @contextlib.contextmanager
