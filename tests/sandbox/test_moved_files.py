@@ -31,13 +31,13 @@ def workspace(tmp_path):
         f"{THEIRS}/install/arm/share/arm/config/poses.yaml",
     ],
 )
-def test_a_file_is_opened_read_and_listed(workspace, path):
+def test_a_file_is_found_and_read_and_its_folder_is_not(workspace, path):
     arm, found = workspace
     assert os.path.exists(path)  # noqa: PTH110 - as controllers ask
     with open(path) as stream:  # noqa: PTH123
         assert stream.read() == "up: 1\n"
     assert Path(path).read_text() == "up: 1\n"
-    assert os.listdir(os.path.dirname(path)) == ["poses.yaml"]  # noqa: PTH120, PTH208
+    assert not Path(path).parent.exists()
     assert found[path] == str(arm / "config" / "poses.yaml")
 
 
@@ -63,15 +63,17 @@ def test_what_lacks_in_the_workspace_itself_is_not_looked_for_in_another_package
     assert not found
 
 
-def test_what_is_written_goes_beside_what_is_there_and_new_files_stay_where_they_are_meant(
-    workspace, tmp_path
-):
-    arm, _ = workspace
-    Path(f"{THEIRS}/src/arm/config/log.txt").write_text("a line")
-    assert (arm / "config" / "log.txt").read_text() == "a line"
-    (tmp_path / "arm" / "config").mkdir(parents=True)
-    (tmp_path / "arm" / "config" / "poses.yaml").write_text("up: 3\n")
+def test_what_is_written_goes_where_it_is_meant_and_is_read_from_there(workspace, tmp_path):
+    arm, found = workspace
+    with pytest.raises(FileNotFoundError):
+        Path(f"{THEIRS}/src/arm/config/log.txt").write_text("a line")
+    there = tmp_path / "other" / "arm" / "config" / "poses.yaml"
+    assert there.read_text() == "up: 1\n"
+    there.parent.mkdir(parents=True)
+    there.write_text("up: 3\n")
+    assert there.read_text() == "up: 3\n"
     assert (arm / "config" / "poses.yaml").read_text() == "up: 1\n"
+    assert list(found) == [str(there)]
 
 
 def test_what_is_there_is_taken_as_it_is(workspace, tmp_path):

@@ -1,7 +1,8 @@
 """Files that a controller names by a path of its author's machine, found in the workspace here.
 
 Such a path ends with a package and what lies in it: `/home/ann/ws/src/arm_description/arm.urdf`.
-Where it leads to nothing, the package of that name in the workspace is looked into.
+Where it leads to nothing, the package of that name in the workspace is looked into. Folders stay
+as they are: who finds one lacking makes it, or looks elsewhere.
 """
 
 from __future__ import annotations
@@ -11,12 +12,13 @@ import contextlib
 import functools
 import io
 import os
+import stat
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-_LOOKED_AT = ("stat", "lstat", "access", "listdir", "scandir", "open")
+_LOOKED_AT = ("stat", "lstat", "access", "open")
 _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
 
 
@@ -36,33 +38,41 @@ class MovedFiles:
         self._of_here = (*_SYSTEM, *own)
         self._on_found = on_found
         self._found: dict[str, str] = {}
-        self._lstat = os.lstat
+        self._stat, self._lstat = os.stat, os.lstat
 
-    def _is_there(self, path: str) -> bool:
+    def _is_there(self, path: str, *, as_file: bool = False) -> bool:
         try:
-            self._lstat(path)
+            found = self._stat(path) if as_file else self._lstat(path)
         except (OSError, ValueError):
             return False
-        return True
+        return not as_file or stat.S_ISREG(found.st_mode)
 
     def place(self, path: Any) -> Any:
-        """Return where to look for a path: itself, if it is there or nothing here is like it."""
+        """Return where to read a file: at its path, if it is there or nothing here is like it."""
         if not isinstance(path, str | os.PathLike):
             return path
         text = os.fspath(path)
         if not isinstance(text, str) or not text.startswith("/") or text.startswith(self._of_here):
             return path
-        if text not in self._found and not self._is_there(text):
-            parts = [each for each in text.split("/") if each]
-            # `share/arm/config` lies below another folder `arm` of an installation.
-            for index in range(len(parts) - 1, 0, -1):
-                folder = self._folders.get(parts[index])
-                here = folder and "/".join((folder, *parts[index + 1 :]))
-                if here and here != text and self._is_there(here):
-                    self._found[text] = here
-                    self._on_found(text, here)
-                    break
-        return self._found.get(text, path)
+        if self._is_there(text):
+            return path
+        if text not in self._found:
+            here = self._here(text)
+            if here is None:
+                return path
+            self._found[text] = here
+            self._on_found(text, here)
+        return self._found[text]
+
+    def _here(self, text: str) -> str | None:
+        parts = [each for each in text.split("/") if each]
+        # `share/arm/config` lies below another folder `arm` of an installation.
+        for index in range(len(parts) - 1, 0, -1):
+            folder = self._folders.get(parts[index])
+            here = "/".join((folder or "", *parts[index + 1 :]))
+            if folder and self._is_there(here, as_file=True):
+                return here
+        return None
 
     @contextlib.contextmanager
     def active(self) -> Iterator[None]:
@@ -79,20 +89,12 @@ class MovedFiles:
 
     def _looking(self, real: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(real)
-        def looking(path: Any = ".", *args: Any, **more: Any) -> Any:
+        def looking(path: Any, *args: Any, **more: Any) -> Any:
             how = args[0] if args else more.get("mode", more.get("flags", ""))
             is_written = real.__name__ == "open" and _writes(how)
-            return real(self._target(path) if is_written else self.place(path), *args, **more)
+            return real(path if is_written else self.place(path), *args, **more)
 
         return looking
-
-    def _target(self, path: Any) -> Any:
-        """Return where to write: what is new stays where it is meant, if its folder is there."""
-        if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
-            return path
-        folder, name = os.path.split(os.fspath(path))
-        there = self.place(folder)
-        return path if there == folder else f"{there}/{name}"
 
 
 def _writes(how: object) -> bool:
