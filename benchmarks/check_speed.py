@@ -1,12 +1,13 @@
 """How long `tracerisk check` and `diff` take, beside an empty Python and ruff on the same files.
 
-    python benchmarks/check_speed.py [--files N] [--repeat N]
+    python benchmarks/check_speed.py [--files N] [--repeat N] [--python ENV/bin/python]
 
 One annotated controller, then N of them (1,000) below one lock; and `diff` of one of them, then
 of all, changed since the last commit. Each figure is the median of a few runs of the whole command
 in its own process, all made in this run: wall time, and processor time, which the load of the
 machine changes less. A first run that does not count compiles our modules, as an installation
-does, whatever the environment says of bytecode. What is asked of them: one file at most 5 times an
+does, whatever the environment says of bytecode. `--python` is that of another environment, such as
+one with a wheel: an editable installation, and `python -m`, take some ms of their own. What is asked of them: one file at most 5 times an
 empty Python, 1,000 at most 5 times `ruff check --select ALL` of the same files, `diff` of 1,000
 changed ones at most 5 s.
 """
@@ -120,17 +121,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--files", type=int, default=1000)
     parser.add_argument("--repeat", type=int, default=5)
+    parser.add_argument("--python", type=Path, default=Path(sys.executable))
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as compiled:
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         os.environ["PYTHONPYCACHEPREFIX"] = compiled
-        measure(options.files, options.repeat)
+        measure(options.files, options.repeat, options.python)
 
 
-def measure(files: int, repeat: int) -> None:
+def measure(files: int, repeat: int, interpreter: Path) -> None:
     """Print the times for one controller, then for `files` of them."""
-    python = [sys.executable, "-c", "pass"]
-    check = [sys.executable, "-m", "tracerisk", "check", "-q"]
+    python = [str(interpreter), "-c", "pass"]
+    tracerisk = str(interpreter.with_name("tracerisk"))
+    check = [tracerisk, "check", "-q"]
     ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
     print(f"{'files':>6} {'wall':>9} {'processor':>9}  [s, medians]")
     for count in (1, files):
@@ -151,7 +154,7 @@ def measure(files: int, repeat: int) -> None:
             assert len(json.loads(done.stdout)["fresh"]) == count
             commit(folder)
             for number in dict.fromkeys((1, count)):
-                times = changed_since_commit(folder, number, repeat)
+                times = changed_since_commit(tracerisk, folder, number, repeat)
                 print(f"{count:6d} {times}  diff, {number} changed")
 
 
@@ -162,12 +165,12 @@ def commit(folder: Path) -> None:
         subprocess.run(["git", *words], cwd=folder, check=True, capture_output=True)
 
 
-def changed_since_commit(folder: Path, number: int, repeat: int) -> Times:
+def changed_since_commit(tracerisk: str, folder: Path, number: int, repeat: int) -> Times:
     """Return the times of `tracerisk diff` where one figure of some controllers changed."""
     for index in range(number):
         changed = folder / f"controller_{index:04d}.py"
         changed.write_bytes(changed.read_bytes().replace(b"9.5e-08", b"1.9e-07", 1))
-    command = [sys.executable, "-m", "tracerisk", "diff"]
+    command = [tracerisk, "diff"]
     done = subprocess.run([*command, "--json"], cwd=folder, check=True, capture_output=True)
     assert len(json.loads(done.stdout)["controllers"]) == number
     return median(command, folder, repeat)
