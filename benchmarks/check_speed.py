@@ -7,9 +7,9 @@ of all, changed since the last commit. Each figure is the median of a few runs o
 in its own process, all made in this run: wall time, and processor time, which the load of the
 machine changes less. A first run that does not count compiles our modules, as an installation
 does, whatever the environment says of bytecode. `--python` is that of another environment, such as
-one with a wheel: an editable installation, and `python -m`, take some ms of their own. What is asked of them: one file at most 5 times an
-empty Python, 1,000 at most 5 times `ruff check --select ALL` of the same files, `diff` of 1,000
-changed ones at most 5 s.
+one with a wheel: an editable installation, and `python -m`, take some ms of their own. What is
+asked of them: one file at most 5 times an empty Python, 1,000 at most 5 times
+`ruff check --select ALL` of the same files, `diff` of 1,000 changed ones at most 5 s.
 """
 
 from __future__ import annotations
