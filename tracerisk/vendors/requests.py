@@ -134,7 +134,8 @@ class Request:
         return is_message(raw[0]) or hasattr(raw[0], "__len__")
 
     def _goal(self, value: Value, raw: Any, names: Sequence[str] | None, factor: float) -> Goal:
-        if is_of_ros(raw):
+        is_si = is_of_ros(raw)
+        if is_si:
             # JointState and its like have names and numbers beside one another, in SI units.
             factor, named = 1.0, getattr(raw, "name", None) or getattr(raw, "joint_names", None)
             names = [str(each) for each in named] if named else names
@@ -144,7 +145,7 @@ class Request:
             raise PlanningError("bad_request", f"{value.key} holds no numbers of joints")
         if not all(math.isfinite(each) for each in found):
             raise PlanningError("bad_request", f"{value.key} holds a number that is not finite")
-        if factor == 1.0 and not is_of_ros(raw) and not value.unit:
+        if not is_si and not value.unit:
             self._look_at("angle", found)
         scaled = [each * factor for each in found]
         if not names:

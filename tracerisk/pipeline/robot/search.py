@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
 from tracerisk.config import Settings
@@ -15,7 +14,7 @@ from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import find_workspace, named_packages
+from tracerisk.pipeline.workspace.workspace import find_workspace, imported_names, named_packages
 from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.index import shipped_names
@@ -85,7 +84,6 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
     return RobotChoice(equipped(replace(robot, chosen_by=origin), asked.whole), files=(found[1],))
 
 
-_IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 # What these say of the robot has been weighed in other ways.
 _ASKED_BEFORE = frozenset({"a program beside it", "the package's manifest"})
 
@@ -139,15 +137,11 @@ class _Search:
                 "; put what is missing into the workspace, mend the file, or say with --robot "
                 "which robot it is: a file, a shipped one, or generic for a stand-in"
             )
-        spoken_of = self._of_driver() or self._spoken_of()
-        if spoken_of is not None:
-            return self._shipped(spoken_of)
-        return self._shipped(
-            replace(
-                generic_arm(self._asked.names),
-                chosen_by="a stand-in for the robot, which is not known: name it with --robot",
-            )
+        generic = replace(
+            generic_arm(self._asked.names),
+            chosen_by="a stand-in for the robot, which is not known: name it with --robot",
         )
+        return self._shipped(self._of_driver() or self._spoken_of() or generic)
 
     def _in_workspace(self, strings: tuple[str, ...]) -> WorkspaceRobot:
         root = self._controller.root
@@ -199,14 +193,14 @@ class _Search:
 
     def _of_driver(self) -> Robot | None:
         """Return the robot of the one driver whose messages the controller imports."""
-        imported = set(_IMPORTED.findall(self._asked.whole.source))
+        imported = imported_names(self._asked.whole.source.decode(errors="replace"))
         drivers = read_drivers(
             driver_files(self._controller.root, self._settings), self._controller.root
         )
         found = {
             each.robot: each
             for each in (*shipped_drivers(), *drivers)
-            if each.robot is not None and imported & {name.encode() for name in each.packages}
+            if each.robot is not None and imported & set(each.packages)
         }
         if len(found) != 1:
             return None

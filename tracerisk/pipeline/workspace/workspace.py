@@ -152,6 +152,11 @@ def declared_needs(root: Path) -> tuple[str, ...]:
     return tuple(_NEED.findall(text))
 
 
+def imported_names(source: str) -> set[str]:
+    """Return the first part of each module that the lines of a source import."""
+    return set(_IMPORT.findall(source))
+
+
 def project_top(root: Path) -> Path:
     """Return the folder whose files belong to one project with the controller in `root`."""
     root = root.resolve()
@@ -215,7 +220,7 @@ def _needs_of(folder: Path) -> list[str]:
         name
         for module in modules
         if module.is_file()
-        for name in _IMPORT.findall(module.read_text(encoding="utf-8", errors="replace"))
+        for name in imported_names(module.read_text(encoding="utf-8", errors="replace"))
     }
     return [*declared_needs(folder), *sorted(imported)]
 

@@ -15,7 +15,13 @@ from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
 from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import BOX, UsableValues, is_on
-from tracerisk.ros.messages.fields import fields_of, type_of
+from tracerisk.ros.messages.fields import (
+    action_parts,
+    fields_of,
+    goal_class,
+    service_parts,
+    type_of,
+)
 from tracerisk.ros.messages.pictures import PICTURE
 from tracerisk.source.compared_values import (
     compared_in_callback,
@@ -469,38 +475,3 @@ _ENTRIES = {
     "parameter": _parameter,
     "command": _command,
 }
-
-
-def service_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
-    """Return the classes of a service's request and response, of either ROS.
-
-    Raises:
-        InputError: no such service is known.
-    """
-    found = interfaces.service(type_name)
-    if hasattr(found, "_request_class"):
-        return found._request_class, found._response_class
-    return found.Request, found.Response
-
-
-def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
-    """Return the classes of an action's result and feedback, of either ROS.
-
-    Raises:
-        InputError: no such action is known.
-    """
-    if hasattr(interfaces, "action"):
-        found = interfaces.action(type_name)
-        return found.Result, found.Feedback
-    return interfaces.message(f"{type_name}Result"), interfaces.message(f"{type_name}Feedback")
-
-
-def goal_class(interfaces: Any, type_name: str) -> Any:
-    """Return the class of an action's goal, of either ROS.
-
-    Raises:
-        InputError: no such action is known.
-    """
-    if hasattr(interfaces, "action"):
-        return interfaces.action(type_name).Goal
-    return interfaces.message(f"{type_name}Goal")

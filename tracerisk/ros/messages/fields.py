@@ -1,4 +1,4 @@
-"""The fields of message classes of either ROS, by one set of words."""
+"""The fields of message classes of either ROS, and the parts of interfaces, by one set of words."""
 
 from __future__ import annotations
 
@@ -104,3 +104,38 @@ def snake_case(name: str) -> str:
     """Return a type's name as rosidl names its module: `pose_stamped` of `PoseStamped`."""
     split = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
     return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split).lower()
+
+
+def service_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
+    """Return the classes of a service's request and response, of either ROS.
+
+    Raises:
+        InputError: no such service is known.
+    """
+    found = interfaces.service(type_name)
+    if hasattr(found, "_request_class"):
+        return found._request_class, found._response_class
+    return found.Request, found.Response
+
+
+def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
+    """Return the classes of an action's result and feedback, of either ROS.
+
+    Raises:
+        InputError: no such action is known.
+    """
+    if hasattr(interfaces, "action"):
+        found = interfaces.action(type_name)
+        return found.Result, found.Feedback
+    return interfaces.message(f"{type_name}Result"), interfaces.message(f"{type_name}Feedback")
+
+
+def goal_class(interfaces: Any, type_name: str) -> Any:
+    """Return the class of an action's goal, of either ROS.
+
+    Raises:
+        InputError: no such action is known.
+    """
+    if hasattr(interfaces, "action"):
+        return interfaces.action(type_name).Goal
+    return interfaces.message(f"{type_name}Goal")

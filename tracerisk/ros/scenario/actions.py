@@ -7,10 +7,10 @@ from functools import partial
 from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
-from tracerisk.ros.drafts.draft import action_parts
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.fields import action_parts
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import GoalScript, ServedAction
 from tracerisk.ros.scenario.schedule import Schedule

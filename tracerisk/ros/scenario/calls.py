@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
-from tracerisk.ros.drafts.draft import goal_class, service_parts
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.fields import goal_class, service_parts
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import full_name, interface_type, written_at
 from tracerisk.ros.scenario.schedule import Schedule

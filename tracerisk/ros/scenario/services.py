@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
-from tracerisk.ros.drafts.draft import service_parts
 from tracerisk.ros.graph.graph import ServiceFailedError
 from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.messages.fields import type_of
+from tracerisk.ros.messages.fields import service_parts, type_of
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import Served
 from tracerisk.ros.scenario.topics import NODE

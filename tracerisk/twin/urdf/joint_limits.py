@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from tracerisk.errors import RobotError
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.robots.robot import Joint, Robot, Scaling
 from tracerisk.twin.urdf.assembly import ASSUMED_ACCELERATION
+from tracerisk.twin.urdf.srdf import yaml_beside
 
 NAME = "joint_limits.yaml"
 _UNBOUNDED = 1.0  # what MoveIt's time parameterization takes where a joint has no limit
@@ -25,14 +25,10 @@ def limited_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, P
     Raises RobotError with file and line for a factor outside (0, 1], a limit that is not a positive
     number, or a file that is not YAML.
     """
-    beside = (
-        (each.with_name(NAME), each.parent.parent / "config" / NAME) for each in (srdf, Path(shown))
-    )
-    found = next((pair for pair in zip(*beside, strict=True) if pair[0].is_file()), None)
+    found = yaml_beside(srdf, NAME, shown=shown)
     if found is None:
         return robot, None
-    path, place = found
-    top = read_yaml(path, RobotError, shown=str(place), version=(1, 1))
+    top, path = found
     limits = top.optional_map("joint_limits") if top.get("joint_limits") is not None else None
     given = {} if limits is None else dict(limits.items_as_maps())
     limited = replace(

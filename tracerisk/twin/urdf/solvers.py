@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from tracerisk.errors import RobotError
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.robots.robot import Group, Robot
+from tracerisk.twin.urdf.srdf import yaml_beside
 
 NAME = "kinematics.yaml"
 _ALL_AXES = 6  # joints that it takes to bring a link to any pose
@@ -23,14 +23,10 @@ def solved_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, Pa
     `shown` is the SRDF's name for messages.
     Raises RobotError with file and line for a file that is not YAML.
     """
-    beside = (
-        (each.with_name(NAME), each.parent.parent / "config" / NAME) for each in (srdf, Path(shown))
-    )
-    found = next((pair for pair in zip(*beside, strict=True) if pair[0].is_file()), None)
+    found = yaml_beside(srdf, NAME, shown=shown)
     if found is None:
         return robot, None
-    path, place = found
-    top = read_yaml(path, RobotError, shown=str(place), version=(1, 1))
+    top, path = found
     groups = {
         name: replace(group, turns_freely=True)
         if isinstance(top.get(name), dict) and _is_of_positions(top.map(name), group)

@@ -113,7 +113,7 @@ class IncludeLaunchDescription(Action):
 
 
 def _places(path: Path, place: str) -> dict[str, str]:
-    """Return the local values that say where a launch file is: `place`, if there is no file."""
+    """Return the path and folder of a launch file as launch names them; `place` without a file."""
     is_file = path.is_absolute()
     return {
         "current_launch_file_path": str(path) if is_file else place,
