@@ -380,7 +380,7 @@ def warm_up(paths: list[Path]) -> None:
     """Load what a process that has solved a tree before has."""
     tree, values = read(paths[0])
     pairs = {event.name: Probability.of(values[event.parameter]) for event in tree.events}
-    SharedTree(tree, Limits(small_nodes=0)).probability(pairs)
+    SharedTree(tree, Limits()).probability(pairs)
 
 
 if __name__ == "__main__":

@@ -237,7 +237,7 @@ def test_the_python_api_raises_the_same(python, tmp_path, monkeypatch, program, 
 
 def test_a_large_tree_has_the_same_figures_without_the_compiled_loops(python):
     program = TANGLED + (
-        "shared = SharedTree(tree, Limits(small_nodes=50))\n"
+        "shared = SharedTree(tree, Limits())\n"
         "print(repr(shared.probability(pairs)), max(d.size for d in shared.diagrams.values()))\n"
         "print(minimal_cut_sets(tree).count_by_order())\n"
     )
@@ -250,7 +250,7 @@ def test_a_large_tree_has_the_same_figures_without_the_compiled_loops(python):
 
 
 def test_a_tree_that_would_take_too_long_as_python_says_how_to_compile_the_loops(python):
-    program = TANGLED + "SharedTree(tree, Limits(nodes=(60, 600_000), small_nodes=50))"
+    program = TANGLED + "SharedTree(tree, Limits(nodes=(60, 600_000)))"
     assert python(UNCOMPILED + program).stderr.splitlines()[-1] == (
         "tracerisk.errors.DependencyError: a tree of this size needs the compiled loops, which "
         "this installation of tracerisk lacks; with a C compiler at hand, install it anew: "

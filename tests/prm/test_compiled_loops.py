@@ -60,7 +60,7 @@ def figures(tree):
     pairs = {event.name: Probability.of(source.uniform(0.0, 0.4)) for event in tree.events}
     half = {name: Probability.of(pair.p / 2) for name, pair in pairs.items()}
     solver = SharedTree(tree)
-    limits = Limits(nodes=(20,), small_nodes=0, bound_nodes=30)
+    limits = Limits(nodes=(20,), bound_nodes=30)
     sets = minimal_cut_sets(tree, max_order=6)
     values = {name: pair.p for name, pair in pairs.items()}
     numbers = [

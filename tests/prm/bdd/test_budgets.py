@@ -31,7 +31,7 @@ def tangled():
 
 def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled):
     with pytest.raises(TooLargeError) as caught:
-        SharedTree(tangled, Limits(nodes=(1_000, 3_000), small_nodes=200))
+        SharedTree(tangled, Limits(nodes=(1_000, 3_000)))
     message = str(caught.value)
     assert message.startswith("fault tree 'top': a part of ")
     assert "outgrew every budget of its decision diagram: 1000, 3000 nodes" in message
@@ -42,7 +42,7 @@ def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled
 
 
 def test_the_least_budget_that_fits_is_enough(tangled):
-    limits = Limits(nodes=(1_000, 2_000_000), small_nodes=200)
+    limits = Limits(nodes=(1_000, 2_000_000))
     found = SharedTree(tangled, limits).probability(
         {event.name: Probability.of(0.25) for event in tangled.events}
     )
@@ -54,9 +54,7 @@ def test_the_least_budget_that_fits_is_enough(tangled):
 def test_bounds_hold_the_probability_between_them(tangled, p, bound_nodes):
     pairs = {event.name: Probability.of(p) for event in tangled.events}
     exact = SharedTree(tangled).probability(pairs).p
-    lower, upper = tree_bounds(
-        tangled, pairs, Limits(nodes=(1_000,), small_nodes=0, bound_nodes=bound_nodes)
-    )
+    lower, upper = tree_bounds(tangled, pairs, Limits(nodes=(1_000,), bound_nodes=bound_nodes))
     assert lower <= exact <= upper
     assert lower < upper
 
@@ -65,7 +63,7 @@ def test_bounds_by_diagrams_that_need_no_thinning_are_the_probability():
     tree = tangled_tree(20, 15)
     pairs = {event.name: Probability.of(0.25) for event in tree.events}
     exact = SharedTree(tree).probability(pairs).p
-    limits = Limits(nodes=(100,), small_nodes=0, bound_nodes=5_000)
+    limits = Limits(nodes=(100,), bound_nodes=5_000)
     assert tree_bounds(tree, pairs, limits) == pytest.approx((exact, exact), rel=1e-13)
 
 
@@ -74,13 +72,13 @@ def test_bounds_hold_for_a_tree_that_is_not_coherent(tangled):
     tree = FaultTree("odd", (odd, *tangled.gates), tangled.events)
     pairs = {event.name: Probability.of(0.3) for event in tree.events}
     exact = SharedTree(tree).probability(pairs).p
-    lower, upper = tree_bounds(tree, pairs, Limits(nodes=(1_000,), small_nodes=0, bound_nodes=300))
+    lower, upper = tree_bounds(tree, pairs, Limits(nodes=(1_000,), bound_nodes=300))
     assert lower < exact < upper
 
 
 def test_the_error_says_the_bounds(tangled):
     pairs = {event.name: Probability.of(0.25) for event in tangled.events}
-    limits = Limits(nodes=(1_000,), small_nodes=0, bound_nodes=1_000)
+    limits = Limits(nodes=(1_000,), bound_nodes=1_000)
     with pytest.raises(TooLargeError) as caught:
         SharedTree(tangled, limits)
     error = with_bounds(caught.value, tangled, pairs, limits)
@@ -115,5 +113,5 @@ def test_bounds_keep_the_complement_of_a_part_that_nearly_always_happens():
     pairs = {event.name: Probability.of(1e-6) for event in events}
     exact = SharedTree(tree).probability(pairs).p
     assert exact < 1e-20
-    limits = Limits(nodes=(10,), small_nodes=0, bound_nodes=1_000)
+    limits = Limits(nodes=(10,), bound_nodes=1_000)
     assert tree_bounds(tree, pairs, limits) == pytest.approx((exact, exact), rel=1e-12)

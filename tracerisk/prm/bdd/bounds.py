@@ -16,7 +16,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Limits, build_diagram, local_of, module_pair
+from tracerisk.prm.bdd.diagram import (
+    DEFAULT_LIMITS,
+    Limits,
+    build_diagram,
+    local_of,
+    module_pair,
+    store_for,
+)
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
 from tracerisk.prm.bdd.modules import Module, grouped, modules
@@ -33,7 +40,7 @@ ALWAYS, NEVER = 0, 1
 """The edges of the constants."""
 
 _MOST_CORNERS = 16
-_BUDGETS = 3
+_BUDGETS = 4
 """How many of the budgets of nodes are tried before a module's bounds are taken."""
 
 
@@ -121,12 +128,11 @@ class _Thinning:
         self._gates = len(self._local.offsets) - 1
         # Two edges for each gate, and one for what is being joined.
         self._edges = self._loops.listed([-1] * (2 * self._gates + 1))
-        self._nodes = integers(4 * store)
-        self._table = integers(2 * (1 << (store - 1).bit_length()))
-        self._cache = integers(3 * (1 << (store - 1).bit_length()))
+        self._store = store_for(store, self._loops)
         self._frames = integers(6 * (self._levels + 2))
-        self._used = integers(2)
-        self._number = integers(store)
+        # All of the store is in use from the first: what is thinned out needs room at once.
+        self._used = self._loops.listed([0, 0, store])
+        self._most_used = store // 2
         self._scratch: tuple[Any, ...] = (
             floats(store),
             floats(store),
@@ -179,25 +185,21 @@ class _Thinning:
     def _conjoin(self, literal: int, side: int) -> None:
         """Join a function into the last edge."""
         last = 2 * self._gates
-        for _ in range(2):
-            made = self._loops.build(
-                self._levels,
-                last,
-                self._loops.listed([0, 2]),
-                self._loops.listed([2 * (self._levels + last), literal]),
-                self._edges,
-                self._nodes,
-                self._table,
-                self._cache,
-                self._frames,
-                self._used,
-            )
-            if made != OUT_OF_NODES:
-                self._thin(side)
-                return
-            self._tidy()
-        # Too large even for a tidy store: never happens, or whenever those joined before do.
-        if side == LOWER:
+        made = self._loops.build(
+            self._levels,
+            last,
+            self._loops.listed([0, 2]),
+            self._loops.listed([2 * (self._levels + last), literal]),
+            self._loops.listed([]),
+            self._edges,
+            *self._store,
+            self._frames,
+            self._used,
+        )
+        if made != OUT_OF_NODES:
+            self._thin(side)
+        # Too large for the store: never happens, or whenever those joined before do.
+        elif side == LOWER:
             self._edges[-1] = NEVER
 
     def _thin(self, side: int) -> None:
@@ -206,8 +208,7 @@ class _Thinning:
         found = self._loops.thinned(
             edge ^ side,
             self._most,
-            self._nodes,
-            self._table,
+            *self._store[:2],
             self._p,
             self._q,
             happens,
@@ -220,20 +221,18 @@ class _Thinning:
             self._tidy()
             found = NEVER
         self._edges[-1] = found ^ side
-        if self._used[0] > len(self._number) // 2:
+        if self._used[0] > self._most_used:
             self._tidy()
 
     def _tidy(self) -> None:
         """Give up the nodes that no edge needs."""
-        self._loops.collect(
-            self._edges, self._nodes, self._table, self._cache, self._number, self._used
-        )
+        self._loops.collect(self._edges, *self._store, self._used)
 
     def _probability(self, edge: int) -> tuple[float, float]:
         count = int(self._used[0])
         number = self._loops.integers(count)
         level, low, high = (self._loops.integers(count) for _ in range(3))
-        kept = self._loops.extract(edge, count, self._nodes, number, level, low, high)
+        kept = self._loops.extract(edge, count, self._store[0], number, level, low, high)
         happens, fails = self._loops.floats(kept), self._loops.floats(kept)
         self._loops.sweep(level[:kept], low[:kept], high[:kept], self._p, self._q, happens, fails)
         pair = float(happens[kept - 1]), float(fails[kept - 1])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
+from tracerisk.prm.bdd.orders import FORCE, Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
 from tracerisk.records import dataclass
@@ -24,16 +25,14 @@ class Limits:
 
     `nodes` are the budgets of nodes for one module's diagram, tried in turn with several orders
     of its events; a node takes about 40 bytes while the diagram is built.
-    `small_nodes` is the budget before all those, which only the orders by walks are given (0:
-    none), `pairs` the most pairs of nodes kept for a difference, 16 bytes each, and
-    `samples_bytes` what the sweep of many samples holds at once.
+    `pairs` is the most pairs of nodes kept for a difference, 16 bytes each, and `samples_bytes`
+    what the sweep of many samples holds at once.
     `bound_nodes` is the size of the diagrams by which bounds are found where no budget suffices.
     `swapped` lets each two neighbours of an order change places, which gives a second diagram to
     check a first by.
     """
 
-    nodes: tuple[int, ...] = (32_000, 120_000, 500_000, 2_000_000, 8_000_000, 25_000_000)
-    small_nodes: int = 2_000
+    nodes: tuple[int, ...] = (2_000, 8_000, 128_000, 512_000, 2_000_000, 8_000_000, 25_000_000)
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
     bound_nodes: int = 20_000
@@ -42,10 +41,12 @@ class Limits:
 
 DEFAULT_LIMITS = Limits()
 
-_MOST_PLAIN = 500_000
+_MOST_PLAIN = 512_000
 """The largest budget that is tried where the loops are not compiled: some minutes."""
 _GO_ON = 2
-"""How many walks, and how many orders by FORCE, go on after the first budget; later, one each."""
+"""How many walks, and how many orders by FORCE, go on after the second budget; later, one each."""
+_NEARLY = 0.95
+"""The part of its literals after which an order has come nearly all the way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,50 +234,62 @@ def module_pair(
 def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
     """Return a module's diagram, by the first order that fits the least budget that any fits.
 
-    The first budget is given to the orders by walks and, where none fits, to those by FORCE;
-    after each, those of either kind that came farthest go on, the farthest first.
+    Orders by FORCE join those by walks where none of them fits the second budget; after that,
+    those that came farthest go on, the farthest first.
     Raises TooLargeError when none fits the last budget, DependencyError when none fits what is
     tried without the compiled loops, and there are none.
     """
     loops = fastest_loops()
-    walked: dict[str, Order] = {}
+    orders: dict[str, Order] = {}
     trials: dict[str, _Local] = {}
-    for name, order in _orders(walked_orders(graph, module), limits):
-        if order in walked.values():
-            continue
-        walked[name] = order
-        trials[name] = local_of(graph, module, order)
-        if limits.small_nodes:
-            found, _ = _built(trials[name], limits.small_nodes, loops)
-            if found is not None:
-                return found
     reached: dict[str, int] = {}
-    for number, budget in enumerate(limits.nodes):
-        if loops.sweep_many is None and budget > _MOST_PLAIN:
-            raise no_library("a tree of this size")
-        for name, local in trials.items():
-            found, reached[name] = _built(local, budget, loops)
-            if found is not None:
-                return found
+
+    def joining(named: Iterable[tuple[str, Order]]) -> Iterator[tuple[str, _Local]]:
+        for name, order in named:
+            is_new = order not in orders.values()
+            orders[name] = order
+            if is_new:
+                yield name, local_of(graph, module, _swapped(order) if limits.swapped else order)
+
+    drawn_from = min(1, len(limits.nodes) - 1)
+    given: dict[str, int] = {}  # how many of the budgets each order has been through
+    stores: list[tuple[Any, Any, Any]] = []
+    budgets = limits.nodes
+    if loops.sweep_many is None:
+        budgets = tuple(budget for budget in budgets if budget <= _MOST_PLAIN)
+    for number in range(len(budgets)):
+        going = [iter(trials.items())]
         if number == 0:
-            known = {*walked.values()}
-            for name, order in _orders(drawn_orders(graph, module), limits):
-                if order in known:
-                    continue
-                known.add(order)
-                trials[name] = local_of(graph, module, order)
-                found, reached[name] = _built(trials[name], budget, loops)
+            going.append(joining(walked_orders(graph, module)))
+        if number == drawn_from:
+            going.append(joining(drawn_orders(graph, module, orders, loops)))
+        joined = {}
+        for name, local in chain(*going):
+            joined[name] = local
+            # One that has come nearly all the way is given the next budget at once.
+            while given.get(name, 0) <= number or (
+                given[name] == number + 1 < len(budgets)
+                and reached[name] > _NEARLY * len(local.literals)
+            ):
+                at = max(number, given.get(name, 0))
+                given[name] = at + 1
+                if at == len(stores):
+                    stores.append(store_for(budgets[at], loops))
+                found, reached[name] = _built(local, stores[at], loops)
                 if found is not None:
                     return found
-        # FORCE comes far early and can then stand still, so that one of each kind stays.
-        ranked = sorted(trials, key=lambda name: -reached[name])
-        kept = 1 if number else _GO_ON
-        kinds = (
-            [name for name in ranked if name in walked],
-            [name for name in ranked if name not in walked],
-        )
-        going = {*kinds[0][:kept], *kinds[1][:kept]}
-        trials = {name: trials[name] for name in ranked if name in going}
+        ranked = sorted(joined, key=lambda name: -reached[name])
+        if number >= drawn_from:
+            kept = _GO_ON if number == drawn_from else 1
+            walks = [name for name in ranked if not name.startswith(FORCE)]
+            drawn = [name for name in ranked if name.startswith(FORCE)]
+            # FORCE comes far early and can then stand still: no reason to give up a walk.
+            drawn = [name for name in drawn if reached[name] >= reached[walks[0]]]
+            going_on = {*walks[:kept], *drawn[:kept]}
+            ranked = [name for name in ranked if name in going_on]
+        trials = {name: joined[name] for name in ranked}
+    if len(budgets) < len(limits.nodes):
+        raise no_library("a tree of this size")
     raise TooLargeError(
         f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
         f"outgrew every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
@@ -285,19 +298,10 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     )
 
 
-def _orders(named: Iterable[tuple[str, Order]], limits: Limits) -> Iterable[tuple[str, Order]]:
-    """Return the orders with their names, neighbours swapped where the limits say so."""
-    if not limits.swapped:
-        return named
-    return (
-        (
-            name,
-            tuple(
-                order[level ^ 1] if level ^ 1 < len(order) else order[level]
-                for level in range(len(order))
-            ),
-        )
-        for name, order in named
+def _swapped(order: Order) -> Order:
+    """Return an order in which each two neighbours have changed places."""
+    return tuple(
+        order[level ^ 1] if level ^ 1 < len(order) else order[level] for level in range(len(order))
     )
 
 
@@ -308,6 +312,7 @@ class _Local:
     order: tuple[int, ...]
     offsets: list[int]
     literals: list[int]
+    last: list[int]
 
 
 def local_of(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
@@ -321,23 +326,34 @@ def local_of(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Loca
         number[gate] = len(order) + len(offsets) - 1
         literals += [2 * number[abs(a)] + (a < 0) for a in arguments]
         offsets.append(len(literals))
-    return _Local(order, offsets, literals)
+    last = [0] * len(module.gates)
+    for place, literal in enumerate(literals):
+        if literal >> 1 >= len(order):
+            last[(literal >> 1) - len(order)] = place
+    return _Local(order, offsets, literals, last)
 
 
-def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, int]:
-    """Return the diagram, or nothing when it outgrows the budget, and how many gates are done."""
+def store_for(budget: int, loops: Loops) -> tuple[Any, Any, Any]:
+    """Return the nodes, the table and the cache of a store for so many nodes."""
+    return (
+        loops.integers(4 * budget),
+        loops.integers(_power_of_two(budget + budget // 4)),
+        loops.integers(3 * _power_of_two(budget)),
+    )
+
+
+def _built(local: _Local, store: tuple[Any, Any, Any], loops: Loops) -> tuple[Diagram | None, int]:
+    """Return the diagram, or nothing when it outgrows the store, and how many gates are done."""
     levels = len(local.order)
-    nodes = loops.integers(4 * budget)
-    used = loops.integers(2)
+    used = loops.integers(3)
     root = loops.build(
         levels,
         0,
         loops.listed(local.offsets),
         loops.listed(local.literals),
-        loops.integers(len(local.offsets) - 1),
-        nodes,
-        loops.integers(_power_of_two(budget + budget // 4)),
-        loops.integers(3 * _power_of_two(2 * budget)),
+        loops.listed(local.last),
+        loops.listed([-1] * len(local.last)),
+        *store,
         loops.integers(6 * (levels + 2)),
         used,
     )
@@ -345,7 +361,7 @@ def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, in
         return None, int(used[1])
     count = int(used[0])
     kept_nodes = [loops.integers(count) for _ in range(3)]
-    kept = loops.extract(root, count, nodes, loops.integers(count), *kept_nodes)
+    kept = loops.extract(root, count, store[0], loops.integers(count), *kept_nodes)
     # The root is the last of those kept: nothing below it stands after it.
     root = 2 * (kept - 1) + (root & 1)
     level, low, high = (sequence[:kept] for sequence in kept_nodes)

@@ -10,6 +10,11 @@ A node's high edge is never a complement, so that a function and its complement 
 Nodes stand after those below them.
 Canonical form: Bryant 1986; complement edges: Brace, Rudell, Bryant, "Efficient implementation of
 a BDD package", DAC 1990.
+
+Only the first nodes of a store are in use, and so many slots of its table and its cache as belong
+to them: little memory is touched for a diagram that stays small.
+When those are full, what nothing needs any more is given up; where most is needed, the store
+becomes twice as large, up to its budget.
 """
 
 from __future__ import annotations
@@ -25,12 +30,241 @@ if TYPE_CHECKING:
 
 OUT_OF_NODES = -1
 
+_FIRST_SIZE = 4096
+_LEAST_SLOTS = 16
+_STEPS = 8
+"""So many conjunctions for each node of the budget may be taken apart: a bound of the time."""
+
+
+class Store:
+    """The nodes of diagrams, the table by which they are found, and what is known of them.
+
+    The sequences are those of `build`; `size` is how many nodes there is room for.
+    """
+
+    def __init__(
+        self,
+        edges: Integers,
+        nodes: Integers,
+        table: Integers,
+        cache: Integers,
+        frames: Integers,
+        used: Integers,
+    ) -> None:
+        self.edges, self.nodes, self.table, self.cache = edges, nodes, table, cache
+        self.frames, self.depth = frames, 0
+        self.count, self.size = used[0], used[2]
+        self.table_mask = _mask_of(self.size + self.size // 4)
+        self.cache_mask = _mask_of(self.size)
+        self.budget = len(nodes) // 4
+        self.steps_left = _STEPS * self.budget
+
+    def empty(self, levels: int) -> None:
+        """Make an empty store of what was perhaps in use before."""
+        for slot in range(self.table_mask + 1):
+            self.table[slot] = 0
+        for slot in range(3 * (self.cache_mask + 1)):
+            self.cache[slot] = 0
+        self.nodes[0], self.nodes[1], self.nodes[2] = levels, 0, 0
+        self.count = 1
+
+    def edge_of(self, level: int, low: int, high: int) -> int:
+        """Return the edge of a level and two different edges, or OUT_OF_NODES."""
+        nodes, table, mask = self.nodes, self.table, self.table_mask
+        sign = high & 1
+        low ^= sign
+        high ^= sign
+        slot = level * 741457 + low * 12582917 + high * 4256249
+        slot = (slot ^ (slot >> 17)) & mask
+        node = table[slot]
+        while node:
+            at = 4 * node
+            if nodes[at + 1] == low and nodes[at + 2] == high and nodes[at] == level:
+                return int(2 * node + sign)
+            slot = (slot + 1) & mask
+            node = table[slot]
+        node = self.count
+        if node >= self.size:
+            return OUT_OF_NODES
+        self.count += 1
+        table[slot] = node
+        at = 4 * node
+        nodes[at], nodes[at + 1], nodes[at + 2] = level, low, high
+        return int(2 * node + sign)
+
+    def with_room(self, held: int) -> int:
+        """Give up what nothing needs; return what an edge that is held becomes.
+
+        OUT_OF_NODES where three quarters of the budget are needed.
+        """
+        live = self.marked(held)
+        size = self.size
+        if 2 * live > size:
+            size = min(2 * size, self.budget)
+        if 4 * live > 3 * size:
+            return OUT_OF_NODES
+        return self.compacted(size, held)
+
+    def marked(self, held: int) -> int:
+        """Mark the nodes below all edges that are needed by their fourth number; count them."""
+        nodes, frames = self.nodes, self.frames
+        for at in range(3, 4 * self.count, 4):
+            nodes[at] = 0
+        nodes[(held >> 1 << 2) + 3] = 1
+        for edge in self.edges:
+            if edge >= 0:
+                nodes[(edge >> 1 << 2) + 3] = 1
+        for base in range(0, 6 * self.depth, 6):
+            for edge in (frames[base], frames[base + 1], frames[base + 5]):
+                if edge >= 0:
+                    nodes[(edge >> 1 << 2) + 3] = 1
+        live = 1
+        for at in range(4 * self.count - 4, 0, -4):
+            if nodes[at + 3]:
+                nodes[(nodes[at + 1] >> 1 << 2) + 3] = 1
+                nodes[(nodes[at + 2] >> 1 << 2) + 3] = 1
+                live += 1
+        return live
+
+    def compacted(self, size: int, held: int) -> int:
+        """Keep the marked nodes only, with room for `size`; return what `held` becomes."""
+        nodes, table, edges, frames = self.nodes, self.table, self.edges, self.frames
+        self.size = size
+        self.table_mask = mask = _mask_of(size + size // 4)
+        for slot in range(mask + 1):
+            table[slot] = 0
+        nodes[3] = 0
+        kept = 1
+        for at in range(4, 4 * self.count, 4):
+            if nodes[at + 3]:
+                level = nodes[at]
+                low, high = self._renumbered(nodes[at + 1]), self._renumbered(nodes[at + 2])
+                nodes[at + 3] = kept
+                to = 4 * kept
+                nodes[to], nodes[to + 1], nodes[to + 2] = level, low, high
+                slot = level * 741457 + low * 12582917 + high * 4256249
+                slot = (slot ^ (slot >> 17)) & mask
+                while table[slot]:
+                    slot = (slot + 1) & mask
+                table[slot] = kept
+                kept += 1
+        for place, edge in enumerate(edges):
+            if edge >= 0:
+                edges[place] = self._renumbered(edge)
+        for base in range(0, 6 * self.depth, 6):
+            for place in (base, base + 1, base + 3, base + 4, base + 5):
+                if frames[place] >= 0:
+                    frames[place] = self._renumbered(frames[place])
+        self._move_known(_mask_of(size))
+        self.count = kept
+        return self._renumbered(held)
+
+    def _renumbered(self, edge: int) -> int:
+        """Return what an edge becomes; its node's fourth number says the node's new number."""
+        return int(2 * self.nodes[(edge >> 1 << 2) + 3] + (edge & 1))
+
+    def _move_known(self, mask: int) -> None:
+        """Move each known conjunction to its new slot; f is negative where it still has to."""
+        nodes, cache = self.nodes, self.cache
+        for place in range(0, 3 * (self.cache_mask + 1), 3):
+            if not cache[place]:
+                continue
+            entry = cache[place], cache[place + 1], cache[place + 2]
+            if all(edge < 2 or nodes[(edge >> 1 << 2) + 3] for edge in entry):
+                f, g, result = map(self._renumbered, entry)
+                cache[place], cache[place + 1], cache[place + 2] = -f, g, result
+            else:
+                cache[place] = cache[place + 1] = cache[place + 2] = 0
+        for place in range(3 * (self.cache_mask + 1), 3 * (mask + 1)):
+            cache[place] = 0
+        for place in range(0, 3 * (self.cache_mask + 1), 3):
+            f, g, result = cache[place], cache[place + 1], cache[place + 2]
+            if f < 0:
+                cache[place] = cache[place + 1] = cache[place + 2] = 0
+            while f < 0:
+                f = -f
+                slot = f * 12582917 + g * 4256249
+                to = 3 * ((slot ^ (slot >> 17)) & mask)
+                before = cache[to], cache[to + 1], cache[to + 2]
+                cache[to], cache[to + 1], cache[to + 2] = f, g, result
+                f, g, result = before
+        self.cache_mask = mask
+
+    def conjunction(self, f: int, g: int) -> int:
+        """Return the edge of "f and g", by a stack of frames, or OUT_OF_NODES.
+
+        A frame is f, g, their top level, the low edges of both there, and the result of the high
+        edges, -1 as long as there is none.
+        """
+        nodes, cache, frames = self.nodes, self.cache, self.frames
+        while True:
+            if f == g or g == 0:
+                result = f
+            elif f == 0:
+                result = g
+            elif f == 1 or g == 1 or (f ^ g) == 1:
+                result = 1
+            else:
+                if f > g:
+                    f, g = g, f
+                slot = f * 12582917 + g * 4256249
+                slot = 3 * ((slot ^ (slot >> 17)) & self.cache_mask)
+                if cache[slot] == f and cache[slot + 1] == g:
+                    result = cache[slot + 2]
+                else:
+                    if not self.steps_left:
+                        return OUT_OF_NODES
+                    self.steps_left -= 1
+                    node_f, node_g = f >> 1 << 2, g >> 1 << 2
+                    level = min(nodes[node_f], nodes[node_g])
+                    f_low = f_high = f
+                    g_low = g_high = g
+                    if nodes[node_f] == level:
+                        f_low, f_high = nodes[node_f + 1] ^ (f & 1), nodes[node_f + 2] ^ (f & 1)
+                    if nodes[node_g] == level:
+                        g_low, g_high = nodes[node_g + 1] ^ (g & 1), nodes[node_g + 2] ^ (g & 1)
+                    base = 6 * self.depth
+                    frames[base], frames[base + 1], frames[base + 2] = f, g, level
+                    frames[base + 3], frames[base + 4], frames[base + 5] = f_low, g_low, -1
+                    self.depth += 1
+                    f, g = f_high, g_high
+                    continue
+            while self.depth:
+                base = 6 * (self.depth - 1)
+                if frames[base + 5] < 0:
+                    frames[base + 5] = result
+                    f, g = frames[base + 3], frames[base + 4]
+                    break
+                if frames[base + 5] != result:
+                    if self.count >= self.size:
+                        result = self.with_room(result)
+                    if result != OUT_OF_NODES:
+                        result = self.edge_of(frames[base + 2], result, frames[base + 5])
+                    if result == OUT_OF_NODES:
+                        return OUT_OF_NODES
+                self.depth -= 1
+                f, g = frames[base], frames[base + 1]
+                slot = f * 12582917 + g * 4256249
+                slot = 3 * ((slot ^ (slot >> 17)) & self.cache_mask)
+                cache[slot], cache[slot + 1], cache[slot + 2] = f, g, result
+            else:
+                return int(result)
+
+
+def _mask_of(least: int) -> int:
+    """Return the mask of slots of a power of two, at least so many."""
+    size = _LEAST_SLOTS
+    while size < least:
+        size *= 2
+    return size - 1
+
 
 def build(
     levels: int,
     first: int,
     offsets: Integers,
     literals: Integers,
+    last: Integers,
     edges: Integers,
     nodes: Integers,
     table: Integers,
@@ -38,170 +272,66 @@ def build(
     frames: Integers,
     used: Integers,
 ) -> int:
-    """Build the diagrams of a sequence of ANDs; return the last one's edge, or OUT_OF_NODES.
+    """Build the conjunctions of gates, one after the other; return the last one's edge.
 
-    levels: number of variables; variable i has level i, 0 on top.
-    first: the number of the first gate here; `nodes`, `table`, `cache`, `edges` and `used` go on
-        from those of the gates before it.
-    offsets: (n_gates + 1,) where each gate's arguments start in `literals`; a literal is
-        2 (variable) or 2 (levels + gate), plus one for the complement.
-    edges: out, the edge of each gate by number.
-    nodes: (4 budget) out, the nodes: level, low edge, high edge and nothing of each.
-    table: (power of two, over budget) zeros, the hash table of the nodes.
-    cache: (3 times a power of two) zeros, the results of conjunctions: f, g, result.
+    OUT_OF_NODES when its nodes or steps are used up.
+
+    levels: how many variables there are.
+    first: the place among `edges` of the first gate's.
+    offsets, literals: gate i is the AND of `literals[offsets[i]:offsets[i + 1]]`, each twice an
+        item's number plus one for its complement; items below `levels` are variables, the others
+        gates.
+    last: (gates) the place among `literals` at which each gate is used last, after which its edge
+        is given up; nothing for edges that are all kept.
+    edges: of each gate, in and out; -1 is none.
+    nodes: (4 budget) out, the nodes: level, low edge, high edge and scratch of each.
+    table: (power of two, at least 5/4 budget) the hash table of the nodes.
+    cache: (3 times a power of two, at least the budget) conjunctions: f, g, result.
     frames: (6 (levels + 2)) the stack.
-    used: (2) in and out, how many nodes were made (0: none yet); how many literals are done.
+    used: (3) in and out, how many nodes were made (0: none, and nothing is read of the store's
+        sequences); how many literals are done; for how many nodes there is room (0: for few).
     """
-    budget = len(nodes) // 4
-    table_mask = len(table) - 1
-    cache_mask = len(cache) // 3 - 1
-    nodes[0] = levels
-    nodes[1] = 0
-    nodes[2] = 0
-    count = max(1, used[0])
+    if not used[2]:
+        used[2] = min(len(nodes) // 4, _FIRST_SIZE)
+    store = Store(edges, nodes, table, cache, frames, used)
+    if not used[0]:
+        store.empty(levels)
+    joined = 0
+    place = 0
     for gate in range(len(offsets) - 1):
         joined = 0
         for place in range(offsets[gate], offsets[gate + 1]):
-            used[1] = place
-            literal = literals[place]
-            item = literal >> 1
-            # One call of conjunction: (f, g), by a stack of frames.
-            f = joined
-            depth = 0
-            single = item < levels
-            if single:
-                # A variable's own node: handled as the node (item, low=1, high=0) to be found.
-                g = 0
-            else:
-                g = edges[item - levels] ^ (literal & 1)
-            calling = True
-            result = 0
-            make_level = 0
-            make_low = 0
-            make_high = 0
-            making = single
-            while True:
-                if calling and not making:
-                    if f == g or g == 0:
-                        result = f
-                    elif f == 0:
-                        result = g
-                    elif f == 1 or g == 1 or (f ^ g) == 1:
-                        result = 1
-                    else:
-                        if f > g:
-                            f, g = g, f
-                        slot = f * 12582917 + g * 4256249
-                        slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
-                        if cache[slot] == f and cache[slot + 1] == g:
-                            result = cache[slot + 2]
-                        else:
-                            node_f = (f >> 1) << 2
-                            node_g = (g >> 1) << 2
-                            level_f = nodes[node_f]
-                            level_g = nodes[node_g]
-                            top = min(level_f, level_g)
-                            if level_f == top:
-                                sign = f & 1
-                                f_high = nodes[node_f + 2] ^ sign
-                                f_low = nodes[node_f + 1] ^ sign
-                            else:
-                                f_high = f
-                                f_low = f
-                            if level_g == top:
-                                sign = g & 1
-                                g_high = nodes[node_g + 2] ^ sign
-                                g_low = nodes[node_g + 1] ^ sign
-                            else:
-                                g_high = g
-                                g_low = g
-                            base = 6 * depth
-                            frames[base] = f
-                            frames[base + 1] = g
-                            frames[base + 2] = top
-                            frames[base + 3] = f_low
-                            frames[base + 4] = g_low
-                            frames[base + 5] = -1
-                            depth += 1
-                            f = f_high
-                            g = g_high
-                            continue
-                    calling = False
-                if making:
-                    sign = make_high & 1
-                    if single:
-                        make_level = item
-                        make_high = 0
-                        make_low = 1
-                        sign = 0
-                    make_high ^= sign
-                    make_low ^= sign
-                    slot = make_level * 741457 + make_low * 12582917 + make_high * 4256249
-                    slot = (slot ^ (slot >> 17)) & table_mask
-                    node = table[slot]
-                    while node != 0 and (
-                        nodes[4 * node + 1] != make_low
-                        or nodes[4 * node + 2] != make_high
-                        or nodes[4 * node] != make_level
-                    ):
-                        slot = (slot + 1) & table_mask
-                        node = table[slot]
-                    if node == 0:
-                        if count >= budget:
-                            used[0] = count
-                            return -1
-                        node = count
-                        count += 1
-                        table[slot] = node
-                        nodes[4 * node] = make_level
-                        nodes[4 * node + 1] = make_low
-                        nodes[4 * node + 2] = make_high
-                    result = 2 * node + sign
-                    making = False
-                    if single:
-                        single = False
-                        g = result ^ (literal & 1)
-                        calling = True
-                        continue
-                    base = 6 * depth
-                    f = frames[base]
-                    g = frames[base + 1]
-                    slot = f * 12582917 + g * 4256249
-                    slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
-                    cache[slot] = f
-                    cache[slot + 1] = g
-                    cache[slot + 2] = result
-                if depth == 0:
+            item, sign = literals[place] >> 1, literals[place] & 1
+            if store.count >= store.size:
+                joined = store.with_room(joined)
+                if joined == OUT_OF_NODES:
                     break
-                base = 6 * (depth - 1)
-                if frames[base + 5] < 0:
-                    frames[base + 5] = result
-                    f = frames[base + 3]
-                    g = frames[base + 4]
-                    calling = True
-                    continue
-                depth -= 1
-                make_high = frames[base + 5]
-                make_low = result
-                if make_high == make_low:
-                    result = make_high
-                    f = frames[base]
-                    g = frames[base + 1]
-                    slot = f * 12582917 + g * 4256249
-                    slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
-                    cache[slot] = f
-                    cache[slot + 1] = g
-                    cache[slot + 2] = result
-                else:
-                    make_level = frames[base + 2]
-                    making = True
-            joined = result
-            if joined == 1:
+            if item < levels:
+                g = store.edge_of(item, 1, 0)
+            else:
+                g = edges[item - levels]
+                if len(last) and last[item - levels] == place:
+                    edges[item - levels] = -1
+            joined = store.conjunction(joined, g ^ sign)
+            if joined == OUT_OF_NODES or joined == 1:
                 break
+        if joined == OUT_OF_NODES:
+            break
         edges[first + gate] = joined
-    used[0] = count
-    used[1] = len(literals)
-    return int(edges[first + len(offsets) - 2])
+    used[0] = store.count
+    used[1] = place if joined == OUT_OF_NODES else len(literals)
+    used[2] = store.size
+    return joined
+
+
+def collect(
+    edges: Integers, nodes: Integers, table: Integers, cache: Integers, used: Integers
+) -> None:
+    """Keep only the nodes below the edges, and renumber those; all as in `build`."""
+    store = Store(edges, nodes, table, cache, (), used)
+    store.marked(0)
+    store.compacted(store.size, 0)
+    used[0] = store.count
 
 
 def extract(

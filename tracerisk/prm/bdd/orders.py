@@ -9,11 +9,16 @@ fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from itertools import accumulate, chain
 
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
+from tracerisk.prm.bdd.speed import Loops
 from tracerisk.records import dataclass
+
+FORCE = "FORCE"
+"""What the names of those orders begin with."""
 
 _ROUNDS = 30
 """With 30 rounds the diagrams were up to half as large as with 12."""
@@ -56,12 +61,13 @@ def walked_orders(graph: LogicGraph, module: Module) -> Iterator[tuple[str, Orde
         yield name, _walk(module.root, ranked)
 
 
-def drawn_orders(graph: LogicGraph, module: Module) -> Iterator[tuple[str, Order]]:
-    """Return the orders by FORCE, each from that of a walk."""
-    walked = dict(walked_orders(graph, module))
-    children = {gate: [abs(a) for a in graph.arguments[gate]] for gate in module.gates}
+def drawn_orders(
+    graph: LogicGraph, module: Module, walked: Mapping[str, Order], loops: Loops
+) -> Iterator[tuple[str, Order]]:
+    """Return the orders by FORCE, each from one of those by walks."""
+    groups = _Groups(graph, module, loops)
     for name in _DRAWN:
-        yield f"FORCE from {name}", _drawn(children, walked[name])
+        yield f"{FORCE} from {name}", groups.drawn(walked[name])
 
 
 def _shape(graph: LogicGraph, module: Module) -> _Shape:
@@ -98,38 +104,41 @@ def _walk(root: int, children: dict[int, list[int]]) -> Order:
     return tuple(order)
 
 
-def _drawn(children: dict[int, list[int]], order: Order) -> Order:
-    """Return the order after rounds of FORCE with the least sum of the gates' spans.
+class _Groups:
+    """A module's gates as groups that draw their members: each gate and its arguments."""
 
-    Gates have places as inputs do, and each gate draws itself and its arguments to their mean.
-    """
-    place: dict[int, float] = {node: float(at) for at, node in enumerate(order)}
-    for gate, below in children.items():
-        place[gate] = sum(place[child] for child in below) / len(below)
-    place = _ranked(place)
-    together = [[gate, *below] for gate, below in children.items()]
-    counts = dict.fromkeys(place, 0)
-    for nodes in together:
-        for node in nodes:
-            counts[node] += 1
-    best, least = order, float("inf")
-    for _ in range(_ROUNDS):
-        drawn = dict.fromkeys(place, 0.0)
-        span = 0.0
-        for nodes in together:
-            places = [place[node] for node in nodes]
-            span += max(places) - min(places)
-            mean = sum(places) / len(places)
-            for node in nodes:
-                drawn[node] += mean
-        if span < least:
-            least = span
-            best = tuple(sorted(order, key=place.__getitem__))
-        place = _ranked({node: drawn[node] / counts[node] for node in drawn})
-    return best
+    def __init__(self, graph: LogicGraph, module: Module, loops: Loops) -> None:
+        self._loops = loops
+        nodes = sorted((*module.inputs, *module.gates))
+        self._number = {node: number for number, node in enumerate(nodes)}
+        self._below = [
+            [self._number[abs(argument)] for argument in graph.arguments[gate]]
+            for gate in module.gates
+        ]
+        self._gates = [self._number[gate] for gate in module.gates]
+        sizes = (1 + len(below) for below in self._below)
+        self._offsets = loops.listed(list(accumulate(sizes, initial=0)))
+        groups = ([gate, *below] for gate, below in zip(self._gates, self._below, strict=True))
+        self._members = loops.listed(list(chain.from_iterable(groups)))
 
+    def drawn(self, order: Order) -> Order:
+        """Return the order after the rounds, from an order of the inputs on.
 
-def _ranked(place: dict[int, float]) -> dict[int, float]:
-    """Return the nodes' ranks by place; their spans are comparable from round to round."""
-    ranked = sorted(place, key=lambda node: (place[node], node))
-    return {node: float(at) for at, node in enumerate(ranked)}
+        Gates have places as inputs do, at first the mean of those of their arguments.
+        """
+        place = [0.0] * len(self._number)
+        for at, node in enumerate(order):
+            place[self._number[node]] = float(at)
+        for gate, below in zip(self._gates, self._below, strict=True):
+            place[gate] = sum(place[child] for child in below) / len(below)
+        best = self._loops.floats(len(place))
+        self._loops.draw(
+            _ROUNDS,
+            self._offsets,
+            self._members,
+            self._loops.listed_floats(place),
+            best,
+            self._loops.integers(len(place)),
+            self._loops.floats(2 * len(place)),
+        )
+        return tuple(sorted(order, key=lambda node: best[self._number[node]]))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Loops:
-    """The functions of `kernel`, `sweeps` and `thinning`, and how their sequences are made."""
+    """The functions of `kernel`, `sweeps`, `thinning` and `force`, and how sequences are made."""
 
     build: Callable[..., int]
     extract: Callable[..., int]
@@ -28,6 +28,7 @@ class Loops:
     differences: Callable[..., None]
     thinned: Callable[..., int]
     collect: Callable[..., None]
+    draw: Callable[..., None]
     integers: Callable[[int], Any]
     floats: Callable[[int], Any]
     listed: Callable[[Any], Any]
@@ -44,7 +45,7 @@ def fastest_loops() -> Loops:
 @cache
 def plain_loops() -> Loops:
     """Return the loops as Python."""
-    from tracerisk.prm.bdd import kernel, sweeps, thinning
+    from tracerisk.prm.bdd import force, kernel, sweeps, thinning
 
     return Loops(
         kernel.build,
@@ -54,7 +55,8 @@ def plain_loops() -> Loops:
         sweeps.derivatives,
         sweeps.differences,
         thinning.thinned,
-        thinning.collect,
+        kernel.collect,
+        force.draw,
         integers=lambda size: [0] * size,
         floats=lambda size: [0.0] * size,
         listed=list,
@@ -65,14 +67,15 @@ def plain_loops() -> Loops:
 def _compiled_loops() -> Loops:
     loop = library.loop
     return Loops(
-        loop("build", "nn" + 8 * "i", int),
+        loop("build", "nn" + 9 * "i", int),
         loop("extract", "nn" + 5 * "i", int),
         loop("sweep", "iiidddd"),
         loop("edge_gains", "iiiddddidiidid", int),
         loop("derivatives", "niiiddddd"),
         loop("differences", "iiiddddd"),
         loop("thinned", "nniidddddii", int),
-        loop("collect", 6 * "i"),
+        loop("collect", 5 * "i"),
+        loop("draw", "niiddid"),
         integers=library.integers,
         floats=library.floats,
         listed=library.listed,

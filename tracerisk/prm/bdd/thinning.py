@@ -1,9 +1,11 @@
-"""Loops on a store of diagram nodes that holds approximations: thin out, and collect.
+"""The loop on a store of diagram nodes that holds approximations: thin out.
 
-The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has the same functions.
+The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has the same function.
 """
 
 from __future__ import annotations
+
+from tracerisk.prm.bdd.kernel import OUT_OF_NODES, Store
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -23,7 +25,9 @@ def thinned(
     under: Integers,
     used: Integers,
 ) -> int:
-    """Return a function that implies that of an edge, of about `most` nodes; -1 if out of nodes.
+    """Return a function that implies that of an edge, of about `most` nodes.
+
+    OUT_OF_NODES where there is no room for it.
 
     Where paths from the edge that come by an edge below it are worth less than a bound, that one
     becomes the constant that never happens; the bound grows until few enough are left.
@@ -33,9 +37,7 @@ def thinned(
     reach, under: (2 n_nodes,) scratch.
     """
     root = edge >> 1
-    count = used[0]
-    budget = len(nodes) // 4
-    table_mask = len(table) - 1
+    store = Store((), nodes, table, (), (), used)
     happens[0] = 1.0
     fails[0] = 0.0
     for node in range(1, root + 1):
@@ -89,79 +91,9 @@ def thinned(
                 if made_low == made_high:
                     under[half] = made_low
                     continue
-                flip = made_high & 1
-                made_low ^= flip
-                made_high ^= flip
-                here = nodes[4 * node]
-                slot = here * 741457 + made_low * 12582917 + made_high * 4256249
-                slot = (slot ^ (slot >> 17)) & table_mask
-                found = table[slot]
-                while found != 0 and (
-                    nodes[4 * found + 1] != made_low
-                    or nodes[4 * found + 2] != made_high
-                    or nodes[4 * found] != here
-                ):
-                    slot = (slot + 1) & table_mask
-                    found = table[slot]
-                if found == 0:
-                    if count >= budget:
-                        return -1
-                    found = count
-                    count += 1
-                    table[slot] = found
-                    nodes[4 * found] = here
-                    nodes[4 * found + 1] = made_low
-                    nodes[4 * found + 2] = made_high
-                under[half] = 2 * found + flip
-    used[0] = count
+                found = store.edge_of(nodes[4 * node], made_low, made_high)
+                if found == OUT_OF_NODES:
+                    return OUT_OF_NODES
+                under[half] = found
+    used[0] = store.count
     return int(under[edge])
-
-
-def collect(
-    edges: Integers,
-    nodes: Integers,
-    table: Integers,
-    cache: Integers,
-    number: Integers,
-    used: Integers,
-) -> None:
-    """Keep only the nodes below the edges, and renumber those; -1 among the edges is none.
-
-    number: (n_nodes,) scratch; the others as in `kernel.build`, the cache emptied.
-    """
-    count = used[0]
-    table_mask = len(table) - 1
-    for slot in range(len(cache)):
-        cache[slot] = 0
-    for node in range(count):
-        number[node] = 0
-    for place in range(len(edges)):
-        if edges[place] >= 0:
-            number[edges[place] >> 1] = 1
-    for node in range(count - 1, 0, -1):
-        if number[node]:
-            number[nodes[4 * node + 1] >> 1] = 1
-            number[nodes[4 * node + 2] >> 1] = 1
-    for slot in range(len(table)):
-        table[slot] = 0
-    number[0] = 0
-    kept = 1
-    for node in range(1, count):
-        if number[node]:
-            number[node] = kept
-            here = nodes[4 * node]
-            low = 2 * number[nodes[4 * node + 1] >> 1] + (nodes[4 * node + 1] & 1)
-            high = 2 * number[nodes[4 * node + 2] >> 1]
-            nodes[4 * kept] = here
-            nodes[4 * kept + 1] = low
-            nodes[4 * kept + 2] = high
-            slot = here * 741457 + low * 12582917 + high * 4256249
-            slot = (slot ^ (slot >> 17)) & table_mask
-            while table[slot] != 0:
-                slot = (slot + 1) & table_mask
-            table[slot] = kept
-            kept += 1
-    for place in range(len(edges)):
-        if edges[place] >= 0:
-            edges[place] = 2 * number[edges[place] >> 1] + (edges[place] & 1)
-    used[0] = kept

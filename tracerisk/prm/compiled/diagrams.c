@@ -3,13 +3,15 @@
 
 #include "loops.h"
 
+enum { FIRST_SIZE = 4096, LEAST_SLOTS = 16, STEPS = 8 };
+
 /* ---- nodes, and their unique table ---- */
 
 struct node {
     int32_t level;
     int32_t low;
     int32_t high;
-    int32_t unused;
+    int32_t number; /* in a collection: 0 for what goes, then what the node becomes */
 };
 
 struct store {
@@ -17,10 +19,10 @@ struct store {
     int32_t *table;
     int64_t table_mask;
     int64_t count;
-    int64_t budget;
+    int64_t size;
 };
 
-struct known { /* an entry of the cache of conjunctions */
+struct known { /* an entry of the cache of conjunctions; empty where f is 0 */
     int32_t f;
     int32_t g;
     int32_t result;
@@ -35,10 +37,51 @@ struct frame { /* a conjunction that waits for those below it; high < 0: for the
     int32_t high;
 };
 
-static struct store store_of(int32_t *nodes, int64_t nodes_size, int32_t *table, int64_t table_size)
+struct work { /* a store with what is computed on it */
+    struct store store;
+    int64_t budget;
+    struct known *cache;
+    int64_t cache_mask;
+    struct frame *frames;
+    int64_t depth;
+    int64_t steps_left;
+    int32_t *edges;
+    int64_t edges_size;
+};
+
+static int64_t mask_of(int64_t least)
 {
-    struct store store = {(struct node *)nodes, table, table_size - 1, 0, nodes_size / 4};
+    int64_t size = LEAST_SLOTS;
+    while (size < least)
+        size *= 2;
+    return size - 1;
+}
+
+static struct store store_of(int32_t *nodes, int32_t *table, const int32_t *used)
+{
+    struct store store = {(struct node *)nodes, table, mask_of(used[2] + used[2] / 4), used[0],
+                          used[2]};
     return store;
+}
+
+static struct work work_of(int32_t *nodes, int64_t nodes_size, int32_t *table, int32_t *cache,
+                           const int32_t *used)
+{
+    struct work work = {store_of(nodes, table, used), nodes_size / 4, (struct known *)cache,
+                        mask_of(used[2]), 0, 0, STEPS * (nodes_size / 4), 0, 0};
+    return work;
+}
+
+static void empty(struct work *work, int64_t levels)
+{
+    struct known nothing = {0, 0, 0};
+    struct node constant = {(int32_t)levels, 0, 0, 0};
+    for (int64_t slot = 0; slot <= work->store.table_mask; slot++)
+        work->store.table[slot] = 0;
+    for (int64_t slot = 0; slot <= work->cache_mask; slot++)
+        work->cache[slot] = nothing;
+    work->store.nodes[0] = constant;
+    work->store.count = 1;
 }
 
 /* The edge of a level and two different edges, or OUT_OF_NODES. */
@@ -55,7 +98,7 @@ static int64_t edge_of(struct store *store, int64_t level, int64_t low, int64_t 
             return 2 * node + sign;
         slot = (slot + 1) & store->table_mask;
     }
-    if (store->count >= store->budget)
+    if (store->count >= store->size)
         return OUT_OF_NODES;
     node = store->count++;
     store->table[slot] = (int32_t)node;
@@ -66,13 +109,142 @@ static int64_t edge_of(struct store *store, int64_t level, int64_t low, int64_t 
     return 2 * node + sign;
 }
 
+/* ---- collecting ---- */
+
+static void mark(struct node *nodes, int64_t edge)
+{
+    nodes[edge >> 1].number = 1;
+}
+
+static int64_t marked(struct work *work, int64_t held)
+{
+    struct node *nodes = work->store.nodes;
+    int64_t count = work->store.count, live = 1;
+    for (int64_t node = 0; node < count; node++)
+        nodes[node].number = 0;
+    mark(nodes, held);
+    for (int64_t place = 0; place < work->edges_size; place++)
+        if (work->edges[place] >= 0)
+            mark(nodes, work->edges[place]);
+    for (int64_t place = 0; place < work->depth; place++) {
+        const struct frame *frame = &work->frames[place];
+        mark(nodes, frame->f);
+        mark(nodes, frame->g);
+        if (frame->high >= 0)
+            mark(nodes, frame->high);
+    }
+    for (int64_t node = count - 1; node > 0; node--)
+        if (nodes[node].number) {
+            mark(nodes, nodes[node].low);
+            mark(nodes, nodes[node].high);
+            live++;
+        }
+    return live;
+}
+
+static int32_t renumbered(const struct node *nodes, int64_t edge)
+{
+    return 2 * nodes[edge >> 1].number + (int32_t)(edge & 1);
+}
+
+static int is_live(const struct node *nodes, int64_t edge)
+{
+    return edge < 2 || nodes[edge >> 1].number > 0;
+}
+
+/* The entry of each slot moves to that of its new edges; those still to move have f negative. */
+static void move_known(struct work *work, int64_t mask)
+{
+    const struct node *nodes = work->store.nodes;
+    struct known *cache = work->cache, nothing = {0, 0, 0};
+    for (int64_t slot = 0; slot <= work->cache_mask; slot++) {
+        struct known *known = &cache[slot];
+        if (known->f == 0)
+            continue;
+        if (is_live(nodes, known->f) && is_live(nodes, known->g) && is_live(nodes, known->result)) {
+            known->f = -renumbered(nodes, known->f);
+            known->g = renumbered(nodes, known->g);
+            known->result = renumbered(nodes, known->result);
+        } else
+            *known = nothing;
+    }
+    for (int64_t slot = work->cache_mask + 1; slot <= mask; slot++)
+        cache[slot] = nothing;
+    for (int64_t slot = 0; slot <= work->cache_mask; slot++) {
+        struct known moving = cache[slot];
+        if (moving.f >= 0)
+            continue;
+        cache[slot] = nothing;
+        while (moving.f < 0) {
+            moving.f = -moving.f;
+            int64_t to = slot_of_pair(moving.f, moving.g, mask);
+            struct known before = cache[to];
+            cache[to] = moving;
+            moving = before;
+        }
+    }
+    work->cache_mask = mask;
+}
+
+/* Keep the marked nodes only, in a store of a size; return the edge that held has become. */
+static int64_t compacted(struct work *work, int64_t size, int64_t held)
+{
+    struct store *store = &work->store;
+    struct node *nodes = store->nodes;
+    int64_t kept = 1;
+    store->size = size;
+    store->table_mask = mask_of(size + size / 4);
+    for (int64_t slot = 0; slot <= store->table_mask; slot++)
+        store->table[slot] = 0;
+    nodes[0].number = 0;
+    for (int64_t node = 1; node < store->count; node++)
+        if (nodes[node].number) {
+            int32_t low = renumbered(nodes, nodes[node].low);
+            int32_t high = renumbered(nodes, nodes[node].high);
+            nodes[node].number = (int32_t)kept;
+            struct node *to = &nodes[kept];
+            to->level = nodes[node].level;
+            to->low = low;
+            to->high = high;
+            int64_t slot = slot_of_node(to->level, low, high, store->table_mask);
+            while (store->table[slot] != 0)
+                slot = (slot + 1) & store->table_mask;
+            store->table[slot] = (int32_t)kept++;
+        }
+    for (int64_t place = 0; place < work->edges_size; place++)
+        if (work->edges[place] >= 0)
+            work->edges[place] = renumbered(nodes, work->edges[place]);
+    for (int64_t place = 0; place < work->depth; place++) {
+        struct frame *frame = &work->frames[place];
+        frame->f = renumbered(nodes, frame->f);
+        frame->g = renumbered(nodes, frame->g);
+        frame->f_low = renumbered(nodes, frame->f_low);
+        frame->g_low = renumbered(nodes, frame->g_low);
+        if (frame->high >= 0)
+            frame->high = renumbered(nodes, frame->high);
+    }
+    move_known(work, mask_of(size));
+    store->count = kept;
+    return renumbered(nodes, held);
+}
+
+static int64_t with_room(struct work *work, int64_t held)
+{
+    int64_t live = marked(work, held), size = work->store.size;
+    if (2 * live > size)
+        size = 2 * size < work->budget ? 2 * size : work->budget;
+    if (4 * live > 3 * size)
+        return OUT_OF_NODES;
+    return compacted(work, size, held);
+}
+
 /* ---- building ---- */
 
-static int64_t conjunction(struct store *store, struct known *cache, int64_t cache_mask,
-                           struct frame *frames, int64_t f, int64_t g)
+static int64_t conjunction(struct work *work, int64_t f, int64_t g)
 {
+    struct store *store = &work->store;
     const struct node *nodes = store->nodes;
-    int64_t depth = 0;
+    struct known *cache = work->cache;
     for (;;) {
         int64_t result;
         if (f == g || g == 0)
@@ -87,10 +259,13 @@ static int64_t conjunction(struct store *store, struct known *cache, int64_t cac
                 f = g;
                 g = other;
             }
-            const struct known *known = &cache[slot_of_pair(f, g, cache_mask)];
+            const struct known *known = &cache[slot_of_pair(f, g, work->cache_mask)];
             if (known->f == f && known->g == g)
                 result = known->result;
             else {
+                if (!work->steps_left)
+                    return OUT_OF_NODES;
+                work->steps_left--;
                 const struct node *node_f = &nodes[f >> 1], *node_g = &nodes[g >> 1];
                 int32_t level = node_f->level < node_g->level ? node_f->level : node_g->level;
                 int64_t f_low = f, f_high = f, g_low = g, g_high = g;
@@ -104,64 +279,73 @@ static int64_t conjunction(struct store *store, struct known *cache, int64_t cac
                 }
                 struct frame waiting = {(int32_t)f,     (int32_t)g,     level,
                                         (int32_t)f_low, (int32_t)g_low, -1};
-                frames[depth++] = waiting;
+                work->frames[work->depth++] = waiting;
                 f = f_high;
                 g = g_high;
                 continue;
             }
         }
         for (;;) {
-            if (depth == 0)
+            if (work->depth == 0)
                 return result;
-            struct frame *frame = &frames[depth - 1];
+            struct frame *frame = &work->frames[work->depth - 1];
             if (frame->high < 0) {
                 frame->high = (int32_t)result;
                 f = frame->f_low;
                 g = frame->g_low;
                 break;
             }
-            depth--;
             if (frame->high != result) {
-                result = edge_of(store, frame->level, result, frame->high);
+                if (store->count >= store->size)
+                    result = with_room(work, result);
+                if (result != OUT_OF_NODES)
+                    result = edge_of(store, frame->level, result, frame->high);
                 if (result == OUT_OF_NODES)
                     return OUT_OF_NODES;
             }
+            work->depth--;
             struct known found = {frame->f, frame->g, (int32_t)result};
-            cache[slot_of_pair(frame->f, frame->g, cache_mask)] = found;
+            cache[slot_of_pair(frame->f, frame->g, work->cache_mask)] = found;
         }
     }
 }
 
 LOOP int64_t build(int64_t levels, int64_t first, INTEGERS(offsets), INTEGERS(literals),
-                   INTEGERS(edges), INTEGERS(nodes), INTEGERS(table), INTEGERS(cache),
-                   INTEGERS(frames), INTEGERS(used))
+                   INTEGERS(last), INTEGERS(edges), INTEGERS(nodes), INTEGERS(table),
+                   INTEGERS(cache), INTEGERS(frames), INTEGERS(used))
 {
-    struct store store = store_of(nodes, nodes_size, table, table_size);
-    store.nodes[0].level = (int32_t)levels;
-    store.nodes[0].low = 0;
-    store.nodes[0].high = 0;
-    store.count = used[0] > 1 ? used[0] : 1;
-    int64_t joined = 0;
+    int64_t budget = nodes_size / 4;
+    if (used[2] == 0)
+        used[2] = (int32_t)(budget < FIRST_SIZE ? budget : FIRST_SIZE);
+    struct work work = work_of(nodes, nodes_size, table, cache, used);
+    work.frames = (struct frame *)frames;
+    work.edges = edges;
+    work.edges_size = edges_size;
+    if (used[0] == 0)
+        empty(&work, levels);
+    int64_t joined = 0, place = 0;
     for (int64_t gate = 0; gate + 1 < offsets_size; gate++) {
         joined = 0;
-        for (int64_t place = offsets[gate]; place < offsets[gate + 1]; place++) {
-            used[1] = (int32_t)place;
+        for (place = offsets[gate]; place < offsets[gate + 1]; place++) {
             int64_t item = literals[place] >> 1, sign = literals[place] & 1;
-            int64_t g = item < levels ? edge_of(&store, item, 1, 0) : edges[item - levels];
-            if (g != OUT_OF_NODES)
-                joined = conjunction(&store, (struct known *)cache, cache_size / 3 - 1,
-                                     (struct frame *)frames, joined, g ^ sign);
-            if (g == OUT_OF_NODES || joined == OUT_OF_NODES) {
-                used[0] = (int32_t)store.count;
-                return OUT_OF_NODES;
-            }
-            if (joined == 1)
+            if (work.store.count >= work.store.size)
+                joined = with_room(&work, joined);
+            if (joined == OUT_OF_NODES)
+                break;
+            int64_t g = item < levels ? edge_of(&work.store, item, 1, 0) : edges[item - levels];
+            if (item >= levels && last_size > 0 && last[item - levels] == place)
+                edges[item - levels] = -1;
+            joined = conjunction(&work, joined, g ^ sign);
+            if (joined == OUT_OF_NODES || joined == 1)
                 break;
         }
+        if (joined == OUT_OF_NODES)
+            break;
         edges[first + gate] = (int32_t)joined;
     }
-    used[0] = (int32_t)store.count;
-    used[1] = (int32_t)literals_size;
+    used[0] = (int32_t)work.store.count;
+    used[1] = (int32_t)(joined == OUT_OF_NODES ? place : literals_size);
+    used[2] = (int32_t)work.store.size;
     return joined;
 }
 
@@ -383,8 +567,7 @@ LOOP int64_t thinned(int64_t edge, int64_t most, INTEGERS(nodes), INTEGERS(table
                      FLOATS(q), FLOATS(happens), FLOATS(fails), FLOATS(reach), INTEGERS(under),
                      INTEGERS(used))
 {
-    struct store store = store_of(nodes, nodes_size, table, table_size);
-    store.count = used[0];
+    struct store store = store_of(nodes, table, used);
     const struct node *all = store.nodes;
     int64_t root = edge >> 1;
     happens[0] = 1.0;
@@ -449,39 +632,12 @@ LOOP int64_t thinned(int64_t edge, int64_t most, INTEGERS(nodes), INTEGERS(table
 }
 
 LOOP void collect(INTEGERS(edges), INTEGERS(nodes), INTEGERS(table), INTEGERS(cache),
-                  INTEGERS(number), INTEGERS(used))
+                  INTEGERS(used))
 {
-    struct node *all = (struct node *)nodes;
-    int64_t count = used[0], mask = table_size - 1, kept = 1;
-    for (int64_t slot = 0; slot < table_size; slot++)
-        table[slot] = 0;
-    for (int64_t slot = 0; slot < cache_size; slot++)
-        cache[slot] = 0;
-    for (int64_t node = 0; node < count; node++)
-        number[node] = 0;
-    for (int64_t place = 0; place < edges_size; place++)
-        if (edges[place] >= 0)
-            number[edges[place] >> 1] = 1;
-    for (int64_t node = count - 1; node > 0; node--)
-        if (number[node]) {
-            number[all[node].low >> 1] = 1;
-            number[all[node].high >> 1] = 1;
-        }
-    number[0] = 0;
-    for (int64_t node = 1; node < count; node++)
-        if (number[node]) {
-            number[node] = (int32_t)kept;
-            struct node *to = &all[kept];
-            to->level = all[node].level;
-            to->low = 2 * number[all[node].low >> 1] + (all[node].low & 1);
-            to->high = 2 * number[all[node].high >> 1];
-            int64_t slot = slot_of_node(to->level, to->low, to->high, mask);
-            while (table[slot] != 0)
-                slot = (slot + 1) & mask;
-            table[slot] = (int32_t)kept++;
-        }
-    for (int64_t place = 0; place < edges_size; place++)
-        if (edges[place] >= 0)
-            edges[place] = 2 * number[edges[place] >> 1] + (edges[place] & 1);
-    used[0] = (int32_t)kept;
+    struct work work = work_of(nodes, nodes_size, table, cache, used);
+    work.edges = edges;
+    work.edges_size = edges_size;
+    marked(&work, 0);
+    compacted(&work, work.store.size, 0);
+    used[0] = (int32_t)work.store.count;
 }

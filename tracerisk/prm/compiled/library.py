@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 FILE = os.path.join(os.path.dirname(__file__), "loops.so")  # noqa: PTH118, PTH120 - no start needs pathlib
-VERSION = 1
+VERSION = 2
 """Of the functions and their arguments, as `loops.h` says it: an older library is not used."""
 _MAPPED = 1 << 16
 """Longer sequences are mapped: their pages take memory when first written to, and are zeros."""
