@@ -202,9 +202,16 @@ class StateSpace:
         states.append(state)
         return number
 
+    def _check_ways(self, choices: Sequence[Sequence[object]], state: State) -> None:
+        """Raise TooLargeError now where the ways to choose one of each would be too many."""
+        self._check_work(self._work + math.prod(map(len, choices)) * _row_entry(state))
+
     def _count(self, work: int) -> None:
         self._work += work
-        if self._work > _MOST_WORK:
+        self._check_work(self._work)
+
+    def _check_work(self, work: int) -> None:
+        if work > _MOST_WORK:
             raise TooLargeError(
                 f"the model takes more than {_MOST_WORK} operations to put together; "
                 "give smaller constants, or fewer commands that move together"
@@ -265,6 +272,7 @@ class StateSpace:
                     break
                 enabled.append(ready)
             if len(enabled) == len(modules):
+                self._check_ways(enabled, state)
                 for combination in product(*enabled):
                     yield action, self._choice(combination, state)
 
@@ -281,11 +289,12 @@ class StateSpace:
 
     def _choice(self, commands: Sequence[_Ready], state: State) -> Choice:
         found = []
+        self._check_ways([command.moves for command in commands], state)
         for moves in product(*(command.moves for command in commands)):
             weight = 1.0
             following = list(state)
             # A row's entry needs far more memory than a value.
-            self._count(10 + len(state) // 4 + sum([move.size for move in moves]))
+            self._count(_row_entry(state) + sum([move.size for move in moves]))
             for move in moves:
                 weight *= self._weight(move, state)
                 for place, value, location in move.assignments:
@@ -350,6 +359,11 @@ class StateSpace:
             moves.append(_Move(weight, tuple(assignments), update.location, size))
         guard = self._scope.compile(command.guard)
         return _Ready(command.action, guard, tuple(moves), command.location)
+
+
+def _row_entry(state: State) -> int:
+    """Return the least work of one entry of a state's row, as its memory has it."""
+    return 10 + len(state) // 4
 
 
 def _whole(value: Value, location: Location) -> int:
