@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import random
-from itertools import pairwise, product
+from itertools import islice, pairwise, product
+from math import comb
 from pathlib import Path
 
 import pytest
@@ -331,3 +332,23 @@ def test_real_trees_have_as_many_cut_sets_as_is_known(name, count):
 
     model = read_open_psa(ARALIA / f"{name}.xml")
     assert minimal_cut_sets(model.fault_tree(model.tops[0])).count() == count
+
+
+def counting_tree(k, n):
+    names = [f"e{i}" for i in range(n)]
+    gates = (Gate("most", ATLEAST, tuple(names), k),)
+    return FaultTree("most", gates, tuple(BasicEvent(name, "p") for name in names))
+
+
+def test_sets_of_one_probability_are_listed_without_going_through_all_of_them():
+    found = minimal_cut_sets(counting_tree(50, 100))
+    assert found.count() == comb(100, 50)
+    listed = list(islice(found.most_probable({"p": 0.01}), 3))
+    assert [each.order for each in listed] == [50, 50, 50]
+    assert len(set(listed)) == 3
+
+
+def test_a_gate_with_too_many_sets_is_refused_at_once_by_its_name():
+    with pytest.raises(TooLargeError, match="gate 'most' has a set for each choice of 500 of its"):
+        minimal_cut_sets(counting_tree(500, 1000))
+    assert minimal_cut_sets(counting_tree(998, 1000)).count() == comb(1000, 2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -126,7 +127,8 @@ class CutSets:
             if pending is not None:
                 bound, least = product * pending[3], order + pending[4]
             if bound >= reached and (most is None or least <= most):
-                entry = (-bound, least, next(number), product, order, chosen, pending)
+                # Of those that are equal to rounding the last goes on: no wave through all of them.
+                entry = (-_rounded(bound), least, -next(number), product, order, chosen, pending)
                 heapq.heappush(waiting, entry)
 
         top = self._graph.top
@@ -209,3 +211,9 @@ class CutSets:
                 )
             found[node], found[-node] = pair_of(value)
         return found
+
+
+def _rounded(value: float) -> float:
+    """Return a value to 40 bits, so that equal products in other orders of factors are equal."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(math.ldexp(mantissa, 40)), exponent - 40)

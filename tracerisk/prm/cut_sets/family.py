@@ -14,6 +14,9 @@ from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.compiled import library
 from tracerisk.prm.cut_sets import kernel
 
+_MOST_PAIRS = 1 << 22
+"""How many pairs are kept where few nodes have many: those of a gate of many inputs."""
+
 NO_SET = 0
 EMPTY_SET = 1
 
@@ -199,7 +202,7 @@ def of_diagram(
             low,
             high,
             loops.integers(1 << (size + size // 4).bit_length()),
-            loops.integers(3 << (size - 1).bit_length()),
+            loops.integers(3 << (max(size, min(16 * size, _MOST_PAIRS)) - 1).bit_length()),
             loops.integers(4 * (len(literals) + 3)),
             used,
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Limits
 from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE
 from tracerisk.prm.bdd.modules import Module
@@ -13,13 +13,18 @@ from tracerisk.prm.bdd.shared_tree import SharedTree
 from tracerisk.prm.cut_sets.cut_sets import CutSets
 from tracerisk.prm.cut_sets.family import Family, of_conjunction, of_diagram, of_disjunction, phases
 from tracerisk.prm.cut_sets.primes import primes_of_diagram
+from tracerisk.prm.trees.gates import GateKind
 
 if TYPE_CHECKING:
     from tracerisk.prm.trees.fault_tree import FaultTree
+    from tracerisk.prm.trees.gates import Gate
 
 DEFAULT_BUDGET = 20_000_000
 """The most nodes of the family of one module; a node takes 12 bytes, and 40 while it is made."""
 
+
+_MOST_COUNTS = 2_000_000
+"""How many pairs of counts the inputs of one gate may be in: some seconds."""
 
 LEAST_BUDGET = 2
 """The two constants of a family."""
@@ -126,7 +131,30 @@ def _solved(tree: FaultTree, max_order: int | None, budget: int, limits: Limits)
         raise ModelError(f"max_order is {max_order!r}; give a whole number, at least 1")
     if budget < LEAST_BUDGET:
         raise ModelError(f"budget is {budget} nodes; give at least {LEAST_BUDGET}")
+    for gate in tree.gates:
+        _check_counts(gate, tree.top)
     return SharedTree(tree, limits)
+
+
+def _check_counts(gate: Gate, top: str) -> None:
+    """Raise TooLargeError at once for a gate whose sets take too long to be found.
+
+    A set of its inputs is minimal where it holds none of those with one fewer: a pair of counts
+    for each input.
+    """
+    if gate.kind is GateKind.ATLEAST:
+        needed = gate.threshold
+    elif gate.kind is GateKind.CARDINALITY:
+        needed = max(gate.k or 0, len(gate.inputs) - (gate.most or 0))
+    else:
+        return
+    least = min(needed, len(gate.inputs) - needed + 1)
+    if needed * (len(gate.inputs) - needed + 1) * least > _MOST_COUNTS:
+        raise TooLargeError(
+            f"fault tree '{top}': gate '{gate.name}' has a set for each choice of {needed} of its "
+            f"{len(gate.inputs)} inputs, too many to be found; the figure of the tree needs none "
+            "of them (tracerisk solve); or divide the gate into smaller ones"
+        )
 
 
 def _parameters(tree: FaultTree) -> dict[str, str]:
