@@ -282,7 +282,8 @@ def build(
         item's number plus one for its complement; items below `levels` are variables, the others
         gates.
     last: (gates) the place among `literals` at which each gate is used last, after which its edge
-        is given up; nothing for edges that are all kept.
+        is given up; nothing for edges that are all kept, and for steps
+        without end.
     edges: of each gate, in and out; -1 is none.
     nodes: (4 budget) out, the nodes: level, low edge, high edge and scratch of each.
     table: (power of two, at least 5/4 budget) the hash table of the nodes.
@@ -294,6 +295,8 @@ def build(
     if not used[2]:
         used[2] = min(len(nodes) // 4, _FIRST_SIZE)
     store = Store(edges, nodes, table, cache, frames, used)
+    if not len(last):
+        store.steps_left = -1  # without end
     if not used[0]:
         store.empty(levels)
     joined = 0

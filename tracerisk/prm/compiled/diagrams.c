@@ -321,6 +321,8 @@ LOOP int64_t build(int64_t levels, int64_t first, INTEGERS(offsets), INTEGERS(li
     work.frames = (struct frame *)frames;
     work.edges = edges;
     work.edges_size = edges_size;
+    if (last_size == 0)
+        work.steps_left = -1; /* without end */
     if (used[0] == 0)
         empty(&work, levels);
     int64_t joined = 0, place = 0;
