@@ -203,6 +203,9 @@ class _Thinning:
             self._edges[-1] = NEVER
 
     def _thin(self, side: int) -> None:
+        # What is thinned out is made anew beside the whole, and needs room.
+        if self._used[0] > self._most_used:
+            self._tidy()
         edge = int(self._edges[-1])
         happens, fails, reach, under = self._scratch
         found = self._loops.thinned(
