@@ -95,13 +95,14 @@ class Store:
     def with_room(self, held: int) -> int:
         """Give up what nothing needs; return what an edge that is held becomes.
 
-        OUT_OF_NODES where three quarters of the budget are needed.
+        OUT_OF_NODES where three quarters of the budget are needed; without a bound of the steps,
+        where all of it is.
         """
         live = self.marked(held)
         size = self.size
         if 2 * live > size:
             size = min(2 * size, self.budget)
-        if 4 * live > 3 * size:
+        if live >= size if self.steps_left < 0 else 4 * live > 3 * size:
             return OUT_OF_NODES
         return self.compacted(size, held)
 

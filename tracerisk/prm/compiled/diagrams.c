@@ -233,7 +233,7 @@ static int64_t with_room(struct work *work, int64_t held)
     int64_t live = marked(work, held), size = work->store.size;
     if (2 * live > size)
         size = 2 * size < work->budget ? 2 * size : work->budget;
-    if (4 * live > 3 * size)
+    if (work->steps_left < 0 ? live >= size : 4 * live > 3 * size)
         return OUT_OF_NODES;
     return compacted(work, size, held);
 }
