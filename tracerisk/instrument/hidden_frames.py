@@ -9,18 +9,19 @@ What no means reaches: `frame.f_back` followed by hand.
 
 from __future__ import annotations
 
-import contextlib
 import inspect
 import os
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import FrameType, FunctionType, TracebackType
 from typing import Any, TypeVar
 
 import tracerisk
+from tracerisk.sandbox.replaced_names import replaced
 
 HIDDEN_FILENAME = "<tracerisk, hidden like importlib._bootstrap>"
 """File name of hidden code; `warnings` and `logging` skip `importlib` with `_bootstrap`."""
@@ -67,8 +68,7 @@ def visible_traceback(entry: TracebackType | None) -> TracebackType | None:
     return visible
 
 
-@contextlib.contextmanager
-def hidden_frames() -> Iterator[None]:
+def hidden_frames() -> AbstractContextManager[None]:
     """Leave tracerisk's frames out of what the standard library shows, until closed.
 
     Everything is put back on exit, in the state found; may be nested.
@@ -85,14 +85,7 @@ def hidden_frames() -> Iterator[None]:
         (sys, "excepthook", _except_hook(sys.excepthook)),
         (threading, "excepthook", _thread_hook(threading.excepthook)),
     ]
-    found = [(owner, name, getattr(owner, name)) for owner, name, _ in replacements]
-    for owner, name, value in replacements:
-        setattr(owner, name, value)
-    try:
-        yield
-    finally:
-        for owner, name, value in found:
-            setattr(owner, name, value)
+    return replaced(replacements)
 
 
 def _limited(frames: traceback.StackSummary, limit: int | None, *, last: bool) -> None:

@@ -8,15 +8,17 @@ as they are: who finds one lacking makes it, or looks elsewhere.
 from __future__ import annotations
 
 import builtins
-import contextlib
 import functools
 import io
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
+
+from tracerisk.sandbox.replaced_names import replaced
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
 _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
@@ -74,18 +76,12 @@ class MovedFiles:
                 return here
         return None
 
-    @contextlib.contextmanager
-    def active(self) -> Iterator[None]:
+    def active(self) -> AbstractContextManager[None]:
         """Look there while this is open."""
         owners = [(builtins, "open"), (io, "open"), *((os, name) for name in _LOOKED_AT)]
-        before = [(owner, name, getattr(owner, name)) for owner, name in owners]
-        try:
-            for owner, name, real in before:
-                setattr(owner, name, self._looking(real))
-            yield
-        finally:
-            for owner, name, real in before:
-                setattr(owner, name, real)
+        return replaced(
+            [(owner, name, self._looking(getattr(owner, name))) for owner, name in owners]
+        )
 
     def _looking(self, real: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(real)

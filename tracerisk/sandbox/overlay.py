@@ -19,6 +19,8 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from tracerisk.sandbox.replaced_names import replaced
+
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _SYSTEM = ("/dev/", "/proc/", "/sys/")
 _MOST_COPIED = 1024**3
@@ -46,30 +48,19 @@ class Overlay:
     @contextlib.contextmanager
     def active(self) -> Iterator[None]:
         """Redirect while this is open, and report addresses to which nothing could be sent."""
-        replaced: list[tuple[Any, str, Any]] = []
         functions = self._functions()
-
-        def put(owner: Any, name: str, value: Any) -> None:
-            replaced.append((owner, name, vars(owner)[name]))
-            setattr(owner, name, value)
-
-        try:
-            for owner in (builtins, io):
-                put(owner, "open", functions["io.open"])
-            for name in _OS_NAMES:
-                put(os, name, functions[name])
-            # Python 3.10 has bound them there.
-            accessor = getattr(pathlib, "_NormalAccessor", None)
-            for name in _OS_NAMES if accessor is not None else ():
-                if name in vars(accessor) and name != "open":
-                    put(accessor, name, staticmethod(functions[name]))
-            if accessor is not None and "open" in vars(accessor):
-                put(accessor, "open", staticmethod(functions["io.open"]))
+        # Python 3.10 has bound them there.
+        accessor = getattr(pathlib, "_NormalAccessor", None)
+        bound = {} if accessor is None else {**functions, "open": functions["io.open"]}
+        replacements = (
+            *((owner, "open", functions["io.open"]) for owner in (builtins, io)),
+            *((os, name, functions[name]) for name in _OS_NAMES),
+            *((accessor, name, staticmethod(each)) for name, each in bound.items()
+              if name in vars(accessor)),
+        )  # fmt: skip
+        with replaced(replacements):
             self._watch_network()
             yield
-        finally:
-            for owner, name, value in reversed(replaced):
-                setattr(owner, name, value)
 
     def _watch_network(self) -> None:
         def watch(event: str, arguments: tuple[Any, ...]) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
 import termios
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from sys import _getframe
 from typing import Any
 
@@ -15,6 +15,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.needs import KEYS, Need
 from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.sandbox.replaced_names import replaced
 
 STDIN = 0
 _PRESSED_EACH_NS = 1_000_000_000
@@ -87,25 +88,20 @@ class ScriptedKeys:
         own = [place for place in stack if place.file == self._script] or stack
         return own[-1] if own else None
 
-    @contextlib.contextmanager
-    def served(self) -> Iterator[None]:
+    def served(self) -> AbstractContextManager[None]:
         """Stand in for the functions of a terminal."""
-        replaced: list[tuple[Any, str, Any]] = [
+        functions: list[tuple[Any, str, Any]] = [
             (os, "read", self._read_bytes(os.read)),
             (select, "select", self._select(select.select)),
         ]
         for module in (termios, tty):
-            replaced += [
+            functions += [
                 (module, "tcgetattr", self._at_stdin(self._get, termios.tcgetattr)),
                 (module, "tcsetattr", self._at_stdin(self._set, termios.tcsetattr)),
                 (module, "tcflush", self._at_stdin(_nothing, termios.tcflush)),
                 (module, "tcdrain", self._at_stdin(_nothing, termios.tcdrain)),
             ]
-        with contextlib.ExitStack() as stack:
-            for module, name, function in replaced:
-                stack.callback(setattr, module, name, getattr(module, name))
-                setattr(module, name, function)
-            yield
+        return replaced(functions)
 
     def _at_stdin(self, ours: Callable[..., Any], real: Callable[..., Any]) -> Callable[..., Any]:
         def function(file: Any, /, *arguments: Any) -> Any:

@@ -31,8 +31,8 @@ from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
 from tracerisk.ros.time.selector import VirtualSelector
 from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter
+from tracerisk.sandbox.replaced_names import replaced
 
-_MISSING = object()
 _real_selector = selectors.DefaultSelector
 # The one in C waits on a lock of its own.
 _SimpleQueue: Any = vars(queue)["_PySimpleQueue"]
@@ -50,30 +50,18 @@ def virtual_time(
     from another before (`from time import sleep`) are not reached, so a controller must be
     imported inside.
     """
-    undo: list[Callable[[], None]] = []
     scheduler.exit_calls.at_main_end(lambda: _stop_pools(scheduler))
-    try:
-        for owner, name, value in (
-            *scheduler.baton.replacements(),
-            *_replacements(scheduler),
-            *process_replacements(scheduler, note),
-        ):
-            undo.append(_replace(owner, name, value))
-        with seeded_generators(seed):
-            for owner, name, value in entropy_replacements(scheduler, seed):
-                undo.append(_replace(owner, name, value))
-            yield
-    finally:
-        for restore in reversed(undo):
-            restore()
-
-
-def _replace(owner: Any, name: str, value: Any) -> Callable[[], None]:
-    known = vars(owner)
-    real = known.get(name, _MISSING)
-    setattr(owner, name, value)
-    # A module may make the name when it is first asked for.
-    return lambda: delattr(owner, name) if real is _MISSING else setattr(owner, name, real)
+    replacements = (
+        *scheduler.baton.replacements(),
+        *_replacements(scheduler),
+        *process_replacements(scheduler, note),
+    )
+    with (
+        replaced(replacements),
+        seeded_generators(seed),
+        replaced(entropy_replacements(scheduler, seed)),
+    ):
+        yield
 
 
 def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
