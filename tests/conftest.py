@@ -20,6 +20,10 @@ from hypothesis import HealthCheck, settings
 from tests.commands import Commands
 from tracerisk.sandbox.fork_server import several_come
 
+# Hundreds of processes import the same modules: what one has compiled, the others read.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # What fails a test is what it finds, not how busy the machine is.
 settings.register_profile(
     "any_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
