@@ -203,7 +203,7 @@ class _Thinning:
             self._edges[-1] = NEVER
 
     def _thin(self, side: int) -> None:
-        # What is thinned out is made anew beside the whole, and needs room.
+        # Thinning adds new nodes to the old ones: free room for them first.
         if self._used[0] > self._most_used:
             self._tidy()
         edge = int(self._edges[-1])
@@ -224,8 +224,6 @@ class _Thinning:
             self._tidy()
             found = NEVER
         self._edges[-1] = found ^ side
-        if self._used[0] > self._most_used:
-            self._tidy()
 
     def _tidy(self) -> None:
         """Give up the nodes that no edge needs."""

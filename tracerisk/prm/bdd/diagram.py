@@ -9,7 +9,7 @@ from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.orders import FORCE, Order, drawn_orders, walked_orders
+from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
 from tracerisk.records import dataclass
@@ -240,29 +240,32 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     tried without the compiled loops, and there are none.
     """
     loops = fastest_loops()
-    orders: dict[str, Order] = {}
+    walked: dict[str, Order] = {}
+    drawn: dict[str, Order] = {}
     trials: dict[str, _Local] = {}
     reached: dict[str, int] = {}
 
-    def joining(named: Iterable[tuple[str, Order]]) -> Iterator[tuple[str, _Local]]:
+    def joining(
+        named: Iterable[tuple[str, Order]], kind: dict[str, Order]
+    ) -> Iterator[tuple[str, _Local]]:
         for name, order in named:
-            is_new = order not in orders.values()
-            orders[name] = order
+            is_new = order not in walked.values() and order not in drawn.values()
+            kind[name] = order
             if is_new:
                 yield name, local_of(graph, module, _swapped(order) if limits.swapped else order)
 
     drawn_from = min(1, len(limits.nodes) - 1)
     given: dict[str, int] = {}  # how many of the budgets each order has been through
-    stores: list[tuple[Any, Any, Any]] = []
+    stores: dict[int, tuple[Any, Any, Any]] = {}
     budgets = limits.nodes
     if loops.sweep_many is None:
         budgets = tuple(budget for budget in budgets if budget <= _MOST_PLAIN)
     for number in range(len(budgets)):
         going = [iter(trials.items())]
         if number == 0:
-            going.append(joining(walked_orders(graph, module)))
+            going.append(joining(walked_orders(graph, module), walked))
         if number == drawn_from:
-            going.append(joining(drawn_orders(graph, module, orders, loops)))
+            going.append(joining(drawn_orders(graph, module, walked, loops), drawn))
         joined = {}
         for name, local in chain(*going):
             joined[name] = local
@@ -273,19 +276,21 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
             ):
                 at = max(number, given.get(name, 0))
                 given[name] = at + 1
-                if at == len(stores):
-                    stores.append(store_for(budgets[at], loops))
+                if at not in stores:
+                    stores[at] = store_for(budgets[at], loops)
                 found, reached[name] = _built(local, stores[at], loops)
                 if found is not None:
                     return found
+        stores.pop(number, None)  # no order is given this budget again
         ranked = sorted(joined, key=lambda name: -reached[name])
         if number >= drawn_from:
             kept = _GO_ON if number == drawn_from else 1
-            walks = [name for name in ranked if not name.startswith(FORCE)]
-            drawn = [name for name in ranked if name.startswith(FORCE)]
+            walks = [name for name in ranked if name in walked]
             # FORCE comes far early and can then stand still: no reason to give up a walk.
-            drawn = [name for name in drawn if reached[name] >= reached[walks[0]]]
-            going_on = {*walks[:kept], *drawn[:kept]}
+            ahead = [
+                name for name in ranked if name in drawn and reached[name] >= reached[walks[0]]
+            ]
+            going_on = {*walks[:kept], *ahead[:kept]}
             ranked = [name for name in ranked if name in going_on]
         trials = {name: joined[name] for name in ranked}
     if len(budgets) < len(limits.nodes):

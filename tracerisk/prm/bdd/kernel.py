@@ -95,14 +95,15 @@ class Store:
     def with_room(self, held: int) -> int:
         """Give up what nothing needs; return what an edge that is held becomes.
 
-        OUT_OF_NODES where three quarters of the budget are needed; without a bound of the steps,
-        where all of it is.
+        OUT_OF_NODES where more than three quarters of the budget are needed; where the steps have
+        no limit, only where all of it is.
         """
         live = self.marked(held)
         size = self.size
         if 2 * live > size:
             size = min(2 * size, self.budget)
-        if live >= size if self.steps_left < 0 else 4 * live > 3 * size:
+        most = size - 1 if self.steps_left < 0 else 3 * size // 4
+        if live > most:
             return OUT_OF_NODES
         return self.compacted(size, held)
 
@@ -283,8 +284,7 @@ def build(
         item's number plus one for its complement; items below `levels` are variables, the others
         gates.
     last: (gates) the place among `literals` at which each gate is used last, after which its edge
-        is given up; nothing for edges that are all kept, and for steps
-        without end.
+        is given up. Empty: all edges are kept, and the steps have no limit.
     edges: of each gate, in and out; -1 is none.
     nodes: (4 budget) out, the nodes: level, low edge, high edge and scratch of each.
     table: (power of two, at least 5/4 budget) the hash table of the nodes.
@@ -297,7 +297,7 @@ def build(
         used[2] = min(len(nodes) // 4, _FIRST_SIZE)
     store = Store(edges, nodes, table, cache, frames, used)
     if not len(last):
-        store.steps_left = -1  # without end
+        store.steps_left = -1  # no limit
     if not used[0]:
         store.empty(levels)
     joined = 0

@@ -17,9 +17,6 @@ from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.speed import Loops
 from tracerisk.records import dataclass
 
-FORCE = "FORCE"
-"""What the names of those orders begin with."""
-
 _ROUNDS = 30
 """With 30 rounds the diagrams were up to half as large as with 12."""
 
@@ -67,7 +64,7 @@ def drawn_orders(
     """Return the orders by FORCE, each from one of those by walks."""
     groups = _Groups(graph, module, loops)
     for name in _DRAWN:
-        yield f"{FORCE} from {name}", groups.drawn(walked[name])
+        yield f"FORCE from {name}", groups.drawn(walked[name])
 
 
 def _shape(graph: LogicGraph, module: Module) -> _Shape:

@@ -233,7 +233,8 @@ static int64_t with_room(struct work *work, int64_t held)
     int64_t live = marked(work, held), size = work->store.size;
     if (2 * live > size)
         size = 2 * size < work->budget ? 2 * size : work->budget;
-    if (work->steps_left < 0 ? live >= size : 4 * live > 3 * size)
+    int64_t most = work->steps_left < 0 ? size - 1 : 3 * size / 4;
+    if (live > most)
         return OUT_OF_NODES;
     return compacted(work, size, held);
 }
@@ -322,7 +323,7 @@ LOOP int64_t build(int64_t levels, int64_t first, INTEGERS(offsets), INTEGERS(li
     work.edges = edges;
     work.edges_size = edges_size;
     if (last_size == 0)
-        work.steps_left = -1; /* without end */
+        work.steps_left = -1; /* no limit */
     if (used[0] == 0)
         empty(&work, levels);
     int64_t joined = 0, place = 0;
