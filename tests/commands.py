@@ -64,6 +64,8 @@ class Commands:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
+                # Not what C libraries have put beside it: `readline` sets LINES and COLUMNS.
+                env=dict(os.environ),
             )
         program = Path(self._folder.name, "tracerisk")
         program.write_text(_PROGRAM.format(python=sys.executable, path=self._path))
