@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -23,6 +24,10 @@ from tracerisk.sandbox.fork_server import several_come
 # Hundreds of processes import the same modules: what one has compiled, the others read.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# A shell that starts them in the background has interrupts ignored, by all that they start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What fails a test is what it finds, not how busy the machine is.
 settings.register_profile(
