@@ -366,8 +366,10 @@ def shown_afresh_and_forked(server, monkeypatch, capfd, settings) -> list[tuple[
     return found
 
 
-@pytest.mark.parametrize("mode", ["off", pytest.param("auto", marks=contained)])
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    ("name", "mode"),
+    [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off"), ("hangs", "off")],
+)
 def test_a_run_shows_the_same(server, tmp_path, monkeypatch, capfd, name, mode):
     code, options = RUNS[name]
     monkeypatch.chdir(tmp_path)
