@@ -129,7 +129,7 @@ def drawn(nominal, count: int, seed: int = 7) -> list[Branch]:
 @pytest.mark.parametrize(
     ("name", "count"),
     [
-        ("surface_scan.py", 3),
+        ("surface_scan.py", 2),
         pytest.param("careful_pick.py", 6, marks=SLOW),
         pytest.param("glue_bead.py", 6, marks=SLOW),
         pytest.param("machine_tending.py", 6, marks=SLOW),
