@@ -48,9 +48,12 @@ sys.exit(code if code >= 0 else 128 - code)
 class Commands:
     """The process that forks commands, on the side of the tests."""
 
-    def __init__(self, controller: str) -> None:
-        """Start it; it imports what a run of the controller, and a report on it, import."""
-        self._at_start = _read_at_start(os.environ)
+    def __init__(self, controller: str, environment: Mapping[str, str]) -> None:
+        """Start it; it imports what a run of the controller, and a report on it, import.
+
+        Runs of commands with another environment than this have a server of their own.
+        """
+        self._at_start = _read_at_start(environment)
         self._folder = tempfile.TemporaryDirectory()
         self._path = str(Path(self._folder.name, "commands"))
         self._life, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -64,8 +67,7 @@ class Commands:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
-                # Not what C libraries have put beside it: `readline` sets LINES and COLUMNS.
-                env=dict(os.environ),
+                env=environment,
             )
         program = Path(self._folder.name, "tracerisk")
         program.write_text(_PROGRAM.format(python=sys.executable, path=self._path))

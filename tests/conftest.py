@@ -24,6 +24,7 @@ from tracerisk.sandbox.fork_server import several_come
 # Hundreds of processes import the same modules: what one has compiled, the others read.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+AT_START = dict(os.environ)
 
 # A shell that starts them in the background has interrupts ignored, by all that they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -93,7 +94,7 @@ def pytest_xdist_auto_num_workers() -> int:
 
 @lru_cache(maxsize=1)
 def _commands() -> Commands:
-    return Commands(quick_controller())
+    return Commands(quick_controller(), AT_START)
 
 
 def _are_quick_in(environment: Mapping[str, str]) -> bool:
@@ -106,6 +107,12 @@ def program(environment: Mapping[str, str]) -> list[str]:
     if _are_quick_in(environment):
         return [_commands().program]
     return [sys.executable, "-m", "tracerisk"]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call() -> None:
+    """Leave out the one variable in which tests differ: runs are forked where none does."""
+    os.environ.pop("PYTEST_CURRENT_TEST", None)
 
 
 @pytest.fixture(scope="session", autouse=True)

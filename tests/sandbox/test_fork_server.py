@@ -76,15 +76,25 @@ def begin(tmp_path, monkeypatch, server):
     """Start a small module that does what it is told; afresh where that is asked for."""
     (tmp_path / "probe").mkdir()
     (tmp_path / "probe" / "probe_of_a_fork.py").write_text(MODULE)
+    (tmp_path / "probe" / "another.py").write_text("print('another')\n")
     monkeypatch.syspath_prepend(str(tmp_path / "probe"))
     monkeypatch.chdir(tmp_path)
 
-    def begin(code: str, *, afresh=False, mode="off", own="x", pass_fds=(), **environment):
+    def begin(
+        code: str,
+        *,
+        module="probe_of_a_fork",
+        afresh=False,
+        mode="off",
+        own="x",
+        pass_fds=(),
+        **environment,
+    ):
         with monkeypatch.context() as patched:
             if afresh:
                 patched.setattr(process, "forked", lambda *_, **__: None)
             child = process.start(
-                "probe_of_a_fork",
+                module,
                 code,
                 "more",
                 sandbox=Sandbox(mode),
@@ -198,6 +208,12 @@ def test_the_first_of_a_kind_is_started_afresh(begin, server):
     assert server.server is None
     assert said(begin("print(1)")) == "1\n"
     assert server.server is not None
+
+
+def test_another_module_has_another_server(begin):
+    assert said(begin("print('this')")) == "this\n"
+    assert said(begin("pass", module="another")) == "another\n"
+    assert said(begin("print('this')")) == "this\n"
 
 
 def test_forked_processes_draw_other_random_numbers(begin):

@@ -190,6 +190,7 @@ def several_come() -> None:
 
 
 def forked(
+    kind: Sequence[str],
     arguments: Sequence[str],
     *,
     plan: Mapping[str, Any],
@@ -200,8 +201,9 @@ def forked(
 ) -> Forked | None:
     """Return a process that a server has forked; None where one is to be started afresh.
 
-    That is so for the first of its kind, and where there can be no server. `own` are the
-    variables in which this process differs from others of its kind.
+    That is so for the first of its kind, and where there can be no server. `kind` is the module
+    with Python's options; `own` are the variables in which this process differs from others of
+    its kind.
     """
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
@@ -209,7 +211,7 @@ def forked(
     of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:
-            key = (list(common.items()), plan["paths"], _inherited())
+            key = (list(kind), list(common.items()), plan["paths"], _inherited())
             server = _KEPT.server
             if server is None or server.key != key or not server.is_alive:
                 is_first, _KEPT.key = _KEPT.key != key, key

@@ -151,7 +151,13 @@ def start(
     common = {**_without_python(environment), **(own or {}), "PYTHONHASHSEED": "0"}
     if own is not None and more == OF_FORKED:
         found = forked(
-            arguments, plan=plan, environment=common, own=own, pass_fds=pass_fds, start=begin
+            (module, *options),
+            arguments,
+            plan=plan,
+            environment=common,
+            own=own,
+            pass_fds=pass_fds,
+            start=begin,
         )
         if found is not None:
             return found
