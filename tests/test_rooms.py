@@ -6,6 +6,7 @@ Nothing below knows what stands above it. An import within a function counts as 
 from __future__ import annotations
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 
@@ -190,3 +191,16 @@ def test_no_circle_of_imports_has_more_than_three_files():
 
     circles = strong_components({name: leads_to(path) for name, path in modules.items()})
     assert [each for each in circles if len(each) > 3] == []
+
+
+def test_every_file_that_the_page_on_architecture_names_is_there():
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w/]+\.py)`", page))
+    root = PACKAGE.parent
+    there = [
+        "/" + path.relative_to(root).as_posix()
+        for folder in (PACKAGE, root / "tests", root / "benchmarks")
+        for path in folder.rglob("*.py")
+    ]
+    assert len(named) > 40
+    assert not {each for each in named if not any(path.endswith(f"/{each}") for path in there)}

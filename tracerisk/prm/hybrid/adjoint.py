@@ -205,7 +205,7 @@ class Adjoint:
             rows.append({t: stay * weight for t, weight in function.steps if t != number})
             exits.append(total(leave) + stay * function.done)
             rewards.append(survival * total(gains))
-        return Elimination(chain.states.pattern, rows, exits).values(rewards)
+        return Elimination(chain.states.pattern, rows, exits).right(rewards)
 
     def _without_spare(
         self, number: int, layer: int, unit_class: int

@@ -116,9 +116,11 @@ def _sound_visits(states: HiddenStates, component: Sequence[int], head: int) -> 
         function = states.functions[number]
         rows.append({place[t]: w for t, w in function.steps if t in place and t != number})
         exits.append(total((function.done, *(w for t, w in function.steps if t not in place))))
-    pattern = Pattern([states.functions[n].state.name for n in component], list(map(list, rows)))
+    pattern = Pattern(
+        lambda index: f"'{states.functions[component[index]].state.name}'", list(map(list, rows))
+    )
     start = [float(number == head) for number in component]
-    return dict(zip(component, Elimination(pattern, rows, exits).visits(start), strict=True))
+    return dict(zip(component, Elimination(pattern, rows, exits).left(start), strict=True))
 
 
 def _log_survival(chain: HiddenChain, passage: Passage) -> float:

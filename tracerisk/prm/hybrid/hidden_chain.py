@@ -131,7 +131,7 @@ class HiddenChain:
             here, failed = [0.0] * size, [0.0] * size
             leaving = entering[layer]
             if any(arriving):
-                here = self._layer(layer, cut).visits(arriving)
+                here = self._layer(layer, cut).left(arriving)
                 for number, count in enumerate(here):
                     if count == 0.0:
                         continue
@@ -201,7 +201,7 @@ class HiddenChain:
                     for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * total(parts))
-            from_each = self._layer(layer, None).values(reward)
+            from_each = self._layer(layer, None).right(reward)
             found[layer] = tuple(
                 function.done
                 + total(weight * from_each[target] for target, weight in function.steps)

@@ -121,7 +121,7 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
         for state, found in zip(states, parts, strict=True)
     )
     pattern = Pattern(
-        [state.name for state in states],
+        lambda number: f"'{states[number].name}'",
         [[target for target, _ in function.steps] for function in functions],
     )
     entry = number_of[model.entry]

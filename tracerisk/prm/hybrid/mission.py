@@ -179,7 +179,7 @@ def _visits(
     exits = [
         top.p + top.q * function.done for function, top in zip(states.functions, tops, strict=True)
     ]
-    return Elimination(states.pattern, rows, exits).visits(start)
+    return Elimination(states.pattern, rows, exits).left(start)
 
 
 def _sound_visits(chain: HiddenChain) -> list[float]:

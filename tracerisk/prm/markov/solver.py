@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.markov.elimination import FilledInError, StuckStateError, eliminate
+from tracerisk.errors import TooLargeError
+from tracerisk.prm.numbers.elimination import Elimination, FilledInError, Label, Pattern
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.certificate import Array, Certified
@@ -22,10 +21,6 @@ _SMALL_PRODUCTS = 2_000_000
 _TRUSTED = 1e-13
 _BOUND = 1e-9
 """An iteration is an answer only with a certified relative error below this."""
-
-
-Label = Callable[[int], str]
-"""The words for a state, by its index."""
 
 
 class WeightSolver(Protocol):
@@ -78,10 +73,7 @@ class CertifiedSolver:
     def _eliminate(self, how: Plan) -> Factors:
         from tracerisk.prm.markov.large import factors
 
-        try:
-            self._eliminated = factors.eliminate(self._weights, how)
-        except StuckStateError as error:
-            raise stuck(self._label(error.state), self._kind) from error
+        self._eliminated = factors.eliminate(self._weights, how, self._label, self._kind)
         return self._eliminated
 
     def _solve(self, given: Array, *, left: bool, given_low: Array | None = None) -> Certified:
@@ -131,17 +123,16 @@ class CertifiedSolver:
 def solver_of(
     ways: Sequence[Mapping[int, float]], slack: Sequence[float], label: Label, kind: str
 ) -> WeightSolver:
-    """Return what solves a chain of the given weights; see `elimination.eliminate`.
+    """Return what solves a chain of the given weights; see `Elimination`.
 
     `label` gives the words for a state by its index, `kind` what a weight is, for messages.
     Raises ModelError when a state is left with less than the smallest normal double.
     """
     if len(ways) <= SMALL and sum(map(len, ways)) <= SMALL_WAYS:
         # The count of products, and so the way taken, is the same on every machine.
+        kept = [{target: p for target, p in row.items() if p > 0.0} for row in ways]
         try:
-            return eliminate(ways, slack, _SMALL_PRODUCTS)
-        except StuckStateError as error:
-            raise stuck(label(error.state), kind) from error
+            return Elimination(Pattern(label, kept, kind, _SMALL_PRODUCTS), kept, slack)
         except FilledInError:
             pass  # elimination with arrays is faster
     from tracerisk.prm.markov.large.factors import Weights
@@ -180,11 +171,3 @@ class _ListSolver:
 
         found: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
         return found
-
-
-def stuck(state: str, kind: str) -> ModelError:
-    """Return the error of a state that is left with next to nothing."""
-    return ModelError(
-        f"state {state} is left with a {kind} below {sys.float_info.min:.0e}, "
-        "too small for a number of double precision; leave out what never happens"
-    )

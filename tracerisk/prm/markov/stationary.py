@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from tracerisk.prm.markov.solver import Label, solver_of
+from tracerisk.prm.markov.solver import solver_of
+from tracerisk.prm.numbers.elimination import Label
 
 
 def stationary(rows: Sequence[Mapping[int, float]], label: Label, kind: str) -> list[float]:

@@ -2,29 +2,59 @@
 
 Grassmann, Taksar and Heyman, "Regenerative analysis and steady state distributions for Markov
 chains", Operations Research 33 (1985), on states that are numbered: what a state keeps of itself
-is never stored, its ways out are.
+is never stored, its ways out are. What leaves a state is the sum of these, never one minus what
+stays.
 The layers of a chain with hidden failures share their pattern; it is analysed once.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import total
 
 Rows = Sequence[Mapping[int, float]]
-"""For each state the probability of going to each other state."""
+"""For each state the probability, or another weight, of going to each other state."""
+Label = Callable[[int], str]
+"""The words for a state, by its index."""
+
+
+class StuckStateError(ModelError):
+    """A state is left with a weight too small for double precision.
+
+    `kind` is what a weight is: a probability or a rate.
+    """
+
+    def __init__(self, state: str, kind: str) -> None:
+        super().__init__(
+            f"state {state} is left with a {kind} below {sys.float_info.min:.0e}, "
+            "too small for a number of double precision; leave out what never happens"
+        )
+
+
+class FilledInError(ArithmeticError):
+    """Elimination takes more products than it was given."""
 
 
 class Pattern:
     """Which state leads to which, and the order in which they are eliminated."""
 
-    def __init__(self, names: Sequence[str], targets: Sequence[Collection[int]]) -> None:
-        """Analyse a chain in which state i leads to `targets[i]`; `names` are for messages."""
-        self.names = tuple(names)
+    def __init__(
+        self,
+        label: Label,
+        targets: Sequence[Collection[int]],
+        kind: str = "probability",
+        most_products: int | None = None,
+    ) -> None:
+        """Analyse a chain in which state i leads to `targets[i]`.
+
+        `label` and `kind` are for messages.
+        Raises FilledInError when more than `most_products` products of weights are needed.
+        """
+        self.label, self.kind = label, kind
         after = [set(row) - {state} for state, row in enumerate(targets)]
         before: list[set[int]] = [set() for _ in after]
         for state, row in enumerate(after):
@@ -35,6 +65,7 @@ class Pattern:
         heapify(waiting)
         gone: set[int] = set()
         steps = []
+        products = 0
         while waiting:
             weight, state = heappop(waiting)
             if state in gone:
@@ -44,6 +75,9 @@ class Pattern:
                 heappush(waiting, (now, state))
                 continue
             gone.add(state)
+            products += now
+            if most_products is not None and products > most_products:
+                raise FilledInError
             sources, following = sorted(before[state]), sorted(after[state])
             steps.append((state, tuple(sources), tuple(following)))
             for source in sources:
@@ -64,7 +98,9 @@ class Elimination:
         """Eliminate; `exits` is the probability of each state to leave the chain.
 
         What a row holds of its own state is not read: it is what the others leave of one.
-        Raises ModelError when a state is left less often than the smallest number.
+        With weights that do not sum to one, such as rates, I - P is diag(s) - W: `W` holds the
+        weights between states, s what leaves each of them.
+        Raises StuckStateError when a state is left with less than the smallest normal double.
         """
         left = [dict(row) for row in rows]
         ways_out = list(exits)
@@ -74,11 +110,7 @@ class Elimination:
             outgoing = [row.get(target, 0.0) for target in following]
             leaving = total((ways_out[state], *outgoing))
             if abs(leaving) < sys.float_info.min:
-                raise ModelError(
-                    f"state '{pattern.names[state]}' is left with a probability below "
-                    f"{sys.float_info.min:.0e}, too small for a number of double precision; "
-                    "leave out what never happens"
-                )
+                raise StuckStateError(pattern.label(state), pattern.kind)
             incoming = []
             for source in sources:
                 there = left[source]
@@ -93,7 +125,7 @@ class Elimination:
             done.append((state, sources, incoming, following, outgoing, leaving))
         self._done = done
 
-    def visits(self, start: Sequence[float]) -> list[float]:
+    def left(self, start: Sequence[float]) -> list[float]:
         """Return x with x (I - P) = `start`: how often each state is visited."""
         mass = list(start)
         for state, _, _, following, outgoing, leaving in self._done:
@@ -109,7 +141,7 @@ class Elimination:
             found[state] = arriving / leaving
         return found
 
-    def values(self, reward: Sequence[float]) -> list[float]:
+    def right(self, reward: Sequence[float]) -> list[float]:
         """Return x with (I - P) x = `reward`: what each state collects until the chain is left."""
         mass = list(reward)
         for state, sources, incoming, _, _, leaving in self._done:

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.prm.markov.elimination import StuckStateError
 from tracerisk.prm.markov.large.dense_elimination import eliminate_dense
 from tracerisk.prm.markov.large.ordering import TOO_DENSE, minimum_degree
 from tracerisk.prm.markov.large.pattern import neighbours, transposed
@@ -25,6 +24,7 @@ from tracerisk.prm.markov.large.symbolic import (
     elimination_tree,
     later_states,
 )
+from tracerisk.prm.numbers.elimination import Label, StuckStateError
 
 Array = np.ndarray[Any, Any]
 
@@ -158,8 +158,10 @@ def plan(weights: Weights, budget: Budget) -> Plan | None:
     )
 
 
-def eliminate(weights: Weights, how: Plan) -> Factors:
-    """Return the eliminated chain.
+def eliminate(
+    weights: Weights, how: Plan, label: Label = str, kind: str = "probability"
+) -> Factors:
+    """Return the eliminated chain; `label` and `kind` are for messages, as of a `Pattern`.
 
     Raises StuckStateError when a state is left with less than the smallest normal double.
     """
@@ -188,7 +190,7 @@ def eliminate(weights: Weights, how: Plan) -> Factors:
         place = eliminate_dense(dense, leaving[head:], smallest)
         stuck = int(how.order[head + place]) if place >= 0 else -1
     if stuck >= 0:
-        raise StuckStateError(stuck)
+        raise StuckStateError(label(stuck), kind)
     return Factors(
         how.order,
         how.rank,
