@@ -183,6 +183,11 @@ def read_settings(root: Path, file: str | None = None) -> Settings:
     return settings
 
 
+def controllers_with_settings(root: Path) -> tuple[str, ...]:
+    """Return the controllers that have a table of their own in the `pyproject.toml` in `root`."""
+    return tuple(name for source in _sources(root, None) for name in source.controllers)
+
+
 @dataclass(frozen=True, slots=True)
 class SettingOrigin:
     """Where a setting comes from: `location` is `None` for a default.
@@ -318,6 +323,11 @@ class _Reader:
             if file is not None and PurePosixPath(name) == PurePosixPath(file):
                 values.update(of_one)
         return {key: self._placed(key, value) for key, value in values.items()}
+
+    @property
+    def controllers(self) -> tuple[str, ...]:
+        """The controllers that have a table of their own; `values` checks these tables."""
+        return tuple(self._table.get(_CONTROLLERS, {}))
 
     def origins(self, file: str | None) -> dict[str, SettingOrigin]:
         """Return where the settings of a controller that are given here stand, by name."""

@@ -101,3 +101,15 @@ def test_an_unknown_name_is_bad_input(option, name, example, quick):
     assert outcome.code == 2
     assert name in outcome.err
     assert example.files() == before
+
+
+def test_descriptions_of_single_controllers_are_named_where_none_is_for_all(example, quick):
+    example.write("pick.py", quick())
+    example.write("hardware_panda.yaml", "components: {}\n")
+    example.write(
+        "pyproject.toml",
+        '[tool.tracerisk.controllers."pick.py"]\nhardware = "hardware_panda.yaml"\n',
+    )
+    outcome = example.run("hardware", "show")
+    assert outcome.code == 2
+    assert "give one of hardware_panda.yaml" in outcome.err

@@ -238,6 +238,17 @@ def test_other_hardware_data_change_values_without_a_run(project):
     assert check(project)[:2] == (0, [])
 
 
+def test_a_description_of_the_settings_is_named_from_the_root(project):
+    shipped = "components:\n  motor: {quantity: 7, probability: {value: 1e-7, per: minute}, twin: {joints: '*'}}\n"
+    project.write("arm.yaml", shipped)
+    project.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
+    assert project.run("run", "c.py", "-q", "--discard-edits").code == 0
+    change(project, "arm.yaml", "1e-7", "1e-6")
+    message = check(project)[2]
+    assert "arm.yaml has changed" in message
+    assert "/arm.yaml" not in message
+
+
 def test_a_refresh_uses_the_options_of_the_last_run_again(project):
     project.write("cell.yaml", "name: cell\ntitle: A cell\n")
     assert project.run("run", "c.py", "--seed", "7", "--scene", "cell.yaml", "-q").code == 0

@@ -205,7 +205,10 @@ def values_reasons(
     """Return why the values no longer follow from the trace: other hardware, other evidence."""
     found = []
     if recorded.hardware != hardware_digest(settings):
-        found.append(f"{settings.hardware or 'the hardware description'} has changed")
+        name = settings.hardware or "the hardware description"
+        if Path(name).is_absolute():
+            name = os.path.relpath(name, controller.root.resolve())
+        found.append(f"{name} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
         from tracerisk.evidence import EVIDENCE_NAME
 
