@@ -185,7 +185,9 @@ def _axes(root: Element, name: str, xs: Sequence[Any], axis: _Axis) -> None:
     label = _LETTER * max(len(str(each)) for each in xs) + 12.0
     step = max(1, math.ceil(len(xs) * label / (right - _LEFT)))
     for value in xs[::step]:
-        _text(root, _x(xs, value), bottom + 18, str(value), "middle")
+        # A wide label at the right end stays within the picture.
+        room = _WIDTH - 4.0 - _LETTER * len(str(value)) / 2
+        _text(root, min(_x(xs, value), room), bottom + 18, str(value), "middle")
     _text(root, (_LEFT + right) / 2, bottom + 40, name, "middle")
 
 
