@@ -55,7 +55,7 @@ def test_its_figures_are_those_of_the_whole(assessed):
     assert figure[1] in whole
 
 
-def on_a_terminal(folder, *words):
+def on_a_terminal(folder, *words, code=0):
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "tracerisk", *words],
@@ -75,7 +75,7 @@ def on_a_terminal(folder, *words):
             break
         parts.append(data)
     os.close(ours)
-    assert process.wait() == 0
+    assert process.wait() == code
     return _ESCAPES.sub("", b"".join(parts).decode()).replace("\r\n", "\n")
 
 
@@ -89,3 +89,10 @@ def test_a_run_on_a_terminal_is_brief_and_says_what_next(example, quick):
     assert "Assumptions" in whole
     piped = example.run("run", "controller.py")
     assert "Assumptions" in piped.out
+
+
+def test_after_a_run_that_was_cut_short_nothing_is_to_be_committed(example, quick):
+    example.write("controller.py", quick('raise RuntimeError("no grip")'))
+    text = " ".join(on_a_terminal(example.folder, "run", "controller.py", code=1).split())
+    assert "Next: mend what the verdict names and run it again" in text
+    assert "commit the blocks" not in text

@@ -207,3 +207,24 @@ def test_a_shallow_clone_is_said_to_lack_older_commits(grown, example_in, tmp_pa
     assert done.code == 0, done.err
     assert "this clone is shallow, and older commits are not in it" in done.err
     assert "shallow" not in grown.run("history", "cell.py").err
+
+
+def test_one_figure_is_not_said_never_to_have_risen_and_controllers_stand_apart(
+    repository, annotated_source
+):
+    for name in ("one.py", "two.py"):
+        repository.write(name, annotated_source(pick=("done 1", "gripper = 1e-07")))
+    repository.commit()
+    shown = repository.run("history", "one.py", "two.py").out
+    assert shown.count("nothing to compare with yet") == 2
+    assert "never rose" not in shown
+    assert "\n\ntwo.py" in shown
+
+
+def test_the_last_label_of_a_chart_stays_within_it(grown, annotated_source):
+    grown.write("cell.py", annotated_source(pick=("done 1", "gripper = 9e-07")))
+    grown.run("history", "cell.py", "--svg", "h.svg")
+    chart = ET.fromstring(grown.read("h.svg"))
+    (label,) = (each for each in chart.findall(".//{*}text") if each.text == "working tree")
+    half = len(label.text) * 7.3 / 2
+    assert float(label.get("x")) + half <= float(chart.get("width"))

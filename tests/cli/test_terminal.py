@@ -321,3 +321,11 @@ def test_a_long_line_is_broken_between_words_and_set_in():
     assert broken("short", 60) == "short"
     path = "x" * 90
     assert path in broken(f"see {path}", 60), "a path stays whole"
+
+
+@pytest.mark.parametrize("text", ["89.9 % of it", "10.76 s, then", "0.94 mm off", "3 N, 2 of 3"])
+def test_a_number_keeps_its_unit_wherever_the_line_is_broken(text):
+    number, unit, _ = text.split(" ", 2)
+    line = "one two three four five six seven eight nine ten " * 2 + text
+    for width in range(40, len(line)):
+        assert f"{number} {unit}" in broken(line, width)

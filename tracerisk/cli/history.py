@@ -93,7 +93,9 @@ def run(options: argparse.Namespace) -> int:
             },
         )
         return int(code)
-    for name, points in found.items():
+    for number, (name, points) in enumerate(found.items()):
+        if number:
+            show("")
         print_text(render_history(name, rows[name], width=terminal_width(), color=use_color()))
         show(*_answers(points, rows[name]))
         if options.above is not None:
@@ -110,7 +112,8 @@ def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:
 
     rise = largest_rise(points)
     if rise is None:
-        return ["the figure never rose"]
+        known = sum(each.failure_probability is not None for each in points)
+        return ["the figure never rose" if known > 1 else "nothing to compare with yet"]
     point, factor = rise
     change = rows[points.index(point)].change
     return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {change}"]

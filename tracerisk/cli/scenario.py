@@ -203,7 +203,7 @@ def _print_draft(
             "is so in your cell",
             quiet=options.quiet,
         )
-    elif draft.text:
+    elif draft.text and (rows or draft.missing or asked):
         note(f"--write would write:\n\n{draft.text}", quiet=options.quiet)
     if draft.trace is not None and draft.trace.verdict is not None and draft.trace.is_usable:
         note(f"with it: {draft.trace.verdict.kind}", quiet=options.quiet)

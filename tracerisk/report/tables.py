@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Sequence
 
 from tracerisk.records import dataclass
@@ -24,6 +25,8 @@ MOST_WIDTH = 160
 
 _BAR_WIDTH = 12
 _GAP = "  "
+
+_UNIT = r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))"
 
 
 def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool = False) -> str:
@@ -166,6 +169,22 @@ def share_cells(share: float, width: int) -> list[RenderableType]:
     if width >= WIDE:
         cells.append(Bar(1.0, 0.0, share, width=_BAR_WIDTH, color=color))
     return cells
+
+
+def filled(text: str, width: int, margin: str = "") -> str:
+    """Return text broken between words, but never between a number and its unit."""
+    import textwrap
+
+    joined = re.sub(_UNIT, "\N{NO-BREAK SPACE}", text)
+    lines = textwrap.fill(
+        joined,
+        width,
+        subsequent_indent=margin,
+        break_long_words=False,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+    )
+    return lines.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def share_text(share: float) -> str:

@@ -17,6 +17,7 @@ from tracerisk.report.tables import (
     ROOMY,
     add_share_columns,
     counted,
+    filled,
     plain,
     rendered,
     share_cells,
@@ -81,7 +82,7 @@ def print_assessment(
     """Print the table to a console of rich, with the lines of `render_assessment`."""
     from rich.text import Text
 
-    console.print(Text(mission_sentence(assessment), style="bold"))
+    console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
     console.print(Text(assessment.statement, style="italic"))
     console.print(Text(_readings(assessment)))
     console.print()
@@ -129,7 +130,7 @@ def render_brief(
         table.add_row(*cells, *share_cells(share, width))
 
     def write(console: Console) -> None:
-        console.print(Text(mission_sentence(assessment), style="bold"))
+        console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
         console.print(Text(assessment.statement, style="italic"))
         console.print(table)
         parts = [
@@ -137,7 +138,9 @@ def render_brief(
             for each in assessment.components[:MOST_PARTS]
         ]
         if parts:
-            console.print(Text(f"Parts that matter most: {', '.join(parts)}."))
+            console.print(
+                Text(filled(f"Parts that matter most: {', '.join(parts)}.", console.width))
+            )
         reported = [*findings, *assessment.findings]
         for line in reported[:MOST_PARTS]:
             console.print(Text(f"- {line}"))

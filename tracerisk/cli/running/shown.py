@@ -110,6 +110,11 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
             f"Next: name the robot, `tracerisk run {name} --robot NAME`; `tracerisk robots` lists "
             "those that are known, docs/howto-robot.md says how to give your own."
         ]
+    if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
+        return [
+            f"Next: mend what the verdict names and run it again; `tracerisk run {name} -v` prints "
+            "all findings. Until then the figure is of a run that was cut short."
+        ]
     return [
         f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
         "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."

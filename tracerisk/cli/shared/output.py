@@ -86,19 +86,12 @@ def _fitted(text: str, stream: TextIO) -> str:
 
 def broken(line: str, width: int) -> str:
     """Return a line broken between words, what follows set in by two columns more than it."""
-    import textwrap
-
     if len(line) <= width:
         return line
+    from tracerisk.report.tables import filled
+
     margin = " " * (len(line) - len(line.lstrip()) + 2)
-    return textwrap.fill(
-        line,
-        max(width, _NARROWEST),
-        subsequent_indent=margin,
-        break_long_words=False,
-        break_on_hyphens=False,
-        replace_whitespace=False,
-    )
+    return filled(line, max(width, _NARROWEST), margin)
 
 
 def note(message: str, *, quiet: bool = False) -> None:

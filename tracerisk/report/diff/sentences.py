@@ -54,7 +54,7 @@ def headline(review: Review, *, below_verdicts: bool = False) -> str:
     if apart:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
         first = sentence(apart[0], below_verdict=below_verdicts)
-        return f"{lead} cannot be compared, first of all {first}."
+        return f"{lead} cannot be compared. The first: {first}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
