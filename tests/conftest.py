@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -90,6 +91,13 @@ class Outcome:
 def pytest_xdist_auto_num_workers() -> int:
     """Return one more than there are cores: a third of the time, a test waits for something."""
     return (os.cpu_count() or 1) + 1
+
+
+def pytest_collection_finish() -> None:
+    """Look through no collected test for garbage: there are thousands, and all stay."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(100_000, 50, 100)
 
 
 @lru_cache(maxsize=1)
