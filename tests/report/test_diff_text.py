@@ -237,7 +237,13 @@ def test_code_that_has_not_run_is_said_beside_the_figure_of_the_code_that_has(
         difference(one_step("motor = 4e-8 x7"), one_step("motor = 4e-8 x7")), unrun=("cell.py",)
     )
     assert first_sentence(render_diff(review_of(same))) == (
-        "cell.py: mission failure is unchanged at 2.800e-07; cell.py has changed since the run "
-        "that gave these figures: `tracerisk refresh cell.py`."
+        "cell.py is not assessed as it is now: cell.py has changed since the run that gave "
+        "2.800e-07; `tracerisk refresh cell.py` runs it."
+    )
+    other = replace(same, name="other.py", unrun=())
+    assert first_sentence(render_diff(review_of(other, same))) == (
+        "Not run since they changed: 1 of 2 controllers. The first: cell.py is not assessed as it "
+        "is now: cell.py has changed since the run that gave 2.800e-07; "
+        "`tracerisk refresh cell.py` runs it."
     )
     assert same.is_worth_telling(0.5)

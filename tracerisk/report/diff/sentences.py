@@ -55,6 +55,10 @@ def headline(review: Review, *, below_verdicts: bool = False) -> str:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
         first = sentence(apart[0], below_verdict=below_verdicts)
         return f"{lead} cannot be compared. The first: {first}."
+    unrun = [each for each in review.controllers if each.unrun]
+    if not changed and unrun:
+        lead = f"Not run since they changed: {len(unrun)} of {len(review.controllers)} controllers"
+        return f"{lead}. The first: {sentence(unrun[0])}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
@@ -132,10 +136,15 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         figure = probability(diff.before.failure_probability)
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
     old, new = diff.before.failure_probability, diff.after.failure_probability
+    if diff.is_unchanged and diff.unrun and not _structural(diff):
+        verb = "has" if len(diff.unrun) == 1 else "have"
+        return (
+            f"{diff.name} is not assessed as it is now: {some(diff.unrun)} {verb} changed since "
+            f"the run that gave {probability(new)}; `tracerisk refresh {diff.name}` runs it"
+        )
     if diff.is_unchanged:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
-        text += f", yet {_structural(diff)}" if _structural(diff) else ""
-        return text + _unrun(diff)
+        return text + (f", yet {_structural(diff)}{_unrun(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
