@@ -222,6 +222,17 @@ def test_a_figure_that_falls_because_the_run_does_less_is_not_said_to_fall(
     assert "mission failure rises from" in " ".join(render_diff(review_of(more)).split())
 
 
+@pytest.mark.parametrize(("kind", "is_said"), [("faulted", False), ("partial", True)])
+def test_what_a_run_that_was_cut_short_does_not_show_is_not_said_to_be_repaired(
+    difference, review_of, kind, is_said
+):
+    runs = RunVerdicts(run_of("partial", "assumed-part"), run_of(kind, "raised"))
+    diff = replace(difference(one_step("motor = 4e-8"), one_step("motor = 4e-8")), verdicts=runs)
+    text = render_diff(review_of(diff))
+    assert "raised happened" in text
+    assert ("What was repaired" in text) is is_said
+
+
 def test_functions_that_never_ran_keep_no_figure_from_falling(difference, review_of):
     runs = RunVerdicts(run_of("complete"), run_of("partial", "never-ran", "missed-call"))
     less = replace(

@@ -192,7 +192,13 @@ class RunVerdicts:
 
     @property
     def repaired(self) -> tuple[Reason, ...]:
-        """What went wrong in the earlier run and does not in the later one."""
+        """What went wrong in the earlier run and does not in the later one.
+
+        Nothing where only the later run was cut short: it may not have come so far.
+        """
+        is_cut_short = not _is_whole(self.after, self.in_after)
+        if is_cut_short and _is_whole(self.before, self.in_before):
+            return ()
         return _only_in(self.before, self.after)
 
     @property
