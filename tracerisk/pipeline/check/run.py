@@ -51,7 +51,9 @@ def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[Check
             continue
         place = _place(controller, each)
         where = f" (in {each.function})" if each.function else ""
-        advice = "" if each.verdict == "stuck" else f"; {each.code} may be accepted, with words"
+        advice = (
+            "" if each.verdict == "stuck" else f"; mend it, or accept {each.code} in the settings"
+        )
         message = f"{each.words}{where}{advice}"
         yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
 
