@@ -46,6 +46,14 @@ def test_thirty_functions_fit_a_screen(assessed, width):
     assert lines[-1] == "Next: look."
 
 
+def test_what_follows_the_first_line_of_a_finding_is_set_in(assessed):
+    finding = "cell.py:7: " + "the gripper closed on nothing " * 4
+    text = render_brief(assessed, findings=[finding], width=80)
+    first, *others = text[text.index("- cell.py:7") :].split("\n")[:2]
+    assert len(first) <= 80
+    assert all(line.startswith("  ") for line in others)
+
+
 def test_its_figures_are_those_of_the_whole(assessed):
     whole = render_assessment(assessed, width=80)
     brief = render_brief(assessed, width=80)
@@ -55,14 +63,14 @@ def test_its_figures_are_those_of_the_whole(assessed):
     assert figure[1] in whole
 
 
-def on_a_terminal(folder, *words, code=0):
+def on_a_terminal(folder, *words, codes=(0,), width=80):
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "tracerisk", *words],
         cwd=folder,
         stdout=theirs,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, "COLUMNS": "80", "TERM": "xterm"},
+        env={**os.environ, "COLUMNS": str(width), "TERM": "xterm"},
     )
     os.close(theirs)
     parts = []
@@ -75,7 +83,7 @@ def on_a_terminal(folder, *words, code=0):
             break
         parts.append(data)
     os.close(ours)
-    assert process.wait() == code
+    assert process.wait() in codes
     return _ESCAPES.sub("", b"".join(parts).decode()).replace("\r\n", "\n")
 
 
@@ -91,8 +99,28 @@ def test_a_run_on_a_terminal_is_brief_and_says_what_next(example, quick):
     assert "Assumptions" in piped.out
 
 
-def test_after_a_run_that_was_cut_short_nothing_is_to_be_committed(example, quick):
-    example.write("controller.py", quick('raise RuntimeError("no grip")'))
-    text = " ".join(on_a_terminal(example.folder, "run", "controller.py", code=1).split())
-    assert "Next: mend what the verdict names and run it again" in text
+def test_the_columns_that_are_asked_for_hold_for_all_lines(example, quick):
+    # The terminal itself says that it has none, as those of scripts do.
+    example.write("controller.py", quick())
+    for width in (60, 80):
+        text = on_a_terminal(example.folder, "run", "controller.py", width=width)
+        assert width - 20 < max(map(len, text.splitlines())) <= width
+    wrong = on_a_terminal(example.folder, "doctor", "controller.py")
+    assert max(map(len, wrong.splitlines())) <= 80
+
+
+def test_a_faulted_run_says_that_it_wants_mending(example, quick):
+    example.write("controller.py", quick("raise SystemError('no tube')"))
+    text = on_a_terminal(example.folder, "run", "controller.py", codes=(1, 4))
+    assert "Next: mend what the verdict names" in " ".join(text.split())
     assert "commit the blocks" not in text
+
+
+def test_doctor_on_a_terminal_shows_what_was_set(example, quick):
+    example.write("controller.py", quick())
+    example.write("pyproject.toml", "[tool.tracerisk]\nseed = 3\n")
+    text = on_a_terminal(example.folder, "doctor", "controller.py")
+    assert "  seed = 3  (pyproject.toml:2, all controllers)" in text
+    assert "(default)" not in text
+    assert "by default: " in text
+    assert "(default)" in example.run("doctor", "controller.py").out

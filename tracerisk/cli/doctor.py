@@ -60,8 +60,14 @@ def run(options: argparse.Namespace) -> int:
         show(*_wrapped(f"{name}: {text}"))
     if settings:
         show("settings:")
+    # A terminal gets what was set, a pipe every setting.
+    plain = [name for name, each in settings.items() if each["from"] == "default"]
+    brief = plain if sys.stdout.isatty() else []
     for name, setting in settings.items():
-        show(f"  {name} = {_shown(setting['value'])}  ({_source(setting)})")
+        if name not in brief:
+            show(f"  {name} = {_shown(setting['value'])}  ({_source(setting)})")
+    if brief:
+        show(*_wrapped(f"  by default: {', '.join(brief)}"))
     for name, text in faults.items():
         show(f"{name}: FAILS: {text}")
     return int(code)

@@ -355,7 +355,7 @@ def print_set(changes: list[SetValue]) -> None:
     if changes:
         from tracerisk.report.what_if import render_set_values
 
-        print_text(render_set_values(changes, width=terminal_width(), color=use_color()) + "\n")
+        print_text(render_set_values(changes, width=terminal_width(), color=use_color()))
 
 
 def _named(text: str, option: str, form: str) -> tuple[str, str]:

@@ -142,10 +142,11 @@ def render_brief(
                 Text(filled(f"Parts that matter most: {', '.join(parts)}.", console.width))
             )
         reported = [*findings, *assessment.findings]
-        for line in reported[:MOST_PARTS]:
-            console.print(Text(f"- {line}"))
+        lines = reported[:MOST_PARTS]
         if len(reported) > MOST_PARTS:
-            console.print(Text(f"- and {len(reported) - MOST_PARTS} more findings"))
+            lines.append(f"and {len(reported) - MOST_PARTS} more findings")
+        if lines:
+            console.print(_list(lines))
         for line in following:
             console.print(Text(line))
 
@@ -237,18 +238,23 @@ def _components(components: Sequence[ComponentImportance], width: int) -> Table:
 
 
 def _print_lines(console: Console, title: str, lines: Sequence[str]) -> None:
-    from rich.table import Table
     from rich.text import Text
 
     if not lines:
         return
     console.print(Text(title, style="bold"))
-    # A column of its own for the dash keeps the lines of one entry flush.
+    console.print(_list(lines))
+    console.print()
+
+
+def _list(lines: Sequence[str]) -> Table:
+    """Return a list with dashes, each in a column of its own: the lines of an entry are flush."""
+    from rich.table import Table
+
     grid = Table.grid(padding=(0, 1))
     for line in dict.fromkeys(lines):
         grid.add_row(*plain(["-", line]))
-    console.print(grid)
-    console.print()
+    return grid
 
 
 def _probability(value: float) -> str:

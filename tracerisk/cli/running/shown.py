@@ -107,8 +107,9 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
     reasons = () if trace.verdict is None else trace.verdict.open_reasons
     if any(each.code == "robot-assumed" or each.object == "robot" for each in reasons):
         return [
-            f"Next: name the robot, `tracerisk run {name} --robot NAME`; `tracerisk robots` lists "
-            "those that are known, docs/howto-robot.md says how to give your own."
+            f"Next: name the robot, `tracerisk run {name} --robot NAME`, or in the settings by "
+            "`tracerisk init --robot NAME`; `tracerisk robots` lists those that are known, "
+            "docs/howto-robot.md says how to give your own."
         ]
     if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
         return [

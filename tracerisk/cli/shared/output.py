@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from tracerisk.errors import InputError, Location
+from tracerisk.text.columns import columns_of
 from tracerisk.text.printable import printable
 
 TYPE_CHECKING = False
@@ -80,7 +81,7 @@ def show(*lines: str, to_errors: bool = False) -> None:
 def _fitted(text: str, stream: TextIO) -> str:
     """Return a line as it fits the terminal; as it is, where there is none."""
     if len(text) > _NARROWEST and "\n" not in text and stream.isatty() and not is_dumb():
-        return broken(text, os.get_terminal_size(stream.fileno()).columns)
+        return broken(text, columns_of(stream))
     return text
 
 
@@ -139,11 +140,7 @@ def use_color() -> bool:
 
 def terminal_width() -> int:
     """Return the columns of the terminal, 80 where there is none."""
-    if not sys.stdout.isatty():
-        return 80
-    import shutil
-
-    return shutil.get_terminal_size((80, 24)).columns
+    return columns_of(sys.stdout) if sys.stdout.isatty() else 80
 
 
 def print_text(text: str) -> None:

@@ -10,6 +10,7 @@ from functools import partial
 from importlib import import_module
 
 from tracerisk.cli import GROUPS, VERBS
+from tracerisk.text.columns import columns_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -92,20 +93,7 @@ def _parser(
 
 def _fitted(kind: type[argparse.HelpFormatter], prog: str) -> argparse.HelpFormatter:
     """Return a formatter that fits the terminal, without the import of `shutil` for it alone."""
-    return kind(prog, width=_columns() - 2)
-
-
-def _columns() -> int:
-    try:
-        given = int(os.environ["COLUMNS"])
-    except (KeyError, ValueError):
-        given = 0
-    if given > 0:
-        return given
-    try:
-        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
-    except (AttributeError, ValueError, OSError):  # no terminal, or no stream
-        return 80
+    return kind(prog, width=columns_of(sys.__stdout__) - 2)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -190,12 +178,10 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
-        from tracerisk.text.printable import printable
+        from tracerisk.cli.shared.output import print_json, show
 
-        print(printable(f"{self.prog}: {message} [usage]"), file=sys.stderr)
+        show(f"{self.prog}: {message} [usage]", to_errors=True)
         if self.verb is not None:
-            from tracerisk.cli.shared.output import print_json
-
             place = {"file": None, "line": None, "column": None}
             data = {"kind": "UsageError", "code": "usage", "message": message, **place}
             print_json(self.verb, exit_code=2, error=data)

@@ -176,6 +176,7 @@ def _axes(root: Element, name: str, xs: Sequence[Any], axis: _Axis) -> None:
     bottom, right = _HEIGHT - _BOTTOM, _WIDTH - _RIGHT
     way = f"M{_LEFT:g} {_TOP:g} V{bottom:g} H{right:g}"
     SubElement(root, "path", {"d": way, "fill": "none", "stroke": "#222"})
+    _text(root, _LEFT, _TOP - 10, "mission failure", "middle")
     for value in axis.ticks():
         y = axis.y(value)
         way = f"M{_LEFT:g} {y:.1f} H{right:g}"
