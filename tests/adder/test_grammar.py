@@ -330,6 +330,11 @@ BAD_BLOCKS = {
         8,
         "probability = nan is not allowed",
     ),
+    "reason behind a semicolon": (
+        f"RiskAnnotation\n{FUNCTION}{COMPONENT.replace('= 1e-8', ':= 1e-8 ; a new gear')}",
+        8,
+        "not behind `;`; write `probability := 1e-8  ! a new gear`",
+    ),
     "quantity of zero": (
         f"RiskAnnotation\n{FUNCTION}{COMPONENT.replace('quantity = 1', 'quantity = 0')}",
         9,

@@ -341,10 +341,11 @@ class _Parser:
             return kind.read(text)
         except ValueError as error:
             message = f"{kind.key} {before}{text} is not allowed; allowed: {error}"
-            value, mark, reason = text.partition("#")
-            if mark and _is_readable(kind, value.strip()):
-                words = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
-                message = f"a reason stands behind `!` and not behind `#`; write `{words}`"
+            for mark in "#;":
+                value, _, reason = text.partition(mark)
+                if reason and _is_readable(kind, value.strip()):
+                    words = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
+                    message = f"a reason stands behind `!` and not behind `{mark}`; write `{words}`"
             raise self._error(at.line, message) from error
 
 
