@@ -329,3 +329,35 @@ def test_a_number_keeps_its_unit_wherever_the_line_is_broken(text):
     line = "one two three four five six seven eight nine ten " * 2 + text
     for width in range(40, len(line)):
         assert f"{number} {unit}" in broken(line, width)
+
+
+WORDS = {
+    "check": "check",
+    "diff": "diff HEAD",
+    "doctor of a typo": "doctor controller.py --robott panda --scnee tube_racks",
+    "history": "history",
+    "hardware": "hardware show --robot panda",
+    "an unknown option": "sweep controller.py --cells 3 --over robot=panda --seeed 1",
+    "an unknown robot": "run controller.py --robot pandaa",
+    "explain": "solve controller.py --explain act",
+    "importance": "solve controller.py --importance --pairs",
+    "overrides": "overrides",
+    "robots": "robots",
+    "a robot": "robots ur5e",
+    "scenario": "scenario controller.py",
+    "set": "solve controller.py --set electric_motor=1e-6",
+    "sweep": "solve controller.py --sweep electric_motor=1e-9:1e-5:4",
+    "verbose": "run controller.py -v",
+}
+
+
+@pytest.mark.parametrize("words", WORDS.values(), ids=WORDS)
+def test_no_line_is_wider_than_the_terminal(annotated, words):
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@b"]
+    for each in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "A controller of a quick arm"]):
+        subprocess.run([*git, *each], cwd=annotated.folder, check=True)
+    shown = at_terminal(annotated, *words.split(), width=80)
+    assert any(shown.lines)
+    assert [line for line in shown.lines if len(line) > 80] == []
+    two_empty = "\n\n\n"
+    assert two_empty not in "\n".join(shown.lines).strip()

@@ -337,8 +337,10 @@ def print_what_if(
     """Print what was asked, below the table of the assessment."""
     from tracerisk.report import what_if as report
 
+    tables: list[str] = []
+
     def show(render: Callable[..., str], what: object) -> None:
-        print_text("\n" + render(what, width=terminal_width(), color=use_color()))
+        tables.append(render(what, width=terminal_width(), color=use_color()))
 
     if importance:
         show(report.render_importances, assessment.components)
@@ -348,6 +350,8 @@ def print_what_if(
         show(report.render_sweeps, sweeps)
     if found is not None:
         show(report.render_uncertainty, found)
+    if tables:
+        print_text("\n" + "".join(tables))
 
 
 def print_set(changes: list[SetValue]) -> None:

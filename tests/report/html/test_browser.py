@@ -223,3 +223,29 @@ def test_what_is_wider_than_the_window_says_so_until_it_is_not(opened):
         wait.until(lambda it, reported=is_reported: bool(it.execute_script(wide)) is reported)
     _emulate(opened, "light", "print")
     assert _state_of(opened, ".more-sideways", "display") == "none"
+
+
+def test_a_name_without_room_goes_on_below_after_an_underscore(browser, arm, report_of, tmp_path):
+    name = "cells/the_first_of_them/machine_tending.py"
+    rows = [OverviewRow(name, None, report_of(arm).assessment)]
+    file = tmp_path / "all.html"
+    file.write_text(page("All", overview_lead("cells", rows), [overview_section(rows)]))
+    metrics = {"width": 400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    browser.get(file.as_uri())
+    row = "const row = document.querySelector('#controllers-table tbody th');"
+    assert browser.execute_script(f"{row} return row.textContent").startswith("machine_tending.py")
+    tops = (
+        f"{row} const letters = row.childNodes; const range ="
+        " document.createRange(); return [...letters].slice(0, 3).filter(e => e.nodeType === 3)"
+        ".map(e => {range.selectNodeContents(e); return range.getClientRects().length})"
+    )
+    # Each part of the name, up to an underscore, is whole.
+    assert browser.execute_script(tops) == [1, 1]
+
+
+def test_the_foot_of_a_printed_page_stands_below_its_text(opened):
+    _emulate(opened, "light", "print")
+    left = "return ['main', '.top', 'footer p'].map(e => document.querySelector(e)).map(e =>"
+    left += " e.getBoundingClientRect().left + parseFloat(getComputedStyle(e).paddingLeft))"
+    assert len(set(opened.execute_script(left))) == 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.html import figures
@@ -83,12 +83,21 @@ def overview_section(rows: Sequence[OverviewRow]) -> Section:
     return Section("controllers", "Controllers", table.__html__())
 
 
+def _breakable(path: str) -> Markup:
+    """Return a path that goes on below, where it has no room, after an underscore or a slash."""
+    text = escape(path)
+    for mark in "_/":
+        text = text.replace(mark, Markup(f"{mark}<wbr>"))
+    return text
+
+
 def _row(row: OverviewRow, most: float, *, has_reports: bool) -> Row:
     risk = _risk(row)
     coverage = None if row.verdict is None else row.verdict.coverage
     folder, _, file = row.name.rpartition("/")
+    notes = (_breakable(folder), row.error)
     cells = [
-        Cell(file, link=row.link, note="; ".join(each for each in (folder, row.error) if each)),
+        Cell(_breakable(file), link=row.link, note=Markup("; ").join(filter(None, notes))),
         Cell(_kind(row.verdict) if row.assessment is not None else figures.NOTHING),
         Cell(figures.NOTHING)
         if risk is None
