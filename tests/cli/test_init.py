@@ -160,8 +160,12 @@ def test_a_robot_that_is_given_is_that_of_the_next_run(repository):
     repository.write("pick.py", UNNAMED)
     unknown = repository.run("init")
     assert "robot: unknown (pick.py names none that is known" in unknown.out
+    hint = "Next: `tracerisk run pick.py"
+    assert f"{hint} --robot NAME`" in repository.run("init", "--yes").out
+    (repository.folder / "pyproject.toml").unlink()
     outcome = repository.run("init", "--yes", "--robot", "ur5e")
     assert outcome.code == 0, outcome.err
+    assert f"{hint}`" in outcome.out
     settings = repository.read("pyproject.toml").decode()
     assert 'robot = "ur5e"\nhardware = "hardware.yaml"\n' in settings
     ran = repository.run("run", "pick.py")

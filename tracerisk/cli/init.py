@@ -62,7 +62,10 @@ def run(options: argparse.Namespace) -> int:
     for name in list(start.asked)[:_MOST_SHOWN]:
         show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
-    show(f"Next: `tracerisk run {first}`; read its verdict, and commit blocks and tracerisk.lock.")
+    named = "" if start.robots else " --robot NAME"
+    show(
+        f"Next: `tracerisk run {first}{named}`; read its verdict, commit blocks and tracerisk.lock."
+    )
     return 0
 
 
