@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Callable, Sequence
 
 from tracerisk.records import dataclass
+from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ MOST_WIDTH = 160
 _BAR_WIDTH = 12
 _GAP = "  "
 
-_UNIT = r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))"
+_UNIT = pattern(r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))")
 
 
 def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool = False) -> str:
@@ -175,7 +175,7 @@ def filled(text: str, width: int, margin: str = "") -> str:
     """Return text broken between words, but never between a number and its unit."""
     import textwrap
 
-    joined = re.sub(_UNIT, "\N{NO-BREAK SPACE}", text)
+    joined = _UNIT.sub("\N{NO-BREAK SPACE}", text)
     lines = textwrap.fill(
         joined,
         width,
