@@ -265,7 +265,8 @@ def test_the_library_can_read_every_one_of_the_package():
     found = [
         each
         for each in classes_below(object)
-        if each.__module__.startswith("tracerisk.") and "__tracerisk_fields__" in vars(each)
+        if str(getattr(each, "__module__", "")).startswith("tracerisk.")
+        and "__tracerisk_fields__" in vars(each)
     ]
     assert len(found) > 50
     for each in found:
