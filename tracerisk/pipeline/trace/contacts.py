@@ -24,7 +24,7 @@ from tracerisk.twin.recording.contacts import (
     visit_contacts,
     visit_payloads,
 )
-from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.exposure import exposure, exposures
 from tracerisk.twin.recording.samples import Samples
 
 if TYPE_CHECKING:
@@ -74,11 +74,9 @@ def with_contacts(
     by_visit: dict[int, dict[str, Exposure]] = {}
     for name, each in touching.items():
         owner = owners[moved_by(robot, each.element.part or "")]
-        # The step after the last touch is that of the release.
-        concerned = each.grasping | np.concatenate(([False], each.grasping[:-1]))
-        for index in np.unique(owner[concerned & (owner >= 0)]):
-            own = exposure(each, owner == index, samples.step_s)
-            by_visit.setdefault(int(index), {})[name] = own
+        for index, own in enumerate(exposures(each, owner, len(visits), samples.step_s)):
+            if own.grasping_s or own.releases:
+                by_visit.setdefault(index, {})[name] = own
     given = [
         replace(
             visit,

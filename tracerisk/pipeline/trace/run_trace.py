@@ -26,7 +26,7 @@ from tracerisk.source.python_source import MODULE_NAME
 from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, RunEnd, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
-from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.exposure import exposure, exposures
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples, until
 
 if TYPE_CHECKING:
@@ -145,24 +145,25 @@ def visits_of(
     """Return the visits with the exposure of each element in them."""
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     current = attribution.current(n_steps, step_ns)
-    owners = {name: attribution.assign(name, n_steps, step_ns) for name in activity}
     steps_of = np.bincount(current[current >= 0], minlength=len(attribution.visits))
-    visits = []
-    for index, visit in enumerate(attribution.visits):
-        exposures = {
-            name: exposure(each, owners[name] == index, samples.step_s)
-            for name, each in activity.items()
-        }
-        visits.append(
-            Visit(
-                function=visit.function,
-                start_s=visit.start_ns / 1e9,
-                duration_s=float(steps_of[index]) * samples.step_s,
-                outcome=visit.outcome,
-                exposures={name: each for name, each in exposures.items() if each != Exposure()},
-            )
+    of_elements = {
+        name: exposures(
+            each, attribution.assign(name, n_steps, step_ns), len(steps_of), samples.step_s
         )
-    return tuple(visits)
+        for name, each in activity.items()
+    }
+    return tuple(
+        Visit(
+            function=visit.function,
+            start_s=visit.start_ns / 1e9,
+            duration_s=float(steps_of[index]) * samples.step_s,
+            outcome=visit.outcome,
+            exposures={
+                name: each[index] for name, each in of_elements.items() if each[index] != Exposure()
+            },
+        )
+        for index, visit in enumerate(attribution.visits)
+    )
 
 
 def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,88 +28,114 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
     moving steps: the load at which a drive that wears by revolutions would age alike.
     """
-    if not mask.any():
-        return Exposure()
-    activity, mask = _around(activity, mask)
-    spans = runs(mask)
-    longest_moving = _longest(activity.moving, mask, spans)
-    moving, holding = activity.moving & mask, activity.holding & mask
-    grasping, active = activity.grasping & mask, activity.active & mask
-    speed, torque = activity.speed[moving], activity.torque[moving]
-    return Exposure(
-        moving_s=_seconds(moving, step_s),
-        holding_s=_seconds(holding, step_s),
-        grasping_s=_seconds(grasping, step_s),
-        active_s=_seconds(active, step_s),
-        longest_moving_s=longest_moving * step_s,
-        longest_active_s=_longest(activity.active, mask, spans) * step_s,
-        starts=int(np.count_nonzero(_begins(activity.moving) & mask)),
-        grasps=int(np.count_nonzero(_begins(activity.grasping) & mask)),
-        torque_rms=_rms(activity.torque[active]),
-        torque_cubic=_cubic_mean(torque, speed),
-        borderline=_is_borderline(activity, mask, step_s, longest_moving),
-        releases=int(np.count_nonzero(_ends(activity.grasping) & mask)),
-        grasping_moving_s=_seconds(grasping & moving, step_s),
-        travel_s=float(speed.sum()) * step_s,
-        wear=_wear(torque, speed, step_s) if moving.any() else (),
-    )
+    (found,) = exposures(activity, np.where(mask, 0, -1), 1, step_s)
+    return found
 
 
-def _around(activity: ElementActivity, mask: Flags) -> tuple[ElementActivity, Flags]:
-    """Return both from the last step before the mask in which the element rests to the next after.
+def exposures(
+    activity: ElementActivity, owner: Steps, n_owners: int, step_s: float
+) -> tuple[Exposure, ...]:
+    """Return the exposure of an element over the steps of each owner, as `exposure` does.
 
-    No state reaches further: what is computed of the mask is the same, and a visit costs no more
-    than its own length. The mask is not empty.
+    `owner` (n_steps,) has for each step one of 0 to `n_owners` - 1, or -1 for none.
     """
-    first, behind = _first(mask), _last(mask) + 1
-    rests = ~activity.active
-    before, after = _last(rests[:first]), behind + _first(rests[behind:])
-    span = slice(max(before, 0), min(after + 1, len(mask)))
-    names = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
-    return replace(activity, **{name: getattr(activity, name)[span] for name in names}), mask[span]
+    element = _Element.of(activity)
+    found = [Exposure()] * n_owners
+    for index, span in _spans(owner):
+        found[index] = element.exposure(span, owner[span] == index, step_s)
+    return tuple(found)
 
 
-def _first(flags: Flags) -> int:
-    """Return where the first true entry is; the length where there is none."""
-    at = int(flags.argmax()) if len(flags) else 0
-    return at if at < len(flags) and flags[at] else len(flags)
+def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
+    """Yield each owner, and the steps from its first to its last."""
+    starts = np.flatnonzero(np.diff(owner, prepend=-2))
+    stops = np.append(starts, len(owner))[1:].tolist()
+    owners = owner[starts].tolist()
+    firsts = dict(zip(owners[::-1], starts.tolist()[::-1], strict=True))
+    behind = dict(zip(owners, stops, strict=True))
+    yield from ((each, slice(firsts[each], behind[each])) for each in firsts if each >= 0)
 
 
-def _last(flags: Flags) -> int:
-    """Return where the last true entry is; -1 where there is none."""
-    # From behind NumPy looks through a copy of the array.
-    return flags.tobytes().rfind(b"\x01")
+@dataclass(frozen=True, slots=True, eq=False)
+class _Element:
+    """What an element did, and what of it reaches beyond the steps of one owner.
+
+    active, starts, grasps, releases: (n_steps,); the runs are where a state begins and where it
+    ends.
+    """
+
+    activity: ElementActivity
+    active: Flags
+    starts: Flags
+    grasps: Flags
+    releases: Flags
+    moving_runs: tuple[Steps, Steps]
+    active_runs: tuple[Steps, Steps]
+
+    @classmethod
+    def of(cls, activity: ElementActivity) -> _Element:
+        active, grasping = activity.active, activity.grasping
+        return cls(
+            activity,
+            active,
+            _begins(activity.moving),
+            _begins(grasping),
+            _begins(~grasping) & (np.arange(len(grasping)) > 0),
+            runs(activity.moving),
+            runs(active),
+        )
+
+    def exposure(self, span: slice, mask: Flags, step_s: float) -> Exposure:
+        """Return the exposure over those steps of a span that are in the mask."""
+        activity = self.activity
+        moving, holding = activity.moving[span] & mask, activity.holding[span] & mask
+        grasping, active = activity.grasping[span] & mask, self.active[span] & mask
+        speed, torque = activity.speed[span][moving], activity.torque[span][moving]
+        longest_moving = _longest(moving, mask, span.start, self.moving_runs)
+        return Exposure(
+            moving_s=_seconds(moving, step_s),
+            holding_s=_seconds(holding, step_s),
+            grasping_s=_seconds(grasping, step_s),
+            active_s=_seconds(active, step_s),
+            longest_moving_s=longest_moving * step_s,
+            longest_active_s=_longest(active, mask, span.start, self.active_runs) * step_s,
+            starts=int(np.count_nonzero(self.starts[span] & mask)),
+            grasps=int(np.count_nonzero(self.grasps[span] & mask)),
+            torque_rms=_rms(activity.torque[span][active]),
+            torque_cubic=_cubic_mean(torque, speed),
+            borderline=_is_borderline(activity, span, mask, step_s, longest_moving),
+            releases=int(np.count_nonzero(self.releases[span] & mask)),
+            grasping_moving_s=_seconds(grasping & moving, step_s),
+            travel_s=float(speed.sum()) * step_s,
+            wear=_wear(torque, speed, step_s) if len(speed) else (),
+        )
 
 
 def _seconds(flags: Flags, step_s: float) -> float:
     return int(np.count_nonzero(flags)) * step_s
 
 
-def _longest(flags: Flags, mask: Flags, spans: tuple[Steps, Steps]) -> int:
-    """Return the length of the longest run of true entries within `mask`, in steps.
+def _longest(flags: Flags, mask: Flags, first: int, whole: tuple[Steps, Steps]) -> int:
+    """Return the length of the longest run of true entries, in steps.
 
-    `spans` are where the runs of the mask start and stop.
-    A span of the mask in which `flags` never fails counts with the whole run around it: a state
-    that outlasts many short visits would otherwise belong to none of them, and how a motion is
-    cut into visits would decide whether it is seen at all.
+    `flags` are within `mask`, from the step `first` on; `whole` are the runs of the state in all
+    steps. A span of the mask in which the state never fails counts with the whole run around it:
+    a state that outlasts many short visits would otherwise belong to none of them, and how a
+    motion is cut into visits would decide whether it is seen at all.
     """
-    starts, stops = runs(flags & mask)
+    starts, stops = runs(flags)
     if not len(starts):
         return 0
-    span = np.searchsorted(spans[0], starts, side="right") - 1
-    fills = (spans[0][span] == starts) & (spans[1][span] == stops)
-    whole_starts, whole_stops = runs(flags)
-    around = np.searchsorted(whole_starts, starts, side="right") - 1
-    lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
+    own_starts, own_stops = runs(mask)
+    span = np.searchsorted(own_starts, starts, side="right") - 1
+    fills = (own_starts[span] == starts) & (own_stops[span] == stops)
+    around = np.searchsorted(whole[0], starts + first, side="right") - 1
+    lengths = np.where(fills, (whole[1] - whole[0])[around], stops - starts)
     return int(lengths.max(initial=0))
 
 
 def _begins(flags: Flags) -> Flags:
     return flags & ~np.concatenate(([False], flags[:-1]))
-
-
-def _ends(flags: Flags) -> Flags:
-    return ~flags & np.concatenate(([False], flags[:-1]))
 
 
 def _wear(torque: Array, speed: Array, step_s: float) -> tuple[float, ...]:
@@ -126,7 +153,7 @@ def _cubic_mean(torque: Array, speed: Array) -> float:
 
 
 def _is_borderline(
-    activity: ElementActivity, mask: Flags, step_s: float, longest_moving: int
+    activity: ElementActivity, span: slice, mask: Flags, step_s: float, longest_moving: int
 ) -> bool:
     """Return whether the value that decides on the element's state was near its threshold.
 
@@ -136,13 +163,13 @@ def _is_borderline(
     """
     limits = activity.thresholds
     n_steps = round(limits.debounce_on / step_s)
-    if _is_near(activity.travel[mask], n_steps, 1.0):
+    if _is_near(activity.travel[span][mask], n_steps, 1.0):
         return True
-    if _is_near(activity.grip[mask], n_steps, limits.grasping_on):
+    if _is_near(activity.grip[span][mask], n_steps, limits.grasping_on):
         return True
     if longest_moving * step_s >= ACTIVE_S:
         return False
-    return _is_near(activity.torque[mask], n_steps, limits.holding)
+    return _is_near(activity.torque[span][mask], n_steps, limits.holding)
 
 
 def _is_near(values: Array, n_steps: int, threshold: float) -> bool:
