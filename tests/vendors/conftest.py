@@ -12,7 +12,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.vendors.description_reader import read_driver
-from tracerisk.vendors.driver_search import shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import definitions_of, shipped_drivers
 
 SECOND = 1_000_000_000
 
@@ -48,7 +48,7 @@ def run_on(tmp_path: Path) -> Callable[..., RanOnArm]:
         if driver is not None:
             (tmp_path / "arm.driver.yaml").write_text(textwrap.dedent(driver))
             drivers = [read_driver(tmp_path / "arm.driver.yaml")]
-        more = write_definitions([*shipped_drivers(), *drivers], tmp_path / "definitions")
+        more = definitions_of([*shipped_drivers(), *drivers])
         ran, over = run_traced(
             script,
             Interfaces2(more=more) if ros == 2 else Interfaces(more=more),

@@ -10,13 +10,13 @@ from tracerisk.errors import DriverError
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.vendors.driver_search import shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import definitions_of, shipped_drivers
 from tracerisk.vendors.interface_checks import check_interface, types_in_use
 
 
 @pytest.mark.parametrize("driver", shipped_drivers(), ids=lambda driver: driver.name)
-def test_each_field_is_there_and_each_interface_is_of_a_known_type(driver, tmp_path):
-    more = write_definitions(shipped_drivers(), tmp_path)
+def test_each_field_is_there_and_each_interface_is_of_a_known_type(driver):
+    more = definitions_of(shipped_drivers())
     checked = set()
     for make in (Interfaces, Interfaces2):
         messages = TwinMessages(make(more=more))

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import DriverError
+from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.description_reader import read_driver
 
@@ -74,14 +75,11 @@ def installed_files() -> tuple[Path, ...]:
     return tuple(found)
 
 
-def write_definitions(drivers: Iterable[Driver], folder: Path) -> dict[str, Path]:
-    """Write the messages that descriptions define, and return the folder of each package."""
-    found: dict[str, Path] = {}
-    for driver in drivers:
-        for name, text in driver.definitions.items():
-            package, kind, short = name.split("/")
-            found[package] = folder / package
-            path = folder / package / kind / f"{short}.{kind}"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-    return found
+def definitions_of(drivers: Iterable[Driver]) -> tuple[InterfaceText, ...]:
+    """Return the messages that descriptions define; of those of one name, the last."""
+    texts = {name: text for driver in drivers for name, text in driver.definitions.items()}
+    found = []
+    for name, text in sorted(texts.items()):
+        package, kind, stem = name.split("/")
+        found.append(InterfaceText(None, package, kind, stem, text))
+    return tuple(found)

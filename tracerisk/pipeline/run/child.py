@@ -38,7 +38,6 @@ from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.trace.run_files import (
     AROUND,
-    DEFINITIONS,
     ELSEWHERE,
     ENTRY,
     EVENTS,
@@ -66,6 +65,7 @@ from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
+from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
@@ -89,7 +89,7 @@ from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.description_reader import driver_of
-from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import definitions_of, read_drivers, shipped_drivers
 from tracerisk.vendors.serving import serve_vendors
 
 __all__ = ["main", "prepare"]
@@ -170,7 +170,7 @@ def _run_recorded(
     is_ros2 = ros_version(script, root) == 2
     leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
-    drivers, more = drivers_of(request, scenario, folder)
+    drivers, more = drivers_of(request, scenario)
     interfaces = (
         Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
     )
@@ -357,12 +357,12 @@ def note_given(recorder: Recorder, scenario: Scenario) -> None:
 
 
 def drivers_of(
-    request: RunRequest, scenario: Scenario, folder: Path
-) -> tuple[tuple[Driver, ...], dict[str, Path]]:
-    """Return the drivers of scenario and request, and where theirs and our messages are defined."""
+    request: RunRequest, scenario: Scenario
+) -> tuple[tuple[Driver, ...], tuple[InterfaceText, ...]]:
+    """Return the drivers of scenario and request, and the messages that they and ours define."""
     described = (driver_of(each, scenario.file) for each in scenario.drivers)
     drivers = (*described, *read_drivers(map(Path, request.drivers), Path(request.root)))
-    return drivers, write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+    return drivers, definitions_of((*shipped_drivers(), *drivers))
 
 
 def serve_twin(

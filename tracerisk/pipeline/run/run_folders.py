@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tracerisk import errors
 from tracerisk.errors import Location
-from tracerisk.pipeline.trace.run_files import DEFINITIONS, MOST_ROWS, MOST_TEXT
+from tracerisk.pipeline.trace.run_files import MOST_ROWS, MOST_TEXT
 from tracerisk.sandbox.scratch import new_scratch, remove_scratch
 
 
@@ -67,8 +67,6 @@ def check_left(folder: Path) -> None:
         return
     for each in sorted(folder.iterdir()):
         status = each.lstat()
-        if each.name == DEFINITIONS and stat.S_ISDIR(status.st_mode):
-            continue  # read by the child alone
         if not stat.S_ISREG(status.st_mode):
             raise errors.LogError(
                 f"{each.name} of the recording is not a regular file: the controller's process has "

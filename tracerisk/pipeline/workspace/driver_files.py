@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,10 +12,10 @@ from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.vendors.driver_search import (
     ENDING,
+    definitions_of,
     installed_files,
     shipped_drivers,
     shipped_files,
-    write_definitions,
 )
 
 if TYPE_CHECKING:
@@ -54,16 +53,15 @@ def check_driver(path: Path) -> Driver:
 
     driver = read_driver(path)
     own = find_workspace(controller_root(path)).interfaces
-    with tempfile.TemporaryDirectory() as folder:
-        more = write_definitions((*shipped_drivers(), driver), Path(folder))
-        failures = []
-        for make in (Interfaces2, Interfaces):
-            try:
-                _check(driver, TwinMessages(make(workspace=own, more=more)))
-            except DriverError as error:
-                failures.append(error)
-            else:
-                return driver
+    more = definitions_of((*shipped_drivers(), driver))
+    failures = []
+    for make in (Interfaces2, Interfaces):
+        try:
+            _check(driver, TwinMessages(make(workspace=own, more=more)))
+        except DriverError as error:
+            failures.append(error)
+        else:
+            return driver
     # A package is of one ROS: what its own says is what its author wants to know.
     raise min(failures, key=lambda error: "no message package" in error.message)
 

@@ -6,7 +6,7 @@ Those that are shipped stand in one archive for each ROS: behind a line
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,10 +20,11 @@ Ros = Literal[1, 2]
 
 
 @dataclass(frozen=True, slots=True)
-class ShippedText:
-    """A definition of an archive."""
+class InterfaceText:
+    """A definition that is in no file of its own: of an archive, or of a driver's description."""
 
-    ros: Ros
+    ros: Ros | None
+    """Whose archive it is of; None for a driver's."""
     package: str
     kind: str
     """`msg`, `srv` or `action`."""
@@ -39,20 +40,31 @@ class ShippedText:
         return f"{self.package}/{self.kind}/{self.name}"
 
 
-Definition = Path | ShippedText
+Definition = Path | InterfaceText
 """Where the text of a definition is."""
+ByPackage = Mapping[tuple[str, str], tuple[InterfaceText, ...]]
+"""Definitions by package and kind."""
 
 
 @cache
-def shipped_texts(ros: Ros) -> Mapping[tuple[str, str], tuple[ShippedText, ...]]:
+def shipped_texts(ros: Ros) -> ByPackage:
     """Return the definitions of one ROS's archive by package and kind, sorted by name."""
     archive = Path(__file__).with_name(f"interfaces{ros}.txt").read_text(encoding="utf-8")
-    found: dict[tuple[str, str], tuple[ShippedText, ...]] = {}
+    found = []
     for entry in f"\n{archive.rstrip()}".split(f"\n{_BEGINS}")[1:]:
         place, _, text = entry.partition("\n")
         package, kind, name = place.split("/")
-        definition = ShippedText(ros, package, kind, name.removesuffix(f".{kind}"), f"{text}\n")
-        found[package, kind] = (*found.get((package, kind), ()), definition)
+        stem = name.removesuffix(f".{kind}")
+        found.append(InterfaceText(ros, package, kind, stem, f"{text}\n"))
+    return by_package(found)
+
+
+def by_package(texts: Iterable[InterfaceText]) -> ByPackage:
+    """Return definitions by package and kind, in their order."""
+    found: dict[tuple[str, str], tuple[InterfaceText, ...]] = {}
+    for each in texts:
+        key = each.package, each.kind
+        found[key] = (*found.get(key, ()), each)
     return found
 
 
@@ -63,7 +75,7 @@ def shipped_packages(ros: Ros) -> set[str]:
 
 def interface_text(definition: Definition) -> str:
     """Return the text of a definition; letters that are not UTF-8 can only stand in comments."""
-    if isinstance(definition, ShippedText):
+    if isinstance(definition, InterfaceText):
         return definition.text
     return definition.read_text(encoding="utf-8", errors="replace")
 

@@ -8,7 +8,7 @@ A class is made when it is first asked for, with the classes of its fields.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from hashlib import md5
 from pathlib import Path
@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, cast
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.messages.interface_texts import (
     Definition,
+    InterfaceText,
+    by_package,
     field_comments,
     interface_parts,
     interface_text,
@@ -82,7 +84,7 @@ class Interfaces:
     """The message packages that are known, and the classes made of them so far.
 
     `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
-    `more` to one that holds those which are found nowhere else.
+    `more` are definitions that count where no other of that name is found.
     """
 
     kinds = ("msg", "srv")
@@ -90,10 +92,10 @@ class Interfaces:
     def __init__(
         self,
         workspace: Mapping[str, Path] | None = None,
-        more: Mapping[str, Path] | None = None,
+        more: Iterable[InterfaceText] = (),
     ) -> None:
         self._workspace = dict(workspace or {})
-        self._more = dict(more or {})
+        self._more = by_package(more)
         self._definitions: Typesdict = {}
         self._classes: dict[str, type[Message]] = {}
         self._services: dict[str, type[Service]] = {}
@@ -111,7 +113,8 @@ class Interfaces:
     def packages(self) -> tuple[str, ...]:
         """The names of all packages that are known, sorted."""
         stored = (name.split("/")[0] for name in self._store)
-        known = {*self._workspace, *self._more, *shipped_packages(1), *stored}
+        known = {*self._workspace, *shipped_packages(1), *stored}
+        known |= {package for package, _ in self._more}
         return tuple(sorted(known - {"builtin_interfaces"}))
 
     def message_names(self, package: str) -> tuple[str, ...]:
@@ -220,10 +223,8 @@ class Interfaces:
             listed: list[Definition] = [*shipped_texts(1).get(key, ())]
             if package in self._workspace:
                 listed = [*sorted((self._workspace[package] / kind).rglob(f"*.{kind}"))]
-            if package in self._more:
-                names = {path.name for path in listed}
-                more = sorted((self._more[package] / kind).glob(f"*.{kind}"))
-                listed += [path for path in more if path.name not in names]
+            names = {path.name for path in listed}
+            listed += [each for each in self._more.get(key, ()) if each.name not in names]
             self._listed[key] = tuple(listed)
         return self._listed[key]
 

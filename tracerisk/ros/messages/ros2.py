@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -19,7 +19,8 @@ from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.messages.fields import snake_case
 from tracerisk.ros.messages.interface_texts import (
     Definition,
-    ShippedText,
+    InterfaceText,
+    by_package,
     field_comments,
     interface_parts,
     interface_text,
@@ -56,7 +57,7 @@ class Interfaces2:
     """The message packages of ROS 2 that are known, and the classes made of them so far.
 
     `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
-    `more` to one that holds those which are found nowhere else.
+    `more` are definitions that count where no other of that name is found.
     """
 
     kinds = ("msg", "srv", "action")
@@ -64,10 +65,10 @@ class Interfaces2:
     def __init__(
         self,
         workspace: Mapping[str, Path] | None = None,
-        more: Mapping[str, Path] | None = None,
+        more: Iterable[InterfaceText] = (),
     ) -> None:
         self._workspace = dict(workspace or {})
-        self._more = dict(more or {})
+        self._more = by_package(more)
         self._definitions: Typesdict = {}
         self._defaults: dict[str, dict[str, Any]] = {}
         self._classes: dict[str, type[Message2]] = {}
@@ -85,7 +86,8 @@ class Interfaces2:
         """The names of all packages that are known, sorted."""
         own = shipped_packages(2)
         stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
-        return tuple(sorted({*self._workspace, *self._more, *own, *stored, *_UNCHANGED}))
+        more = {package for package, _ in self._more}
+        return tuple(sorted({*self._workspace, *more, *own, *stored, *_UNCHANGED}))
 
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, sorted."""
@@ -197,9 +199,9 @@ class Interfaces2:
         return self._listed[key]
 
     def _found(self, package: str, kind: str) -> dict[str, Definition]:
-        found: dict[str, Definition] = {}
-        if package in self._more:
-            found |= _in_folder(self._more[package] / kind, kind)
+        found: dict[str, Definition] = {
+            each.stem: each for each in self._more.get((package, kind), ())
+        }
         if package in self._workspace:
             return found | _in_folder(self._workspace[package] / kind, kind)
         of_ros1 = shipped_texts(1).get((package, kind), ()) if package in _UNCHANGED else ()
@@ -328,7 +330,7 @@ class Interfaces2:
         self._check_package(package)
         key = f"{package}/msg/{short}"
         path = self._files(package, "msg").get(short)
-        is_of_ros1 = isinstance(path, ShippedText) and path.ros == 1
+        is_of_ros1 = isinstance(path, InterfaceText) and path.ros == 1
         if path is not None and not (key in self._store and is_of_ros1):
             self._parse(package, "msg", short, interface_text(path), path)
         elif package not in self._workspace and key in self._store:

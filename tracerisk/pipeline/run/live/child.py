@@ -106,7 +106,7 @@ class _LiveRun:
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch
         note_given(recorder, scenario)
-        drivers, more = drivers_of(request, scenario, folder)
+        drivers, more = drivers_of(request, scenario)
         self._interfaces = Interfaces(workspace=self._workspace.interfaces, more=more)
         serve_twin(self._runtime, self._interfaces, drivers)
         self._watch.schedule = ScenarioWorld(self._runtime, self._interfaces, scenario).schedule
