@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -66,3 +68,17 @@ def test_a_state_that_diverged_is_unstable(panda: Robot, tube_racks: Scene):
     physics.data.qvel[:] = np.nan
     mujoco.mj_step(physics.model, physics.data)
     assert is_unstable(physics.data)
+
+
+def test_what_a_process_starts_later_finds_no_backend_that_nobody_has_named():
+    """Importing MuJoCo without a display changes the environment for that time only."""
+    program = (
+        "import os; before = dict(os.environ)\n"
+        "from tracerisk.twin.physics.physics import engine\n"
+        "print(engine(), before == dict(os.environ))"
+    )
+    environment = {name: text for name, text in os.environ.items() if name != "MUJOCO_GL"}
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=True
+    )
+    assert done.stdout.endswith(" True\n"), done.stdout

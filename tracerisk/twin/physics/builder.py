@@ -7,20 +7,18 @@ cone, the Euler integrator or a step of 10 ms each let it slip.
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import RobotError
 from tracerisk.geometry.rotation import quaternion_of
 from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.robots.robot import Attachment, Gripper, Joint, Link, Robot, without_stiffness
 
-# No window and no GPU is needed; a user who renders sets it before.
-os.environ.setdefault("MUJOCO_GL", "disable")
-
-import mujoco
+with no_display():
+    import mujoco
 
 STEP_NS = 2_000_000
 STEP_S = STEP_NS * 1e-9

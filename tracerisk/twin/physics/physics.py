@@ -11,6 +11,7 @@ from importlib import metadata
 from typing import Any, Protocol
 
 from tracerisk.twin.physics.builder import compile_model, place_robot
+from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.robots.robot import Robot
 
@@ -55,7 +56,8 @@ class DmControlPhysics:
     """
 
     def __init__(self, model: Any) -> None:
-        from dm_control.mujoco import Physics, wrapper
+        with no_display():
+            from dm_control.mujoco import Physics, wrapper
 
         self.physics = Physics.from_model(wrapper.MjModel(model))
         self.model = self.physics.model.ptr
@@ -81,7 +83,8 @@ def engine() -> str:
     """Return which engine serves, with its version and why it is not the other one."""
     name = f"mujoco {metadata.version('mujoco')}"
     try:
-        import dm_control.mujoco  # noqa: F401
+        with no_display():
+            import dm_control.mujoco  # noqa: F401
     except ImportError as error:
         return f"{name} alone ({error})"
     return f"dm-control {metadata.version('dm-control')} on {name}"
