@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
@@ -58,6 +59,12 @@ def installed_files() -> tuple[Path, ...]:
     Raises:
         DriverError: an entry point names a package that is not there or that holds none.
     """
+    return _installed_files(tuple(sys.path))
+
+
+@cache
+def _installed_files(_places: tuple[str, ...]) -> tuple[Path, ...]:
+    """Look for them once: every run asks several times, and each reads a file of every package."""
     found: list[Path] = []
     for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda each: each.name):
         try:

@@ -233,13 +233,19 @@ def _mean_load(torque: Array, rest: Flags, size: int) -> Array:
 
     What is borne in motion is no part of the mean.
     """
-    n_steps = len(torque)
-    at = np.arange(n_steps)
-    first, stop = np.maximum(at - size // 2, 0), np.minimum(at + size // 2 + 1, n_steps)
-    count = np.concatenate(([0], np.cumsum(rest)))
-    total = np.concatenate((np.zeros((1, torque.shape[1])), np.cumsum(torque * rest[:, None], 0)))
-    mean = (total[stop] - total[first]) / np.maximum(count[stop] - count[first], 1)[:, None]
-    found: Array = np.abs(mean).max(axis=1)
+    count = np.maximum(_sums_around(rest, size), 1)
+    means = [_sums_around(column * rest, size) / count for column in torque.T]
+    found: Array = np.abs(means).max(axis=0)
+    return found
+
+
+def _sums_around(values: Array | Flags, size: int) -> Array:
+    """Return the sum of `values` (n,) over `size` steps about each, of fewer at the ends."""
+    half = size // 2
+    total = np.cumsum(values, dtype=np.float64)
+    last = total[-1:].repeat(half)
+    total = np.concatenate((np.zeros(half + 1), total, last))
+    found: Array = total[2 * half + 1 :] - total[: len(values)]
     return found
 
 

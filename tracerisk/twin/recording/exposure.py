@@ -91,14 +91,15 @@ class _Element:
         moving, holding = activity.moving[span] & mask, activity.holding[span] & mask
         grasping, active = activity.grasping[span] & mask, self.active[span] & mask
         speed, torque = activity.speed[span][moving], activity.torque[span][moving]
-        longest_moving = _longest(moving, mask, span.start, self.moving_runs)
+        own = runs(mask)
+        longest_moving = _longest(moving, own, span.start, self.moving_runs)
         return Exposure(
             moving_s=_seconds(moving, step_s),
             holding_s=_seconds(holding, step_s),
             grasping_s=_seconds(grasping, step_s),
             active_s=_seconds(active, step_s),
             longest_moving_s=longest_moving * step_s,
-            longest_active_s=_longest(active, mask, span.start, self.active_runs) * step_s,
+            longest_active_s=_longest(active, own, span.start, self.active_runs) * step_s,
             starts=int(np.count_nonzero(self.starts[span] & mask)),
             grasps=int(np.count_nonzero(self.grasps[span] & mask)),
             torque_rms=_rms(activity.torque[span][active]),
@@ -115,20 +116,19 @@ def _seconds(flags: Flags, step_s: float) -> float:
     return int(np.count_nonzero(flags)) * step_s
 
 
-def _longest(flags: Flags, mask: Flags, first: int, whole: tuple[Steps, Steps]) -> int:
+def _longest(flags: Flags, own: tuple[Steps, Steps], first: int, whole: tuple[Steps, Steps]) -> int:
     """Return the length of the longest run of true entries, in steps.
 
-    `flags` are within `mask`, from the step `first` on; `whole` are the runs of the state in all
-    steps. A span of the mask in which the state never fails counts with the whole run around it:
-    a state that outlasts many short visits would otherwise belong to none of them, and how a
-    motion is cut into visits would decide whether it is seen at all.
+    `flags` are within a mask whose runs are `own`, from the step `first` on; `whole` are the runs
+    of the state in all steps. A span of the mask in which the state never fails counts with the
+    whole run around it: a state that outlasts many short visits would otherwise belong to none of
+    them, and how a motion is cut into visits would decide whether it is seen at all.
     """
     starts, stops = runs(flags)
     if not len(starts):
         return 0
-    own_starts, own_stops = runs(mask)
-    span = np.searchsorted(own_starts, starts, side="right") - 1
-    fills = (own_starts[span] == starts) & (own_stops[span] == stops)
+    span = np.searchsorted(own[0], starts, side="right") - 1
+    fills = (own[0][span] == starts) & (own[1][span] == stops)
     around = np.searchsorted(whole[0], starts + first, side="right") - 1
     lengths = np.where(fills, (whole[1] - whole[0])[around], stops - starts)
     return int(lengths.max(initial=0))

@@ -138,13 +138,26 @@ def _trembles(value: Array, step_s: float, rule: MotionRule) -> Flags:
         return found
     way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(value)))))
     way = way[size - 1 :] - way[:windows]
-    spread = _windowed_most(value, size) + _windowed_most(-value, size)
-    is_one = (spread <= rule.trembling_travel) & (way >= 3.0 * spread) & (way > 0.0)
+    # No spread is less than from the first value to the last: few windows need a closer look.
+    least = np.abs(value[size - 1 :] - value[:windows])
+    may_be = (way > 0.0) & (least <= rule.trembling_travel) & (way >= 3.0 * least)
     change = np.zeros(len(value) + 1, dtype=np.int64)
-    change[:windows] += is_one
-    change[size:] -= is_one
+    for start, stop in zip(*_wider(*runs(may_be), size), strict=True):
+        part = value[start : stop + size - 1]
+        spread = _windowed_most(part, size) + _windowed_most(-part, size)
+        far = way[start:stop]
+        is_one = (spread <= rule.trembling_travel) & (far >= 3.0 * spread) & (far > 0.0)
+        change[start:stop] += is_one
+        change[start + size : stop + size] -= is_one
     found |= np.cumsum(change[:-1]) > 0
     return found
+
+
+def _wider(starts: Steps, stops: Steps, least: int) -> tuple[list[int], list[int]]:
+    """Return runs among which those that are less than `least` apart are one."""
+    apart = starts[1:] - stops[:-1] >= least
+    firsts = starts[np.concatenate(([True], apart))[: len(starts)]]
+    return firsts.tolist(), stops[np.concatenate((apart, [True]))[: len(stops)]].tolist()
 
 
 def _joined(starts: Steps, stops: Steps, step_s: float, rule: MotionRule) -> tuple[Steps, Steps]:

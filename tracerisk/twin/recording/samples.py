@@ -247,13 +247,16 @@ def read_samples(directory: Path) -> Samples:
     n_poses = len(poses) // header.n_pose if header.n_pose else 0
     n_controls, n_joints = len(header.controls), len(header.joints)
     cuts = np.cumsum([1, n_controls, n_joints, n_joints, n_joints])
+    # What follows goes through one column after the other.
+    parts = (np.asfortranarray(part) for part in np.split(rows, cuts, axis=1)[1:])
+    control, position, velocity, torque, pad_force = parts
     return Samples(
         header=header,
-        control=rows[:, cuts[0] : cuts[1]],
-        position=rows[:, cuts[1] : cuts[2]],
-        velocity=rows[:, cuts[2] : cuts[3]],
-        torque=rows[:, cuts[3] : cuts[4]],
-        pad_force=rows[:, cuts[4] :],
+        control=control,
+        position=position,
+        velocity=velocity,
+        torque=torque,
+        pad_force=pad_force,
         poses=poses[: n_poses * header.n_pose].reshape(n_poses, -1 if n_poses else header.n_pose),
         end_pose=_floats(end) if (end := directory / _END).exists() else None,
         changed_at=int(_floats(at)[0]) if (at := directory / _CHANGED).exists() else None,
