@@ -42,6 +42,8 @@ def read_drivers(files: Iterable[Path], root: Path) -> tuple[Driver, ...]:
 
     Raises DriverError as `read_driver`.
     """
+    if not (files := tuple(files)):
+        return ()
     installed = set(installed_files())
     return tuple(
         read_driver(

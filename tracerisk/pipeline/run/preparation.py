@@ -6,10 +6,14 @@ import contextlib
 import sys
 from importlib import import_module
 
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.vendors.driver_search import shipped_drivers
 
 _EVERY_RUN = ("dm_control.mujoco", "libcst.native", "tracerisk.text.yaml_bounds")
 _STORES = "rosbags.typesys.stores.ros"
+_MESSAGES = "moveit_msgs"
+"""The package whose definitions most runs read: they are parsed once."""
 
 
 def prepare() -> None:
@@ -18,6 +22,9 @@ def prepare() -> None:
         # As in the run itself, which does without what is not installed.
         with contextlib.suppress(ImportError):
             import_module(name)
+    for interfaces in (Interfaces(), Interfaces2()):
+        for name in interfaces.message_names(_MESSAGES):
+            interfaces.message(f"{_MESSAGES}/{name}")
     shipped_drivers()
 
 

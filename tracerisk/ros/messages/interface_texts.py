@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from tracerisk.errors import InputError, Location
 
@@ -78,6 +78,18 @@ def interface_text(definition: Definition) -> str:
     if isinstance(definition, InterfaceText):
         return definition.text
     return definition.read_text(encoding="utf-8", errors="replace")
+
+
+@cache
+def parsed(text: str, name: str) -> Any:
+    """Return the constants and the fields of a message `package/msg/Name`, as rosbags has them.
+
+    Raises:
+        rosbags.typesys.TypesysError: the text is no definition.
+    """
+    from rosbags.typesys import get_types_from_msg
+
+    return get_types_from_msg(text, name)[name]
 
 
 def field_comments(definition: Definition) -> dict[str, str]:

@@ -22,6 +22,7 @@ from tracerisk.ros.messages.interface_texts import (
     field_comments,
     interface_parts,
     interface_text,
+    parsed,
     shipped_packages,
     shipped_texts,
 )
@@ -336,14 +337,13 @@ class Interfaces:
         self._service_parts |= {f"{package}/{name}Request", f"{package}/{name}Response"}
 
     def _parse(self, package: str, short: str, text: str, path: Definition) -> None:
-        from rosbags.typesys import TypesysError, get_types_from_msg
+        from rosbags.typesys import TypesysError
 
         name = f"{package}/msg/{short}"
         # All that follows the sign is the text: quotes, `#` and nothing, which rosbags refuses.
         texts = {key: value.strip() for key, value in _TEXT_CONSTANT.findall(text)}
         try:
-            found = get_types_from_msg(_TEXT_CONSTANT.sub(r"string \1=text", text), name)
-            constants, fields = found[name]
+            constants, fields = parsed(_TEXT_CONSTANT.sub(r"string \1=text", text), name)
             own = [(key, kind, texts.get(key, value)) for key, kind, value in constants]
             self._definitions.update({name: (own, fields)})
         except TypesysError as error:

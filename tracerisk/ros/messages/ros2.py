@@ -24,6 +24,7 @@ from tracerisk.ros.messages.interface_texts import (
     field_comments,
     interface_parts,
     interface_text,
+    parsed,
     shipped_packages,
     shipped_texts,
 )
@@ -344,18 +345,17 @@ class Interfaces2:
             raise InputError(f"no message package '{package}'; {one_of(self.packages)}")
 
     def _parse(self, package: str, kind: str, short: str, text: str, path: Definition) -> None:
-        from rosbags.typesys import TypesysError, get_types_from_msg
+        from rosbags.typesys import TypesysError
 
         # Names of the same package stand without it; the parser takes them for messages.
         as_message = f"{package}/msg/{short}"
         plain = re.sub(r"(?m)^(\s*)wstring\b", r"\1string", text)
+        key = f"{package}/{kind}/{short}"
         try:
-            found = get_types_from_msg(plain, as_message)
+            self._definitions[key] = parsed(plain, as_message)
         except TypesysError as error:
             message = str(error).splitlines()[-1]
             raise InputError(f"not a message definition: {message}", Location(str(path))) from error
-        key = f"{package}/{kind}/{short}"
-        self._definitions[key] = found[as_message]
         self._defaults[key] = _defaults(plain, path)
 
 
