@@ -68,6 +68,9 @@ class Attribution:
     commands: tuple[LiveCommand, ...] = ()
     helpers: frozenset[FunctionRef] = frozenset()
     findings: tuple[Finding, ...] = ()
+    _current: dict[tuple[int, int], NDArray[np.int64]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def current(self, n_steps: int, step_ns: int) -> NDArray[np.int64]:
         """Return the run's current visit at each physics step.
@@ -78,6 +81,14 @@ class Attribution:
         Returns:
             (n_steps,) indices into `visits`; all -1 where the run has no visit.
         """
+        key = n_steps, step_ns
+        known = self._current.get(key)
+        if known is None:
+            # Asked for again for each element.
+            known = self._current[key] = self._current_visits(n_steps, step_ns)
+        return np.array(known)
+
+    def _current_visits(self, n_steps: int, step_ns: int) -> NDArray[np.int64]:
         if not self.commands:
             return np.full(n_steps, -1, dtype=np.int64)
         visits = np.array([each.visit for each in self.commands], dtype=np.int64)

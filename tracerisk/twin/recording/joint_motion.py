@@ -92,7 +92,9 @@ def motion_steps(
 
 def runs(flags: Flags) -> tuple[Steps, Steps]:
     """Return where the runs of true entries start, and where they stop."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    around = np.zeros(len(flags) + 2, dtype=np.bool_)
+    around[1:-1] = flags
+    (edges,) = (around[1:] != around[:-1]).nonzero()
     return edges[::2], edges[1::2]
 
 
