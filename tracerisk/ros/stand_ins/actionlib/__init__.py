@@ -1,9 +1,12 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for actionlib, the actions of ROS 1."""
 
 import threading
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .action_client import (
     ActionClient,
@@ -20,24 +23,4 @@ from .server_goal_handle import ServerGoalHandle
 from .simple_action_client import SimpleActionClient, SimpleGoalState
 from .simple_action_server import SimpleActionServer
 
-__all__ = [
-    "ActionClient",
-    "ActionException",
-    "ActionServer",
-    "ClientGoalHandle",
-    "CommState",
-    "CommStateMachine",
-    "GoalID",
-    "GoalIDGenerator",
-    "GoalStatus",
-    "GoalStatusArray",
-    "ServerGoalHandle",
-    "SimpleActionClient",
-    "SimpleActionServer",
-    "SimpleGoalState",
-    "TerminalState",
-    "get_name_of_constant",
-    "nop_cb",
-    "rospy",
-    "threading",
-]
+__all__ = _exported(globals(), "rospy", "threading")

@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for ament_index_python: the packages of the controller's workspace."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .packages import (
     PackageNotFoundError,
@@ -10,14 +13,4 @@ from .packages import (
 from .resources import get_resource, get_resources, has_resource
 from .search_paths import get_search_paths
 
-__all__ = [
-    "PackageNotFoundError",
-    "get_package_prefix",
-    "get_package_share_directory",
-    "get_package_share_path",
-    "get_packages_with_prefixes",
-    "get_resource",
-    "get_resources",
-    "get_search_paths",
-    "has_resource",
-]
+__all__ = _exported(globals())

@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for baxter_interface: Baxter's limbs, grippers, head and state, over the graph."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from . import settings
 from .gripper import Gripper
@@ -14,16 +17,4 @@ from .settings import (
     VERSIONS_SDK2ROBOT,
 )
 
-__all__ = [
-    "CHECK_VERSION",
-    "HEAD_PAN_ANGLE_TOLERANCE",
-    "JOINT_ANGLE_TOLERANCE",
-    "SDK_VERSION",
-    "VERSIONS_SDK2GRIPPER",
-    "VERSIONS_SDK2ROBOT",
-    "Gripper",
-    "Head",
-    "Limb",
-    "RobotEnable",
-    "settings",
-]
+__all__ = _exported(globals(), "settings")

@@ -1,6 +1,5 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Names of ROS 1, as in `rosgraph.names`, and those of resources of packages."""
-
-from __future__ import annotations
 
 from rosgraph.names import (
     ANYTYPE,
@@ -22,28 +21,7 @@ from rosgraph.names import (
     script_resolve_name,
 )
 
-__all__ = [
-    "ANYTYPE",
-    "GLOBALNS",
-    "PRIV_NAME",
-    "PRN_SEPARATOR",
-    "REMAP",
-    "SEP",
-    "TYPE_SEPARATOR",
-    "canonicalize_name",
-    "get_ros_namespace",
-    "is_global",
-    "is_legal_base_name",
-    "is_legal_name",
-    "is_private",
-    "load_mappings",
-    "make_global_ns",
-    "namespace",
-    "ns_join",
-    "package_resource_name",
-    "resolve_name",
-    "script_resolve_name",
-]
+from tracerisk.ros.imports.exported import exported as _exported
 
 PRN_SEPARATOR = TYPE_SEPARATOR = "/"
 
@@ -58,3 +36,6 @@ def package_resource_name(name: str) -> tuple[str, str]:
     if PRN_SEPARATOR in own:
         raise ValueError(f"invalid name [{name}]")
     return (package, own) if separator else ("", name)
+
+
+__all__ = _exported(globals())

@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for smach: hierarchical state machines; it gives way to one of the workspace's own."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .concurrence import Concurrence
 from .container import Container
@@ -17,28 +20,4 @@ from .state import CBState, State, cb_interface, has_smach_interface
 from .state_machine import StateMachine
 from .user_data import Remapper, UserData
 
-__all__ = [
-    "CBState",
-    "Concurrence",
-    "Container",
-    "InvalidConstructionError",
-    "InvalidStateError",
-    "InvalidTransitionError",
-    "InvalidUserCodeError",
-    "Iterator",
-    "PreemptError",
-    "Remapper",
-    "Sequence",
-    "State",
-    "StateMachine",
-    "UserData",
-    "cb_interface",
-    "has_smach_interface",
-    "is_shutdown",
-    "logdebug",
-    "logerr",
-    "loginfo",
-    "logwarn",
-    "set_loggers",
-    "set_shutdown_check",
-]
+__all__ = _exported(globals())

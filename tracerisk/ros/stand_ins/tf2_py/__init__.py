@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for tf2_py: the buffer of tf2 and its exceptions."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .buffer_core import BufferCore
 from .exceptions import (
@@ -10,12 +13,4 @@ from .exceptions import (
     TransformException,
 )
 
-__all__ = [
-    "BufferCore",
-    "ConnectivityException",
-    "ExtrapolationException",
-    "InvalidArgumentException",
-    "LookupException",
-    "TimeoutException",
-    "TransformException",
-]
+__all__ = _exported(globals())

@@ -1,3 +1,4 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for tf2_ros, the buffer, listeners and broadcasters of tf2, of ROS 1 and of ROS 2."""
 
 # The messages are names of the real package too: its modules are taken in whole.
@@ -12,6 +13,8 @@ from tf2_py import (
     TimeoutException,
     TransformException,
 )
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .buffer_interface import (
     BufferInterface,
@@ -30,26 +33,4 @@ from .static_transform_broadcaster import StaticTransformBroadcaster  # isort: s
 from .transform_broadcaster import TransformBroadcaster  # isort: skip
 from .transform_listener import TransformListener  # isort: skip
 
-__all__ = [
-    "Buffer",
-    "BufferClient",
-    "BufferCore",
-    "BufferInterface",
-    "ConnectivityException",
-    "ConvertRegistration",
-    "ExtrapolationException",
-    "InvalidArgumentException",
-    "LookupException",
-    "NotImplementedException",
-    "Stamped",
-    "StaticTransformBroadcaster",
-    "TFMessage",
-    "TimeoutException",
-    "TransformBroadcaster",
-    "TransformException",
-    "TransformListener",
-    "TransformRegistration",
-    "TransformStamped",
-    "TypeException",
-    "convert",
-]
+__all__ = _exported(globals())

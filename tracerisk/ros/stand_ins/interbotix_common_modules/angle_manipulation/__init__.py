@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Turns and poses as matrices; the names of ROS 1 and of ROS 2."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .angle_manipulation import (
     euler_angles_to_quaternion,
@@ -15,17 +18,4 @@ from .angle_manipulation import (
     yawToRotationMatrix,
 )
 
-__all__ = [
-    "eulerAnglesToRotationMatrix",
-    "euler_angles_to_quaternion",
-    "euler_angles_to_rotation_matrix",
-    "poseToTransformationMatrix",
-    "pose_to_transformation_matrix",
-    "quaternion_is_valid",
-    "rotationMatrixToEulerAngles",
-    "rotation_matrix_to_euler_angles",
-    "transInv",
-    "trans_inv",
-    "yawToRotationMatrix",
-    "yaw_to_rotation_matrix",
-]
+__all__ = _exported(globals())

@@ -1,39 +1,6 @@
 """Screw axes and home poses of the arms; see `interbotix_xs_modules.mr_descriptions`."""
 
-from ..mr_descriptions import (
-    ModernRoboticsDescription,
-    aloha_vx300s,
-    aloha_wx250s,
-    mobile_px100,
-    mobile_wx200,
-    mobile_wx250s,
-    px100,
-    px150,
-    rx150,
-    rx200,
-    vx250,
-    vx300,
-    vx300s,
-    wx200,
-    wx250,
-    wx250s,
-)
+from .. import mr_descriptions as _of_ros1
+from ..mr_descriptions import *  # noqa: F403 - each name of it
 
-__all__ = [
-    "ModernRoboticsDescription",
-    "aloha_vx300s",
-    "aloha_wx250s",
-    "mobile_px100",
-    "mobile_wx200",
-    "mobile_wx250s",
-    "px100",
-    "px150",
-    "rx150",
-    "rx200",
-    "vx250",
-    "vx300",
-    "vx300s",
-    "wx200",
-    "wx250",
-    "wx250s",
-]
+__all__ = list(_of_ros1.__all__)

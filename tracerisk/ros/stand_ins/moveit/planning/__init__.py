@@ -1,4 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Planning and execution: MoveItPy and what it hands out."""
+
+from tracerisk.ros.imports.exported import exported as _exported
 
 from ._moveit_py import MoveItPy
 from ._parameters import MultiPipelinePlanRequestParameters, PlanRequestParameters
@@ -10,13 +13,4 @@ from ._scene_monitor import (
 )
 from ._trajectory_execution_manager import TrajectoryExecutionManager
 
-__all__ = [
-    "LockedPlanningSceneContextManagerRO",
-    "LockedPlanningSceneContextManagerRW",
-    "MoveItPy",
-    "MultiPipelinePlanRequestParameters",
-    "PlanRequestParameters",
-    "PlanningComponent",
-    "PlanningSceneMonitor",
-    "TrajectoryExecutionManager",
-]
+__all__ = _exported(globals())

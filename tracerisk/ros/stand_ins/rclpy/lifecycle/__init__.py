@@ -1,6 +1,7 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Lifecycle nodes: configured, activated, deactivated, cleaned up and shut down from outside."""
 
-from __future__ import annotations
+from tracerisk.ros.imports.exported import exported as _exported
 
 from .managed_entity import ManagedEntity, SimpleManagedEntity, TransitionCallbackReturn
 from .node import LifecycleNode, LifecycleNodeMixin, LifecycleState
@@ -11,16 +12,4 @@ NodeMixin = LifecycleNodeMixin
 State = LifecycleState
 Publisher = LifecyclePublisher
 
-__all__ = [
-    "LifecycleNode",
-    "LifecycleNodeMixin",
-    "LifecyclePublisher",
-    "LifecycleState",
-    "ManagedEntity",
-    "Node",
-    "NodeMixin",
-    "Publisher",
-    "SimpleManagedEntity",
-    "State",
-    "TransitionCallbackReturn",
-]
+__all__ = _exported(globals())

@@ -1,3 +1,4 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """`launch.actions`."""
 
 from tracerisk.pipeline.launch_files.stand_ins.launch.actions.flow import (
@@ -33,33 +34,6 @@ from tracerisk.pipeline.launch_files.stand_ins.launch.actions.settings import (
     UnsetEnvironmentVariable,
     UnsetLaunchConfiguration,
 )
+from tracerisk.ros.imports.exported import exported as _exported
 
-__all__ = [
-    "AppendEnvironmentVariable",
-    "DeclareLaunchArgument",
-    "EmitEvent",
-    "ExecuteLocal",
-    "ExecuteProcess",
-    "ForEach",
-    "ForLoop",
-    "GroupAction",
-    "IncludeLaunchDescription",
-    "LogInfo",
-    "OpaqueCoroutine",
-    "OpaqueFunction",
-    "PopEnvironment",
-    "PopLaunchConfigurations",
-    "PushEnvironment",
-    "PushLaunchConfigurations",
-    "RegisterEventHandler",
-    "ResetEnvironment",
-    "ResetLaunchConfigurations",
-    "SetEnvironmentVariable",
-    "SetLaunchConfiguration",
-    "Shutdown",
-    "ShutdownAction",
-    "TimerAction",
-    "UnregisterEventHandler",
-    "UnsetEnvironmentVariable",
-    "UnsetLaunchConfiguration",
-]
+__all__ = _exported(globals())

@@ -1,0 +1,20 @@
+"""The `__all__` of a module that is made of what it imports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import ModuleType
+
+
+def exported(names: Mapping[str, object], *modules: str) -> list[str]:
+    """Return the public names of a module, given its `globals()`, sorted.
+
+    Modules are left out, for each import of a part of a package leaves one behind; those that the
+    library gives to programs are named in `modules`.
+    """
+    public = (
+        name
+        for name, value in names.items()
+        if not name.startswith("_") and not isinstance(value, ModuleType)
+    )
+    return sorted([*public, *modules])
