@@ -309,19 +309,14 @@ class ArmInterface(ABC):
     # Limits
 
     def _is_within(self, positions: Sequence[float]) -> bool:
-        info = self.group_info
-        for index, position in enumerate(positions):
-            if index >= info.num_joints:
-                break
-            rounded = int(position * 1000) / 1000.0
-            speed = abs(rounded - self.joint_commands[index]) / float(self.moving_time)
-            low, high = info.joint_lower_limits[index], info.joint_upper_limits[index]
-            if not low <= rounded <= high or speed > info.joint_velocity_limits[index]:
-                return False
-        return True
+        pairs = zip(range(self.group_info.num_joints), positions, strict=False)
+        return all(self._allows(index, position) for index, position in pairs)
 
     def _is_one_within(self, joint_name: str, position: float) -> bool:
-        index, info = self.info_index_map[joint_name], self.group_info
+        return self._allows(self.info_index_map[joint_name], position)
+
+    def _allows(self, index: int, position: float) -> bool:
+        info = self.group_info
         rounded = int(position * 1000) / 1000.0
         speed = abs(rounded - self.joint_commands[index]) / float(self.moving_time)
         low, high = info.joint_lower_limits[index], info.joint_upper_limits[index]

@@ -9,6 +9,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
@@ -66,21 +67,13 @@ class ClientGoalHandle:
             f"status={self.status}>"
         )
 
-    @property
-    def goal_id(self) -> Any:
-        """The goal's UUID message."""
-        return self._sent.goal_id
+    goal_id = property(attrgetter("_sent.goal_id"), doc="The goal's UUID message.")
 
-    @property
-    def stamp(self) -> Any:
-        """When the server answered."""
-        return self._goal_response.stamp
+    stamp = property(attrgetter("_goal_response.stamp"), doc="When the server answered.")
 
-    @property
-    def accepted(self) -> bool:
-        """Whether the server took the goal."""
-        accepted: bool = self._goal_response.accepted
-        return accepted
+    accepted = property(
+        attrgetter("_goal_response.accepted"), doc="Whether the server took the goal."
+    )
 
     @property
     def status(self) -> int:

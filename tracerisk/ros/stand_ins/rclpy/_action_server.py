@@ -6,6 +6,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
+from operator import attrgetter
 from typing import Any
 
 from action_msgs.msg import GoalInfo
@@ -63,15 +64,9 @@ class ServerGoalHandle:
 
     __hash__ = None  # type: ignore[assignment]
 
-    @property
-    def request(self) -> Any:
-        """The goal message."""
-        return self._request
+    request = property(attrgetter("_request"), doc="The goal message.")
 
-    @property
-    def goal_id(self) -> Any:
-        """The goal's UUID message."""
-        return self._goal_info.goal_id
+    goal_id = property(attrgetter("_goal_info.goal_id"), doc="The goal's UUID message.")
 
     @property
     def is_active(self) -> bool:
@@ -195,10 +190,7 @@ class ActionServer(Entity):
         )
         node.add_waitable(self)
 
-    @property
-    def action_type(self) -> Any:
-        """The action's class."""
-        return self._action_type
+    action_type = property(attrgetter("_action_type"), doc="The action's class.")
 
     def register_handle_accepted_callback(self, callback: Callable[[Any], Any] | None) -> None:
         """Call `callback` with the handle of each goal that was accepted."""

@@ -6,12 +6,20 @@ Each function returns None for a name that may be, else what is wrong and at whi
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 Fault = tuple[str, int]
 
 _LONGEST_FULL_NAME = 247
 _LONGEST_NODE_NAME = 255
 _SUBSTITUTION = re.compile(r"\{([^{}]*)\}")
+
+
+def check(name: str, fault: Fault | None, error: Callable[..., Exception]) -> bool:
+    """Return True for a name without a fault; raise the error of a name, which says the fault."""
+    if fault is not None:
+        raise error(name, *fault)
+    return True
 
 
 def node_name_fault(name: str) -> Fault | None:

@@ -23,6 +23,20 @@ from .type_support import check_is_valid_msg_type, check_is_valid_srv_type
 
 OF_ACTION = "/_action/"
 """What the names of an action's services and topics hold."""
+KEPT = (
+    *("_rates", "_publishers", "_subscriptions", "_clients"),
+    *("_services", "_timers", "_guards", "_waitables"),
+)
+"""The lists of what a node has made, in the order in which it is destroyed."""
+
+
+def _each(name: str, doc: str) -> Any:
+    """Return a property that yields what is in one of the lists."""
+
+    def read(node: NodeEntities) -> Iterator[Any]:
+        yield from getattr(node, name)
+
+    return property(read, doc=doc)
 
 
 class NodeEntities(NodeNames):
@@ -49,40 +63,13 @@ class NodeEntities(NodeNames):
         yield from tuple(self._clients)
         yield from tuple(self._services)
 
-    @property
-    def publishers(self) -> Iterator[Publisher]:
-        """The publishers."""
-        yield from self._publishers
-
-    @property
-    def subscriptions(self) -> Iterator[Subscription]:
-        """The subscriptions."""
-        yield from self._subscriptions
-
-    @property
-    def clients(self) -> Iterator[Client]:
-        """The clients of services."""
-        yield from self._clients
-
-    @property
-    def services(self) -> Iterator[Service]:
-        """The services."""
-        yield from self._services
-
-    @property
-    def timers(self) -> Iterator[Timer]:
-        """The timers."""
-        yield from self._timers
-
-    @property
-    def guards(self) -> Iterator[GuardCondition]:
-        """The guard conditions."""
-        yield from self._guards
-
-    @property
-    def waitables(self) -> Iterator[Any]:
-        """The clients and servers of actions."""
-        yield from self._waitables
+    publishers = _each("_publishers", "The publishers.")
+    subscriptions = _each("_subscriptions", "The subscriptions.")
+    clients = _each("_clients", "The clients of services.")
+    services = _each("_services", "The services.")
+    timers = _each("_timers", "The timers.")
+    guards = _each("_guards", "The guard conditions.")
+    waitables = _each("_waitables", "The clients and servers of actions.")
 
     def create_publisher(
         self,

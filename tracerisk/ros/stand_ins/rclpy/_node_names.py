@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ._arguments import Arguments
-from ._name_rules import namespace_fault, topic_name_fault
+from ._name_rules import check, namespace_fault, topic_name_fault
 from .exceptions import (
     InvalidNamespaceException,
     InvalidServiceNameException,
@@ -65,9 +65,7 @@ class NodeNames:
     def _resolved(self, name: str, error: Any, *, remaps: bool = True) -> str:
         if not isinstance(name, str):
             raise TypeError(f"name must be a str, not {type(name).__name__}")
-        fault = topic_name_fault(name)
-        if fault is not None:
-            raise error(name, *fault)
+        check(name, topic_name_fault(name), error)
         full = self._expanded(name)
         if not remaps:
             return full
@@ -85,7 +83,5 @@ class NodeNames:
 
 def _namespace(given: str) -> str:
     space = "/" + given.strip("/")
-    fault = namespace_fault(space)
-    if fault is not None:
-        raise InvalidNamespaceException(given, *fault)
+    check(given, namespace_fault(space), InvalidNamespaceException)
     return space

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need
@@ -46,10 +47,7 @@ class Client(Entity):
         self._responses: deque[tuple[Future, Any, int]] = deque()
         run().graph.become_caller(srv_name, srv_type._ros_type)
 
-    @property
-    def service_name(self) -> str:
-        """The service's name."""
-        return self.srv_name
+    service_name = property(attrgetter("srv_name"), doc="The service's name.")
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Call the service and wait for the response; another thread has to spin.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import MethodType, TracebackType
+from types import MethodType
 from typing import Any
 from weakref import WeakMethod
 
@@ -18,7 +18,6 @@ class Context:
 
     def __init__(self) -> None:
         self._is_valid = False
-        self._was_used = False
         self._callbacks: list[Any] = []
         self._arguments = Arguments()
         self._domain_id = 0
@@ -119,10 +118,5 @@ class Context:
     def __enter__(self) -> Context:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.try_shutdown()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import total_ordering
 from typing import Any
 
 from builtin_interfaces.msg import Duration as DurationMessage
@@ -12,6 +13,7 @@ from .constants import S_TO_NS
 _LIMIT = 2**63
 
 
+@total_ordering
 class Duration:
     """A span of time, in whole nanoseconds; it may be negative.
 
@@ -67,21 +69,6 @@ class Duration:
         if not isinstance(other, Duration):
             return NotImplemented
         return self.nanoseconds < other.nanoseconds
-
-    def __le__(self, other: Any) -> bool:
-        if not isinstance(other, Duration):
-            return NotImplemented
-        return self.nanoseconds <= other.nanoseconds
-
-    def __gt__(self, other: Any) -> bool:
-        if not isinstance(other, Duration):
-            return NotImplemented
-        return self.nanoseconds > other.nanoseconds
-
-    def __ge__(self, other: Any) -> bool:
-        if not isinstance(other, Duration):
-            return NotImplemented
-        return self.nanoseconds >= other.nanoseconds
 
     __hash__ = None  # type: ignore[assignment]  # as in the real library
 

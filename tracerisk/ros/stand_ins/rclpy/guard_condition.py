@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from typing import Any
 
 from ._entity import Call, Entity
 from .callback_groups import CallbackGroup
+from .executors import await_or_execute
 
 
 class GuardCondition(Entity):
@@ -31,11 +31,7 @@ class GuardCondition(Entity):
         self._is_triggered = False
 
         async def call() -> None:
-            if self.callback is None:
-                return
-            if inspect.iscoroutinefunction(self.callback):
-                await self.callback()
-            else:
-                self.callback()
+            if self.callback is not None:
+                await await_or_execute(self.callback)
 
         return call

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from tracerisk.ros.graph.parameter_files import overrides_of
 
 from ._handle import Handle
 from ._logger import RcutilsLogger
-from ._node_entities import NodeEntities
+from ._node_entities import KEPT, NodeEntities
 from ._node_graph import NodeGraph
 from ._node_parameters import NodeParameters
 from ._rclpy_pybind11 import NodeNameNonExistentError
@@ -77,14 +78,8 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         self._post_set_parameters_callbacks = []
         self._allow_undeclared_parameters = allow_undeclared_parameters
         self._parameter_overrides = self._overrides(parameter_overrides or ())
-        self._publishers = []
-        self._subscriptions = []
-        self._clients = []
-        self._services = []
-        self._timers = []
-        self._guards = []
-        self._waitables = []
-        self._rates = []
+        for name in KEPT:
+            setattr(self, name, [])
         self._executor: Any = None
         self._taken = ""
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
@@ -166,10 +161,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         taken = f" since {self._taken}" if self._taken else ""
         return Meaning("unmet", f"nothing spins node {name}{taken}")
 
-    @property
-    def context(self) -> Context:
-        """The context that the node lives in."""
-        return self._context
+    context = property(attrgetter("_context"), doc="The context that the node lives in.")
 
     @property
     def default_callback_group(self) -> CallbackGroup:
@@ -200,16 +192,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         if self._executor is not None:
             self._executor.remove_node(self)
             self._executor = None
-        for kept in (
-            self._rates,
-            self._publishers,
-            self._subscriptions,
-            self._clients,
-            self._services,
-            self._timers,
-            self._guards,
-            self._waitables,
-        ):
+        for kept in (getattr(self, name) for name in KEPT):
             for each in list(kept):
                 each.destroy()
             kept.clear()

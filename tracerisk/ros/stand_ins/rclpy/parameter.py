@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 from enum import Enum
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -119,20 +120,11 @@ class Parameter:
         value = parameter_value_to_python(param_msg.value)
         return cls(param_msg.name, type_, value)
 
-    @property
-    def name(self) -> str:
-        """The name."""
-        return self._name
+    name = property(attrgetter("_name"), doc="The name.")
 
-    @property
-    def type_(self) -> _Type:
-        """The type."""
-        return self._type_
+    type_ = property(attrgetter("_type_"), doc="The type.")
 
-    @property
-    def value(self) -> Any:
-        """The value; None of a parameter that is not set."""
-        return self._value
+    value = property(attrgetter("_value"), doc="The value; None of a parameter that is not set.")
 
     def get_parameter_value(self) -> Any:
         """Return the value as a rcl_interfaces/ParameterValue."""

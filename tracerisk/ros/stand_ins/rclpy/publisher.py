@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from types import TracebackType
+from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.messages.ros2 import copy_message
@@ -54,15 +54,7 @@ class Publisher:
         )
         self._events.watch(topic, lambda: list(self._publication.subscriptions))
 
-    @property
-    def topic(self) -> str:
-        """The topic's name."""
-        return self.topic_name
-
-    @property
-    def topic_name(self) -> str:
-        """The topic's name."""
-        return self._publication.topic
+    topic = topic_name = property(attrgetter("_publication.topic"), doc="The topic's name.")
 
     def publish(self, msg: Any) -> None:
         """Send a message, or the bytes of one.
@@ -121,10 +113,5 @@ class Publisher:
     def __enter__(self) -> Publisher:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.destroy()

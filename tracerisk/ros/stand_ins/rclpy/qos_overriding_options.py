@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from operator import attrgetter
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -38,15 +39,9 @@ class QoSOverridingOptions:
         self._callback = callback
         self._entity_id = entity_id
 
-    @property
-    def policy_kinds(self) -> Iterable[QoSPolicyKind]:
-        """The policies that have a parameter."""
-        return self._policy_kinds
+    policy_kinds = property(attrgetter("_policy_kinds"), doc="The policies that have a parameter.")
 
-    @property
-    def callback(self) -> QosCallbackType | None:
-        """What judges the profile."""
-        return self._callback
+    callback = property(attrgetter("_callback"), doc="What judges the profile.")
 
     @property
     def entity_id(self) -> str | None:

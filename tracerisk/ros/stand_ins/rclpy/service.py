@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections import deque
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from tracerisk.ros.messages.ros2 import copy_message
@@ -46,10 +47,7 @@ class Service(Entity):
             is_callback=self._is_controllers,
         )
 
-    @property
-    def service_name(self) -> str:
-        """The service's name."""
-        return self.srv_name
+    service_name = property(attrgetter("srv_name"), doc="The service's name.")
 
     def send_response(self, response: Any, header: Callable[[Any], None]) -> None:
         """Send a response to who asked.

@@ -6,6 +6,7 @@ import inspect
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
+from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.messages.ros2 import copy_message
@@ -17,6 +18,7 @@ from ._entity import Call, Entity
 from ._run import run
 from .callback_groups import CallbackGroup
 from .event_handler import SubscriptionEventCallbacks
+from .executors import await_or_execute
 from .qos import QoSProfile, misfit_of
 
 
@@ -91,15 +93,7 @@ class Subscription(Entity):
             # A function of C has no signature to read; it takes the message.
             return
 
-    @property
-    def topic(self) -> str:
-        """The topic's name."""
-        return self.topic_name
-
-    @property
-    def topic_name(self) -> str:
-        """The topic's name."""
-        return self._topic
+    topic = topic_name = property(attrgetter("_topic"), doc="The topic's name.")
 
     def get_publisher_count(self) -> int:
         """Return how many publishers it hears."""
@@ -140,9 +134,6 @@ class Subscription(Entity):
             arguments.append(info)
 
         async def call() -> None:
-            if inspect.iscoroutinefunction(self._callback):
-                await self._callback(*arguments)
-            else:
-                self._callback(*arguments)
+            await await_or_execute(self._callback, *arguments)
 
         return call

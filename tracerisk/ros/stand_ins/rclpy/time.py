@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import total_ordering
 from typing import Any
 
 from builtin_interfaces.msg import Time as TimeMessage
@@ -13,6 +14,7 @@ from .duration import Duration
 _LIMIT = 2**63
 
 
+@total_ordering
 class Time:
     """A point in time of one kind of clock, in whole nanoseconds.
 
@@ -90,21 +92,6 @@ class Time:
         if not isinstance(other, Time):
             return NotImplemented
         return self.nanoseconds < self._same_kind(other)
-
-    def __le__(self, other: Any) -> bool:
-        if not isinstance(other, Time):
-            return NotImplemented
-        return self.nanoseconds <= self._same_kind(other)
-
-    def __gt__(self, other: Any) -> bool:
-        if not isinstance(other, Time):
-            return NotImplemented
-        return self.nanoseconds > self._same_kind(other)
-
-    def __ge__(self, other: Any) -> bool:
-        if not isinstance(other, Time):
-            return NotImplemented
-        return self.nanoseconds >= self._same_kind(other)
 
     def _same_kind(self, other: Time) -> int:
         if self.clock_type != other.clock_type:

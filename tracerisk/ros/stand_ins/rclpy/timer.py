@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.time.clock import EPOCH_NS, MONOTONIC_START_NS
@@ -16,6 +18,7 @@ from .clock import Clock
 from .clock_type import ClockType
 from .context import Context
 from .exceptions import InvalidHandle, ROSInterruptException
+from .executors import await_or_execute
 from .time import Time
 
 
@@ -37,15 +40,9 @@ class TimerInfo:
         self._expected = Time(nanoseconds=expected_call_time, clock_type=clock_type)
         self._actual = Time(nanoseconds=actual_call_time, clock_type=clock_type)
 
-    @property
-    def expected_call_time(self) -> Time:
-        """When the callback was due."""
-        return self._expected
+    expected_call_time = property(attrgetter("_expected"), doc="When the callback was due.")
 
-    @property
-    def actual_call_time(self) -> Time:
-        """When the callback was called."""
-        return self._actual
+    actual_call_time = property(attrgetter("_actual"), doc="When the callback was called.")
 
 
 class Timer(Entity):
@@ -73,10 +70,7 @@ class Timer(Entity):
         self._last_ns = self._now_ns()
         self._due_ns: int | None = self._last_ns + self._period_ns if autostart else None
 
-    @property
-    def clock(self) -> Clock:
-        """The clock that the timer counts by."""
-        return self._clock
+    clock = property(attrgetter("_clock"), doc="The clock that the timer counts by.")
 
     @property
     def timer_period_ns(self) -> int:
@@ -144,13 +138,9 @@ class Timer(Entity):
         self._due_ns = following_ns
 
         async def call() -> None:
-            if self.callback is None:
-                return
-            given = dict.fromkeys(self._info_names(), info)
-            if inspect.iscoroutinefunction(self.callback):
-                await self.callback(**given)
-            else:
-                self.callback(**given)
+            if self.callback is not None:
+                given = dict.fromkeys(self._info_names(), info)
+                await await_or_execute(partial(self.callback, **given))
 
         return call
 

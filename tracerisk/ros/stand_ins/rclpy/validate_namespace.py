@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._name_rules import namespace_fault
+from ._name_rules import check, namespace_fault
 from .exceptions import InvalidNamespaceException
 
 
@@ -12,7 +12,4 @@ def validate_namespace(namespace: str) -> bool:
     Raises:
         InvalidNamespaceException: it may not.
     """
-    fault = namespace_fault(namespace)
-    if fault is not None:
-        raise InvalidNamespaceException(namespace, *fault)
-    return True
+    return check(namespace, namespace_fault(namespace), InvalidNamespaceException)

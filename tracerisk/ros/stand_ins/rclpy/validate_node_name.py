@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._name_rules import node_name_fault
+from ._name_rules import check, node_name_fault
 from .exceptions import InvalidNodeNameException
 
 
@@ -12,7 +12,4 @@ def validate_node_name(node_name: str) -> bool:
     Raises:
         InvalidNodeNameException: it may not.
     """
-    fault = node_name_fault(node_name)
-    if fault is not None:
-        raise InvalidNodeNameException(node_name, *fault)
-    return True
+    return check(node_name, node_name_fault(node_name), InvalidNodeNameException)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._name_rules import topic_name_fault
+from ._name_rules import check, topic_name_fault
 from .exceptions import InvalidServiceNameException, InvalidTopicNameException
 
 TOPIC_SEPARATOR_STRING = "/"
@@ -15,9 +15,5 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
         InvalidTopicNameException: it may not, and is one of a topic.
         InvalidServiceNameException: it may not, and is one of a service.
     """
-    fault = topic_name_fault(name)
-    if fault is not None:
-        raise (InvalidServiceNameException if is_service else InvalidTopicNameException)(
-            name, *fault
-        )
-    return True
+    error = InvalidServiceNameException if is_service else InvalidTopicNameException
+    return check(name, topic_name_fault(name), error)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from interbotix_common_modules.common_robot.robot import InterbotixRobotNode
-from interbotix_xs_msgs.srv import RegisterValues, RobotInfo
 from rclpy.duration import Duration
 from rclpy.logging import LoggingSeverity
 
@@ -78,8 +77,7 @@ class InterbotixArmXSInterface(ArmInterface):
         self.iterative_update_fk = iterative_update_fk
         self.robot_des = description(robot_model)
         node = core.get_node()
-        request = RobotInfo.Request(cmd_type="group", name=group_name)
-        self.group_info = core._call(core.srv_get_info, request)
+        self.group_info = core.robot_get_robot_info("group", group_name)
         if self.group_info.profile_type != "time":
             node.logwarn(f"Group '{group_name}' profile_type not set to 'time'.")
         if self.group_info.mode != "position":
@@ -114,10 +112,7 @@ class InterbotixArmXSInterface(ArmInterface):
         self.core.get_node().logwarn(message)
 
     def _set_register(self, name: str, value: int) -> None:
-        request = RegisterValues.Request(
-            cmd_type="group", name=self.group_name, reg=name, value=value
-        )
-        self.core._call(self.core.srv_set_reg, request)
+        self.core.robot_set_motor_registers("group", self.group_name, name, value)
 
     def _now(self) -> Any:
         return self.core.get_node().get_clock().now().to_msg()

@@ -6,7 +6,6 @@ from threading import Thread
 from typing import Any
 
 import rclpy
-from interbotix_xs_msgs.srv import RobotInfo
 from rclpy.duration import Duration
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity
@@ -88,8 +87,7 @@ class InterbotixGripperXSInterface(GripperInterface):
             gripper_pressure_lower_limit,
             gripper_pressure_upper_limit,
         )
-        request = RobotInfo.Request(cmd_type="single", name=gripper_name)
-        self.gripper_info = core._call(core.srv_get_info, request)
+        self.gripper_info = core.robot_get_robot_info("single", gripper_name)
         self._take_info(self.gripper_info)
         node = core.get_node()
         if self.gripper_info.mode not in ("current", "pwm"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.controller.thread import ControllerThread
@@ -244,12 +243,7 @@ class _Locked:
     def __enter__(self) -> PlanningScene:
         return self._monitor._enter(alone=self._alone)
 
-    def __exit__(
-        self,
-        type: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._monitor._lock.release(alone=self._alone)
 
 
