@@ -11,6 +11,8 @@ from tracerisk.ros.graph.runtime import Runtime, current
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from .core.robot_model import RobotModel
 
 
@@ -22,6 +24,20 @@ class Library:
         self.tracer: Any = runtime.tracer
         self.server = runtime.client(MoveGroupServer)
         self.model: RobotModel | None = None
+
+
+class HandedOut:
+    """Base of what the library hands to programs, none of which they can make."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        module = type(self).__module__.partition("._")[0]
+        raise TypeError(f"{module}.{type(self).__name__}: No constructor defined!")
+
+    @classmethod
+    def _of(cls, **parts: Any) -> Self:
+        made = cls.__new__(cls)
+        vars(made).update(parts)
+        return made
 
 
 def library() -> Library:

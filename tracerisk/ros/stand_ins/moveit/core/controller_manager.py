@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+
+from .._library import HandedOut
 
 __all__ = ["ExecutionStatus"]
 
 _STATUS_OF = {ErrorCode.SUCCESS: "SUCCEEDED", ErrorCode.PREEMPTED: "PREEMPTED"}
 
 
-class ExecutionStatus:
+class ExecutionStatus(HandedOut):
     """The status of an execution; true where it succeeded."""
 
     _status: str
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError("moveit.core.controller_manager.ExecutionStatus: No constructor defined!")
-
-    @classmethod
-    def _of(cls, status: str) -> ExecutionStatus:
-        made = cls.__new__(cls)
-        made._status = status
-        return made
-
     @classmethod
     def _of_code(cls, code: ErrorCode) -> ExecutionStatus:
-        return cls._of(_STATUS_OF.get(code, "ABORTED"))
+        return cls._of(_status=_STATUS_OF.get(code, "ABORTED"))
 
     @property
     def status(self) -> str:

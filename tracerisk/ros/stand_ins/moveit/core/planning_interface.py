@@ -2,35 +2,22 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any
 
-from .._library import new
+from .._library import HandedOut, new
 from .robot_trajectory import RobotTrajectory
 
 __all__ = ["MotionPlanResponse"]
 
 
-class MotionPlanResponse:
+class MotionPlanResponse(HandedOut):
     """A trajectory, or the code of the failure; true where there is a trajectory."""
 
     _trajectory: RobotTrajectory | None
     _code: int
     _start_state: Any
     _planner_id: str
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError(
-            "moveit.core.planning_interface.MotionPlanResponse: No constructor defined!"
-        )
-
-    @classmethod
-    def _of(
-        cls, code: int, trajectory: RobotTrajectory | None, start_state: Any, planner_id: str
-    ) -> MotionPlanResponse:
-        made = cls.__new__(cls)
-        made._code, made._trajectory = code, trajectory
-        made._start_state, made._planner_id = start_state, planner_id
-        return made
 
     def __bool__(self) -> bool:
         return self._code == 1
@@ -57,7 +44,4 @@ class MotionPlanResponse:
         """Where the plan begins, as a RobotState message."""
         return self._start_state
 
-    @property
-    def planner_id(self) -> str:
-        """The planner that was asked for."""
-        return self._planner_id
+    planner_id = property(attrgetter("_planner_id"), doc="The planner that was asked for.")

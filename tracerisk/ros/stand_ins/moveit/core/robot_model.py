@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -15,34 +16,18 @@ from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.transforms.poses import Vector
 from tracerisk.twin.robots.robot import Joint
 
-from .._library import library, log_error
+from .._library import HandedOut, library, log_error
 
 __all__ = ["JointModelGroup", "RobotModel", "VariableBounds"]
 
 
-class VariableBounds:
+class VariableBounds(HandedOut):
     """The limits of one variable, [rad or m] and per second; read only."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError("moveit.core.robot_model.VariableBounds: No constructor defined!")
-
-    @classmethod
-    def _of(cls, joint: Joint) -> VariableBounds:
-        made = cls.__new__(cls)
-        made._joint = joint
-        return made
 
     _joint: Joint
 
-    @property
-    def min_position(self) -> float:
-        """The lower limit [rad or m]."""
-        return self._joint.lower
-
-    @property
-    def max_position(self) -> float:
-        """The upper limit [rad or m]."""
-        return self._joint.upper
+    min_position = property(attrgetter("_joint.lower"), doc="The lower limit [rad or m].")
+    max_position = property(attrgetter("_joint.upper"), doc="The upper limit [rad or m].")
 
     @property
     def position_bounded(self) -> bool:
@@ -54,67 +39,33 @@ class VariableBounds:
         """The greatest velocity of a plan backwards [rad/s or m/s]."""
         return -self._joint.planned_velocity
 
-    @property
-    def max_velocity(self) -> float:
-        """The greatest velocity of a plan [rad/s or m/s]."""
-        return self._joint.planned_velocity
-
-    @property
-    def velocity_bounded(self) -> bool:
-        """Whether the velocity is limited."""
-        return True
+    max_velocity = property(
+        attrgetter("_joint.planned_velocity"), doc="The greatest velocity of a plan [rad/s or m/s]."
+    )
+    velocity_bounded = property(lambda _: True, doc="Whether the velocity is limited.")
 
     @property
     def min_acceleration(self) -> float:
         """The greatest acceleration of a plan backwards [rad/s^2 or m/s^2]."""
         return -self._joint.planned_acceleration
 
-    @property
-    def max_acceleration(self) -> float:
-        """The greatest acceleration of a plan [rad/s^2 or m/s^2]."""
-        return self._joint.planned_acceleration
-
-    @property
-    def acceleration_bounded(self) -> bool:
-        """Whether the acceleration is limited."""
-        return True
-
-    @property
-    def min_jerk(self) -> float:
-        """The rated jerk backwards; none is known."""
-        return 0.0
-
-    @property
-    def max_jerk(self) -> float:
-        """The rated jerk; none is known."""
-        return 0.0
-
-    @property
-    def jerk_bounded(self) -> bool:
-        """Whether the jerk is limited."""
-        return False
+    max_acceleration = property(
+        attrgetter("_joint.planned_acceleration"),
+        doc="The greatest acceleration of a plan [rad/s^2 or m/s^2].",
+    )
+    acceleration_bounded = property(lambda _: True, doc="Whether the acceleration is limited.")
+    min_jerk = property(lambda _: 0.0, doc="The rated jerk backwards; none is known.")
+    max_jerk = property(lambda _: 0.0, doc="The rated jerk; none is known.")
+    jerk_bounded = property(lambda _: False, doc="Whether the jerk is limited.")
 
 
-class JointModelGroup:
+class JointModelGroup(HandedOut):
     """A planning group of a robot model."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError("moveit.core.robot_model.JointModelGroup: No constructor defined!")
-
-    @classmethod
-    def _of(cls, name: str) -> JointModelGroup:
-        made = cls.__new__(cls)
-        made._name = name
-        made._server = library().server
-        return made
 
     _name: str
     _server: MoveGroupServer
 
-    @property
-    def name(self) -> str:
-        """The group's name."""
-        return self._name
+    name = property(attrgetter("_name"), doc="The group's name.")
 
     @property
     def link_model_names(self) -> list[str]:
@@ -136,7 +87,7 @@ class JointModelGroup:
     @property
     def active_joint_model_bounds(self) -> list[list[VariableBounds]]:
         """The limits of each of those joints, one list a joint."""
-        return [[VariableBounds._of(joint)] for joint in self._joints()]
+        return [[VariableBounds._of(_joint=joint)] for joint in self._joints()]
 
     @property
     def eef_name(self) -> str:
@@ -250,10 +201,7 @@ class RobotModel:
             state.model = made
         return state.model
 
-    @property
-    def name(self) -> str:
-        """The model's name."""
-        return self._model_name
+    name = property(attrgetter("_model_name"), doc="The model's name.")
 
     @property
     def model_frame(self) -> str:
@@ -318,7 +266,7 @@ class RobotModel:
         if not self.has_joint_model_group(name):
             raise RuntimeError(self._no_group(name))
         if name not in self._groups:
-            self._groups[name] = JointModelGroup._of(name)
+            self._groups[name] = JointModelGroup._of(_name=name, _server=self._server)
         return self._groups[name]
 
     def _group_of(self, given: Any) -> JointModelGroup:

@@ -297,7 +297,12 @@ class PlanningComponent:
             trajectory.joint_model_group_name = self._name
             trajectory._fill(plan.trajectory, state)
         message = robotStateToRobotStateMsg(state)
-        return MotionPlanResponse._of(int(plan.code), trajectory, message, planner_id)
+        return MotionPlanResponse._of(
+            _code=int(plan.code),
+            _trajectory=trajectory,
+            _start_state=message,
+            _planner_id=planner_id,
+        )
 
     def _report(self, reason: str) -> None:
         message = f"planning for group '{self._name}' failed: {reason}"

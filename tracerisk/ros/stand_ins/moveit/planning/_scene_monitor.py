@@ -10,32 +10,30 @@ from tracerisk.ros.controller.thread import ControllerThread
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.time.clock import EPOCH_NS
 
-from .._library import library
+from .._library import HandedOut, library
 from ..core.planning_scene import PlanningScene
 from ..core.robot_model import RobotModel
 from ..core.robot_state import RobotState
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    pass
 
 _LOCK = "the lock of the planning scene"
 
 
-class PlanningSceneMonitor:
+class PlanningSceneMonitor(HandedOut):
     """Keeps the scene that is planned in: the robot as it stands, the objects as declared."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError("moveit.planning.PlanningSceneMonitor: No constructor defined!")
 
     @classmethod
     def _of_run(cls) -> PlanningSceneMonitor:
-        made = cls.__new__(cls)
-        made._library = library()
-        made._scene = PlanningScene(RobotModel._of_run())._monitored()
+        made = cls._of(
+            _library=library(),
+            _scene=PlanningScene(RobotModel._of_run())._monitored(),
+            _lock=_SceneLock(library().scheduler),
+            _followed_ns=-1,
+            _follows=True,
+        )
         made._scene.current_state._refresh = made._follow
-        made._lock = _SceneLock(made._library.scheduler)
-        made._followed_ns = -1
-        made._follows = True
         return made
 
     _library: Any
@@ -53,7 +51,7 @@ class PlanningSceneMonitor:
 
     def read_only(self) -> LockedPlanningSceneContextManagerRO:
         """Return a context manager that gives the scene, with others who read it."""
-        return LockedPlanningSceneContextManagerRO._of(self)
+        return LockedPlanningSceneContextManagerRO._of(_monitor=self)
 
     def read_write(self) -> LockedPlanningSceneContextManagerRW:
         """Return a context manager that gives the scene to nobody else meanwhile.
@@ -61,7 +59,7 @@ class PlanningSceneMonitor:
         As in the real library planning within the block raises a RuntimeError: it needs the lock.
         Within a block of `read_only` it waits for ever.
         """
-        return LockedPlanningSceneContextManagerRW._of(self)
+        return LockedPlanningSceneContextManagerRW._of(_monitor=self)
 
     def process_collision_object(self, collision_object_msg: Any, color_msg: Any = None) -> bool:
         """Apply a CollisionObject: add, append, move or remove; with an ObjectColor."""
@@ -225,20 +223,11 @@ class _SceneLock:
             del self._readers[:1]
 
 
-class _Locked:
+class _Locked(HandedOut):
     """The scene, locked within the block."""
 
     _alone = False
     _monitor: PlanningSceneMonitor
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError(f"moveit.planning.{type(self).__name__}: No constructor defined!")
-
-    @classmethod
-    def _of(cls, monitor: PlanningSceneMonitor) -> Self:
-        made = cls.__new__(cls)
-        made._monitor = monitor
-        return made
 
     def __enter__(self) -> PlanningScene:
         return self._monitor._enter(alone=self._alone)

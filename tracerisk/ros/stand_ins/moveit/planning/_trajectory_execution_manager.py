@@ -11,7 +11,7 @@ from tracerisk.errors import one_of
 from tracerisk.ros.moveit.trajectory_execution import START_TOLERANCE, ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory
 
-from .._library import library, log_error, new
+from .._library import HandedOut, library, log_error, new
 from ..core.controller_manager import ExecutionStatus
 from ..core.robot_model import RobotModel
 from ..core.robot_state import RobotState
@@ -21,35 +21,24 @@ Done = Callable[[ExecutionStatus], object]
 PartDone = Callable[[int], object]
 
 
-class TrajectoryExecutionManager:
+class TrajectoryExecutionManager(HandedOut):
     """Executes trajectories on the twin; its driver is one, whichever controllers are named."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        raise TypeError("moveit.planning.TrajectoryExecutionManager: No constructor defined!")
 
     @classmethod
     def _of_run(cls) -> TrajectoryExecutionManager:
-        made = cls.__new__(cls)
-        made._library = library()
-        made._pushed = []
-        made._status = ExecutionStatus._of("UNKNOWN")
-        made._running = 0
-        made._watches_duration = True
-        made._duration_scaling, made._goal_margin = 1.1, 0.5
-        made._velocity_scaling, made._start_tolerance = 1.0, START_TOLERANCE
-        made._waits_for_completion = True
-        return made
+        status = ExecutionStatus._of(_status="UNKNOWN")
+        return cls._of(_library=library(), _pushed=[], _status=status)
 
     _library: Any
     _pushed: list[JointTrajectory]
     _status: ExecutionStatus
-    _running: int
-    _watches_duration: bool
-    _duration_scaling: float
-    _goal_margin: float
-    _velocity_scaling: float
-    _start_tolerance: float
-    _waits_for_completion: bool
+    _running = 0
+    _watches_duration = True
+    _duration_scaling = 1.1
+    _goal_margin = 0.5
+    _velocity_scaling = 1.0
+    _start_tolerance = START_TOLERANCE
+    _waits_for_completion = True
 
     # Controllers
 
@@ -136,7 +125,7 @@ class TrajectoryExecutionManager:
             auto_clear = part_callback
         parts = self._take(auto_clear=auto_clear)
         self._running += 1
-        self._status = ExecutionStatus._of("RUNNING")
+        self._status = ExecutionStatus._of(_status="RUNNING")
 
         def run() -> None:
             status = self._run(parts, on_part)
@@ -239,7 +228,7 @@ class TrajectoryExecutionManager:
         self, parts: Sequence[JointTrajectory], part_callback: PartDone | None
     ) -> ExecutionStatus:
         """Execute trajectories one after the other, up to the first that does not succeed."""
-        status = ExecutionStatus._of("SUCCEEDED")
+        status = ExecutionStatus._of(_status="SUCCEEDED")
         for number, part in enumerate(parts):
             code = self._carry_out(part)
             if code is not ErrorCode.SUCCESS:
@@ -264,12 +253,12 @@ class TrajectoryExecutionManager:
         """Execute a planned trajectory, as MoveItPy does."""
         if trajectory is None:
             log_error("Robot trajectory is undefined")
-            return ExecutionStatus._of("ABORTED")
+            return ExecutionStatus._of(_status="ABORTED")
         parts = [copy.deepcopy(trajectory)._to_twin()]
         self._running += 1
         if blocking:
             return self._run(parts, None)
-        self._status = ExecutionStatus._of("RUNNING")
+        self._status = ExecutionStatus._of(_status="RUNNING")
         self._library.scheduler.spawn(
             lambda: self._run(parts, None), "trajectory execution", is_controllers=False
         )
