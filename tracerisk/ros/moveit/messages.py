@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,47 @@ New = Callable[[str], Any]
 
 SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses")
 """The fields of a moveit_msgs/CollisionObject that hold its shapes."""
+_SPHERE = 2  # shape_msgs/SolidPrimitive
 _POSES = tuple(zip(SHAPES[::2], SHAPES[1::2], strict=True))
+
+
+def new_message(name: str) -> Any:
+    """Return an empty message of the classes that programs import."""
+    package, _, kind = name.partition("/")
+    return getattr(import_module(f"{package}.msg"), kind)()
+
+
+def joint_constraint(name: str, position: float, tolerance: float, weight: float = 1.0) -> Any:
+    """Return the JointConstraint that holds a joint to a position, to a tolerance both ways."""
+    made = new_message("moveit_msgs/JointConstraint")
+    made.joint_name, made.position, made.weight = name, position, weight
+    made.tolerance_above = made.tolerance_below = tolerance
+    return made
+
+
+def position_constraint(
+    frame: str, link: str, place: Any, radius: float, weight: float = 1.0
+) -> Any:
+    """Return the PositionConstraint that holds a link to a sphere about a Pose of a frame."""
+    made = new_message("moveit_msgs/PositionConstraint")
+    made.header.frame_id, made.link_name, made.weight = frame, link, weight
+    sphere = new_message("shape_msgs/SolidPrimitive")
+    sphere.type, sphere.dimensions = _SPHERE, [radius]
+    made.constraint_region.primitives = [sphere]
+    made.constraint_region.primitive_poses = [place]
+    return made
+
+
+def orientation_constraint(
+    frame: str, link: str, orientation: Any, tolerances: Sequence[float], weight: float = 1.0
+) -> Any:
+    """Return the OrientationConstraint that holds a link to a Quaternion, about each axis."""
+    made = new_message("moveit_msgs/OrientationConstraint")
+    made.header.frame_id, made.link_name, made.weight = frame, link, weight
+    made.orientation = orientation
+    for axis, tolerance in zip("xyz", tolerances, strict=True):
+        setattr(made, f"absolute_{axis}_axis_tolerance", tolerance)
+    return made
 
 
 def set_pose(message: Any, pose: Pose) -> None:

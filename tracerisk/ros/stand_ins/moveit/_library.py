@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rclpy.logging import get_logger
 
 from tracerisk.ros.graph.runtime import Runtime, current
+from tracerisk.ros.moveit.messages import new_message
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
     from .core.robot_model import RobotModel
+
+new = new_message
 
 
 class Library:
@@ -47,12 +49,6 @@ def library() -> Library:
         RuntimeError: no controller is being run.
     """
     return current().client(Library)
-
-
-def new(name: str) -> Any:
-    """Return an empty message `package/Name`."""
-    package, _, kind = name.partition("/")
-    return getattr(import_module(f"{package}.msg"), kind)()
 
 
 def log_error(message: str) -> None:

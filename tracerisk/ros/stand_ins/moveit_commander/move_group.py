@@ -6,19 +6,15 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import Pose
 from moveit_msgs.msg import (
-    BoundingVolume,
     Constraints,
-    JointConstraint,
     MotionPlanRequest,
     MoveItErrorCodes,
-    OrientationConstraint,
-    PositionConstraint,
     RobotState,
     RobotTrajectory,
 )
-from shape_msgs.msg import SolidPrimitive
 
 from tracerisk.errors import one_of
+from tracerisk.ros.moveit import messages
 from tracerisk.ros.moveit.move_group import Plan, PoseGoal
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
@@ -314,15 +310,8 @@ class MoveGroupCommander(GroupPickPlace):
 
     def _goal_constraints(self) -> list[Any]:
         if self._target_kind == "joint":
-            tolerance = self._joint_tolerance
             joints = [
-                JointConstraint(
-                    joint_name=name,
-                    position=value,
-                    tolerance_above=tolerance,
-                    tolerance_below=tolerance,
-                    weight=1.0,
-                )
+                messages.joint_constraint(name, value, self._joint_tolerance)
                 for name, value in self._joint_target.items()
             ]
             return [Constraints(joint_constraints=joints)]
@@ -339,23 +328,11 @@ class MoveGroupCommander(GroupPickPlace):
         ]
 
     def _position_constraint(self, goal: PoseGoal) -> Any:
-        sphere = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[goal.position_tolerance])
         pose = conversions.list_to_pose([*goal.pose.position, 0.0, 0.0, 0.0, 1.0])
-        region = BoundingVolume(primitives=[sphere], primitive_poses=[pose])
-        constraint = PositionConstraint(link_name=goal.link, constraint_region=region, weight=1.0)
-        constraint.header.frame_id = self.get_planning_frame()
-        return constraint
+        frame, radius = self.get_planning_frame(), goal.position_tolerance
+        return messages.position_constraint(frame, goal.link, pose, radius)
 
     def _orientation_constraint(self, goal: PoseGoal) -> Any:
-        tolerance = goal.orientation_tolerance
-        pose = conversions.list_to_pose([*goal.pose.position, *goal.pose.orientation])
-        constraint = OrientationConstraint(
-            link_name=goal.link,
-            orientation=pose.orientation,
-            absolute_x_axis_tolerance=tolerance,
-            absolute_y_axis_tolerance=tolerance,
-            absolute_z_axis_tolerance=tolerance,
-            weight=1.0,
-        )
-        constraint.header.frame_id = self.get_planning_frame()
-        return constraint
+        turn = conversions.list_to_pose([0.0, 0.0, 0.0, *goal.pose.orientation]).orientation
+        frame, tolerances = self.get_planning_frame(), (goal.orientation_tolerance,) * 3
+        return messages.orientation_constraint(frame, goal.link, turn, tolerances)

@@ -8,17 +8,10 @@ from typing import Any
 import actionlib
 import rospy
 from geometry_msgs.msg import PoseStamped
-from moveit_msgs.msg import (
-    BoundingVolume,
-    Constraints,
-    JointConstraint,
-    MoveGroupAction,
-    MoveGroupGoal,
-    OrientationConstraint,
-    PositionConstraint,
-)
-from shape_msgs.msg import SolidPrimitive
+from moveit_msgs.msg import Constraints, MoveGroupAction, MoveGroupGoal
 from tf.listener import TransformListener
+
+from tracerisk.ros.moveit import messages
 
 __all__ = ["MoveGroupInterface"]
 
@@ -60,16 +53,10 @@ class MoveGroupInterface:
         """Move to joint positions; return the MoveGroupResult, None without waiting."""
         _report_unknown("moveToJointPosition", kwargs, (*_TAKEN, "planning_scene_diff"))
         constraints = Constraints()
-        for joint, position in zip(joints, positions, strict=False):
-            constraints.joint_constraints.append(
-                JointConstraint(
-                    joint_name=joint,
-                    position=position,
-                    tolerance_above=tolerance,
-                    tolerance_below=tolerance,
-                    weight=1.0,
-                )
-            )
+        constraints.joint_constraints = [
+            messages.joint_constraint(joint, position, tolerance)
+            for joint, position in zip(joints, positions, strict=False)
+        ]
         return self._move(constraints, wait, kwargs)
 
     def moveToPose(
@@ -83,17 +70,10 @@ class MoveGroupInterface:
         """Bring a link to a pose; return the MoveGroupResult, None without waiting."""
         _report_unknown("moveToPose", kwargs, _TAKEN)
         pose: PoseStamped = self._listener.transformPose(self._fixed_frame, pose_stamped)
-        place = PositionConstraint(link_name=gripper_frame, weight=1.0)
-        place.header.frame_id = self._fixed_frame
+        given = (self._fixed_frame, gripper_frame)
         # The radius is squared in the library.
-        sphere = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[tolerance * tolerance])
-        place.constraint_region = BoundingVolume(primitives=[sphere], primitive_poses=[pose.pose])
-        turn = OrientationConstraint(link_name=gripper_frame, weight=1.0)
-        turn.header.frame_id = self._fixed_frame
-        turn.orientation = pose.pose.orientation
-        turn.absolute_x_axis_tolerance = tolerance
-        turn.absolute_y_axis_tolerance = tolerance
-        turn.absolute_z_axis_tolerance = tolerance
+        place = messages.position_constraint(*given, pose.pose, tolerance * tolerance)
+        turn = messages.orientation_constraint(*given, pose.pose.orientation, (tolerance,) * 3)
         constraints = Constraints(position_constraints=[place], orientation_constraints=[turn])
         return self._move(constraints, wait, kwargs)
 

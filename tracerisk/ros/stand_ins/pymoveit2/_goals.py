@@ -7,8 +7,9 @@ from typing import Any
 
 from geometry_msgs.msg import Pose
 from moveit_msgs.action import MoveGroup
-from moveit_msgs.msg import Constraints, JointConstraint, OrientationConstraint, PositionConstraint
-from shape_msgs.msg import SolidPrimitive
+from moveit_msgs.msg import Constraints
+
+from tracerisk.ros.moveit import messages
 
 from ._messages import point, quaternion, stamped
 
@@ -85,13 +86,15 @@ class Goals:
         weight: float = 1.0,
     ) -> Any:
         """Return the constraint of a link to a sphere about a position."""
-        constraint = PositionConstraint(weight=weight)
-        constraint.header.frame_id = self._base_link if frame_id is None else frame_id
-        constraint.link_name = self._end_effector if target_link is None else target_link
-        sphere = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[float(tolerance)])
-        constraint.constraint_region.primitives = [sphere]
-        constraint.constraint_region.primitive_poses = [Pose(position=point(position))]
-        return constraint
+        frame, link = self._frame_and_link(frame_id, target_link)
+        place = Pose(position=point(position))
+        return messages.position_constraint(frame, link, place, float(tolerance), weight)
+
+    def _frame_and_link(self, frame_id: str | None, target_link: str | None) -> tuple[str, str]:
+        return (
+            self._base_link if frame_id is None else frame_id,
+            self._end_effector if target_link is None else target_link,
+        )
 
     def set_position_goal(
         self,
@@ -116,14 +119,14 @@ class Goals:
         parameterization: int = 0,
     ) -> Any:
         """Return the constraint of a link to an orientation; 0 for Euler angles, 1 for a vector."""
-        constraint = OrientationConstraint(weight=weight, parameterization=parameterization)
-        constraint.header.frame_id = self._base_link if frame_id is None else frame_id
-        constraint.link_name = self._end_effector if target_link is None else target_link
-        constraint.orientation = quaternion(quat_xyzw)
-        x, y, z = (tolerance,) * 3 if isinstance(tolerance, float | int) else tolerance
-        constraint.absolute_x_axis_tolerance = float(x)
-        constraint.absolute_y_axis_tolerance = float(y)
-        constraint.absolute_z_axis_tolerance = float(z)
+        tolerances = (tolerance,) * 3 if isinstance(tolerance, float | int) else tolerance
+        constraint = messages.orientation_constraint(
+            *self._frame_and_link(frame_id, target_link),
+            quaternion(quat_xyzw),
+            [float(each) for each in tolerances],
+            weight,
+        )
+        constraint.parameterization = parameterization
         return constraint
 
     def set_orientation_goal(
@@ -152,13 +155,7 @@ class Goals:
         """Return the constraints of joints, by default of the first of the arm's."""
         names = self._joint_names if joint_names is None else joint_names
         return [
-            JointConstraint(
-                joint_name=names[index],
-                position=position,
-                tolerance_above=tolerance,
-                tolerance_below=tolerance,
-                weight=weight,
-            )
+            messages.joint_constraint(names[index], position, tolerance, weight)
             for index, position in enumerate(joint_positions)
         ]
 

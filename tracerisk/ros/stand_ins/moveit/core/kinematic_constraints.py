@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.ros.moveit import messages
+
 from .._library import new
 from .robot_model import JointModelGroup
 from .robot_state import RobotState
@@ -14,8 +16,6 @@ __all__ = [
     "construct_joint_constraint",
     "construct_link_constraint",
 ]
-
-_SPHERE = 2  # shape_msgs/SolidPrimitive
 
 
 def construct_joint_constraint(
@@ -31,14 +31,10 @@ def construct_joint_constraint(
         )
     constraints = new("moveit_msgs/Constraints")
     positions = robot_state.joint_positions
-    made = []
-    for name in joint_model_group.active_joint_model_names:
-        one = new("moveit_msgs/JointConstraint")
-        one.joint_name, one.position = name, positions[name]
-        one.tolerance_above = one.tolerance_below = float(tolerance)
-        one.weight = 1.0
-        made.append(one)
-    constraints.joint_constraints = made
+    constraints.joint_constraints = [
+        messages.joint_constraint(name, positions[name], float(tolerance))
+        for name in joint_model_group.active_joint_model_names
+    ]
     return constraints
 
 
@@ -87,25 +83,15 @@ def construct_constraints_from_node(node_name: Any, ns: str) -> Any:
 
 
 def _position(link: str, frame: str, at: Sequence[float], radius: float) -> Any:
-    one = new("moveit_msgs/PositionConstraint")
-    one.header.frame_id, one.link_name, one.weight = frame, link, 1.0
-    sphere, pose = new("shape_msgs/SolidPrimitive"), new("geometry_msgs/Pose")
-    sphere.type, sphere.dimensions = _SPHERE, [radius]
+    pose = new("geometry_msgs/Pose")
     pose.position.x, pose.position.y, pose.position.z = (float(value) for value in at)
-    one.constraint_region.primitives = [sphere]
-    one.constraint_region.primitive_poses = [pose]
-    return one
+    return messages.position_constraint(frame, link, pose, radius)
 
 
 def _orientation(link: str, frame: str, turn: Sequence[float], tolerance: float) -> Any:
-    one = new("moveit_msgs/OrientationConstraint")
-    one.header.frame_id, one.link_name, one.weight = frame, link, 1.0
-    q = one.orientation
+    q = new("geometry_msgs/Quaternion")
     q.x, q.y, q.z, q.w = (float(value) for value in turn)
-    one.absolute_x_axis_tolerance = tolerance
-    one.absolute_y_axis_tolerance = tolerance
-    one.absolute_z_axis_tolerance = tolerance
-    return one
+    return messages.orientation_constraint(frame, link, q, (tolerance,) * 3)
 
 
 def _given(tolerance: float | None) -> float:
