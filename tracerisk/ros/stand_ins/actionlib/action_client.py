@@ -18,25 +18,13 @@ from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.ros1_base import SerializationError
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node import action_name, action_parts, is_shut_down, sent
-from .exceptions import ActionException
+from .exceptions import ActionException  # noqa: F401 - names of this module too
 from .goal_id_generator import GoalIDGenerator
-
-__all__ = [
-    "ActionClient",
-    "ActionException",
-    "ClientGoalHandle",
-    "CommState",
-    "CommStateMachine",
-    "GoalID",
-    "GoalStatus",
-    "Header",
-    "TerminalState",
-    "get_name_of_constant",
-]
 
 _FOR_EVER = rospy.Duration()
 
@@ -351,3 +339,6 @@ class ActionClient:
             shown = "".join(traceback.format_exception(error)).rstrip()
             rospy.logerr("bad callback of action %s\n%s", self._name, shown)
             callback_failed(f"a callback of action {self._name}", error)
+
+
+__all__ = _defined(globals(), "ActionException", "GoalID", "GoalStatus", "Header")

@@ -8,29 +8,19 @@ from collections.abc import Callable
 from typing import Any
 
 import rospy
-from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray  # noqa: F401 - names of this module too
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions, ActionServerEnd
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.imports.exported import defined as _defined
 
 from ._node import action_name, action_parts, is_shut_down, sent
-from .exceptions import ActionException
-from .goal_id_generator import GoalIDGenerator
+from .exceptions import ActionException  # noqa: F401 - names of this module too
+from .goal_id_generator import GoalIDGenerator  # noqa: F401 - names of this module too
 from .server_goal_handle import ServerGoalHandle
-
-__all__ = [
-    "ActionException",
-    "ActionServer",
-    "GoalID",
-    "GoalIDGenerator",
-    "GoalStatus",
-    "GoalStatusArray",
-    "ServerGoalHandle",
-    "nop_cb",
-]
 
 
 def nop_cb(goal_handle: ServerGoalHandle) -> None:
@@ -131,3 +121,14 @@ class ActionServer:
                 callback_failed(f"a callback of action server {self._name}", error)
 
         self._calls.put(run)
+
+
+__all__ = _defined(
+    globals(),
+    "ActionException",
+    "GoalID",
+    "GoalIDGenerator",
+    "GoalStatus",
+    "GoalStatusArray",
+    "ServerGoalHandle",
+)

@@ -9,18 +9,7 @@ import rospy
 import rosservice
 from controller_manager_msgs.srv import ListControllers
 
-__all__ = [
-    "ControllerLister",
-    "ControllerManagerLister",
-    "filter_by_hardware_interface",
-    "filter_by_name",
-    "filter_by_resources",
-    "filter_by_state",
-    "filter_by_type",
-    "get_controller_managers",
-    "get_rosparam_controller_names",
-    "is_controller_manager",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 _LIST = "list_controllers"
 _SERVICES = {
@@ -150,3 +139,6 @@ def filter_by_resources(
 
 def _fits(value: str, asked: str, is_part: bool) -> bool:
     return asked in value if is_part else asked == value
+
+
+__all__ = _defined(globals())

@@ -11,24 +11,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = [
-    "ModernRoboticsDescription",
-    "aloha_vx300s",
-    "aloha_wx250s",
-    "mobile_px100",
-    "mobile_wx200",
-    "mobile_wx250s",
-    "px100",
-    "px150",
-    "rx150",
-    "rx200",
-    "vx250",
-    "vx300",
-    "vx300s",
-    "wx200",
-    "wx250",
-    "wx250s",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 class ModernRoboticsDescription(ABC):  # noqa: B024 - so is the library's
@@ -86,3 +69,6 @@ mobile_wx200 = _arm("mobile_wx200", _FIVE, 0.104825, 0.304825, 0.05, 0.25, 0.408
 mobile_wx250s = _arm("mobile_wx250s", _SIX, 0.104825, 0.354825, 0.04975, 0.29975, 0.458325)
 aloha_wx250s = _arm("aloha_wx250s", _SIX, 0.104825, 0.354825, 0.04975, 0.29975, 0.458325)
 aloha_vx300s = _arm("aloha_vx300s", _SIX, 0.12705, 0.42705, 0.05955, 0.35955, 0.536494)
+
+
+__all__ = _defined(globals())

@@ -9,15 +9,8 @@ from typing import Any
 
 from std_msgs.msg import Header
 
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.dialect import is_ros2, nanoseconds
-
-__all__ = [
-    "ApproximateTimeSynchronizer",
-    "Cache",
-    "SimpleFilter",
-    "Subscriber",
-    "TimeSynchronizer",
-]
 
 _IS_ROS2 = is_ros2(Header)
 _NO_STAMP = (
@@ -262,3 +255,6 @@ def _duration(seconds: float) -> Any:
     import rospy
 
     return rospy.Duration.from_sec(seconds)
+
+
+__all__ = _defined(globals())

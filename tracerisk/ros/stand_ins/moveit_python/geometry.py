@@ -8,18 +8,7 @@ import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion
 
 from tracerisk.ros.homogeneous import turns
-
-__all__ = [
-    "matrix_from_point_msg",
-    "matrix_from_pose_msg",
-    "matrix_from_quaternion_msg",
-    "point_msg_from_matrix",
-    "pose_msg_from_matrix",
-    "quaternion_msg_from_matrix",
-    "rotate_pose_msg_about_origin",
-    "rotate_pose_msg_by_euler_angles",
-    "translate_pose_msg",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 def matrix_from_point_msg(point: Any) -> Any:
@@ -77,3 +66,6 @@ def rotate_pose_msg_about_origin(pose: Any, r: float, p: float, y: float) -> Any
 
 def _turned(r: float, p: float, y: float) -> Any:
     return np.array(turns.euler_matrix(r, p, y))
+
+
+__all__ = _defined(globals())

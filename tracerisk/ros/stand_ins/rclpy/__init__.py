@@ -6,33 +6,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.ros.controller.thread import spinning
+from tracerisk.ros.imports.exported import defined as _defined
 
 from ._run import run as _state
 from .context import Context
-from .parameter import Parameter
+from .parameter import Parameter  # noqa: F401 - names of this module too
 from .signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from .task import Future
-from .utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
+from .utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown  # noqa: F401 - names of this module too
 from .utilities import shutdown as _shutdown
-
-__all__ = [
-    "Context",
-    "Future",
-    "InitContextManager",
-    "Parameter",
-    "SignalHandlerOptions",
-    "create_node",
-    "get_default_context",
-    "get_global_executor",
-    "get_rmw_implementation_identifier",
-    "init",
-    "ok",
-    "shutdown",
-    "spin",
-    "spin_once",
-    "spin_until_future_complete",
-    "try_shutdown",
-]
 
 
 class InitContextManager:
@@ -158,3 +140,16 @@ def spin_until_future_complete(
     finally:
         if added:
             chosen.remove_node(node)
+
+
+__all__ = _defined(
+    globals(),
+    "Context",
+    "Future",
+    "Parameter",
+    "SignalHandlerOptions",
+    "get_default_context",
+    "get_rmw_implementation_identifier",
+    "ok",
+    "try_shutdown",
+)

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
-from .exceptions import InvalidHandle
+from tracerisk.ros.imports.exported import defined as _defined
 
-__all__ = [
-    "InvalidHandle",
-    "NodeNameNonExistentError",
-    "RCLError",
-    "RCLInvalidROSArgsError",
-    "TransitionCallbackReturnType",
-    "UnknownROSArgsError",
-    "UnsupportedEventTypeError",
-    "rclpy_get_rmw_implementation_identifier",
-]
+from .exceptions import InvalidHandle  # noqa: F401 - names of this module too
 
 
 def rclpy_get_rmw_implementation_identifier() -> str:
@@ -53,3 +44,6 @@ class TransitionCallbackReturnType(Enum):
     def to_label(self) -> str:
         """Return the label of the transition that follows."""
         return f"transition_{self.name.lower()}"
+
+
+__all__ = _defined(globals(), "InvalidHandle")

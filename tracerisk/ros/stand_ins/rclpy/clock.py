@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from enum import IntEnum
 from typing import Any
 
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS, MONOTONIC_START_NS
 
 from ._run import run
@@ -15,17 +16,6 @@ from .context import Context
 from .duration import Duration
 from .exceptions import NotInitializedException
 from .time import Time
-
-__all__ = [
-    "Clock",
-    "ClockChange",
-    "ClockType",
-    "JumpHandle",
-    "JumpThreshold",
-    "ROSClock",
-    "Time",
-    "TimeJump",
-]
 
 
 class ClockChange(IntEnum):
@@ -295,3 +285,6 @@ def _living(context: Context | None) -> Context:
     if not known.is_valid:
         raise NotInitializedException
     return known
+
+
+__all__ = _defined(globals(), "ClockType", "Time")

@@ -10,22 +10,11 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from tracerisk.ros.controller.thread import ControllerThread, WaitKind, spinning
+from tracerisk.ros.imports.exported import defined as _defined
 
 from ._run import run
 from .context import Context
 from .task import Future, Task
-
-__all__ = [
-    "ConditionReachedException",
-    "Executor",
-    "ExternalShutdownException",
-    "MultiThreadedExecutor",
-    "ShutdownException",
-    "SingleThreadedExecutor",
-    "TimeoutException",
-    "TimeoutObject",
-    "await_or_execute",
-]
 
 POOL_SIZE = 4
 """Threads of a MultiThreadedExecutor that is given no number; the real one counts processors."""
@@ -471,3 +460,6 @@ def _nanoseconds(seconds: float | None) -> int | None:
 
 def _nothing() -> None:
     """Mark a timer as due; the executor that waits sees it."""
+
+
+__all__ = _defined(globals())

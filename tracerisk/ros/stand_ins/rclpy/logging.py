@@ -5,23 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from tracerisk.ros.imports.exported import defined as _defined
+
 from ._logger import RcutilsLogger
 from ._run import run
 from .impl.logging_severity import LoggingSeverity
-
-__all__ = [
-    "LoggingSeverity",
-    "clear_config",
-    "get_logger",
-    "get_logger_effective_level",
-    "get_logger_level",
-    "get_logging_directory",
-    "get_logging_severity_from_string",
-    "initialize",
-    "set_logger_level",
-    "shutdown",
-]
-
 
 _root_logger = RcutilsLogger()
 
@@ -83,3 +71,6 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
 def get_logging_directory() -> Path:
     """Return where the real library writes its files; this one writes none."""
     return Path.home() / ".ros" / "log"
+
+
+__all__ = _defined(globals(), "LoggingSeverity")

@@ -5,22 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.ros.imports.exported import defined as _defined
+
 from ._arguments import without_ros_arguments
 from ._rclpy_pybind11 import rclpy_get_rmw_implementation_identifier
 from ._run import run
 from .constants import S_TO_NS
 from .context import Context
-
-__all__ = [
-    "get_available_rmw_implementations",
-    "get_default_context",
-    "get_rmw_implementation_identifier",
-    "ok",
-    "remove_ros_args",
-    "shutdown",
-    "timeout_sec_to_nsec",
-    "try_shutdown",
-]
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
@@ -71,3 +62,6 @@ def timeout_sec_to_nsec(timeout_sec: Any) -> int:
     if timeout_sec is None or timeout_sec < 0:
         return -1
     return int(float(timeout_sec) * S_TO_NS)
+
+
+__all__ = _defined(globals())

@@ -8,21 +8,9 @@ import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 
 from tracerisk.ros.homogeneous import turns
+from tracerisk.ros.imports.exported import defined as _defined
 
 from .registry import converts_from_numpy, converts_to_numpy
-
-__all__ = [
-    "numpy_to_point",
-    "numpy_to_pose",
-    "numpy_to_quat",
-    "numpy_to_transform",
-    "numpy_to_vector3",
-    "point_to_numpy",
-    "pose_to_numpy",
-    "quat_to_numpy",
-    "transform_to_numpy",
-    "vector3_to_numpy",
-]
 
 
 @converts_to_numpy(Vector3)
@@ -116,3 +104,6 @@ def _parts(arr: Any, make: Any, kind: Any) -> Any:
     for index in np.ndindex(*arr.shape[:-2]):
         made[index] = _parts(arr[index], make, kind)
     return made
+
+
+__all__ = _defined(globals())

@@ -8,18 +8,9 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 
-from .registry import converts_from_numpy, converts_to_numpy
+from tracerisk.ros.imports.exported import defined as _defined
 
-__all__ = [
-    "array_to_pointcloud2",
-    "dtype_to_fields",
-    "fields_to_dtype",
-    "get_xyz_points",
-    "merge_rgb_fields",
-    "pointcloud2_to_array",
-    "pointcloud2_to_xyz_array",
-    "split_rgb_field",
-]
+from .registry import converts_from_numpy, converts_to_numpy
 
 DUMMY_FIELD_PREFIX = "__"
 _KINDS = {
@@ -137,3 +128,6 @@ def get_xyz_points(cloud_array: Any, remove_nans: bool = True, dtype: Any = floa
 def pointcloud2_to_xyz_array(cloud_msg: Any, remove_nans: bool = True) -> Any:
     """Return x, y, z of a cloud as an array (n, 3)."""
     return get_xyz_points(pointcloud2_to_array(cloud_msg), remove_nans=remove_nans)
+
+
+__all__ = _defined(globals())

@@ -10,17 +10,7 @@ import rospy
 from ruamel.yaml.error import YAMLError
 
 from tracerisk.ros.graph.yaml_text import load_yaml
-
-__all__ = [
-    "RosParamException",
-    "delete_param",
-    "get_param",
-    "list_params",
-    "load_file",
-    "load_str",
-    "set_param_raw",
-    "upload_params",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 _DOCUMENTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
 
@@ -114,3 +104,6 @@ def load_str(
     except YAMLError as error:
         raise RosParamException(f"Unable to load [{filename}]: {error}") from error
     return loaded
+
+
+__all__ = _defined(globals())

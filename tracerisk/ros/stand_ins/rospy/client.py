@@ -8,39 +8,17 @@ from typing import Any
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph import names as graph_names
 from tracerisk.ros.graph.parameter_files import private_of
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.rostime import Duration
 
 from . import names
 from ._node import node
-from .core import DEBUG, ERROR, FATAL, INFO, WARN, add_client_shutdown_hook, signal_shutdown
+from .core import DEBUG, ERROR, FATAL, INFO, WARN, add_client_shutdown_hook, signal_shutdown  # noqa: F401 - names of this module too
 from .exceptions import ROSException, ROSInitException, ROSInterruptException
 from .msproxy import MasterProxy
 from .rostime import duration_ns
 from .topics import Subscriber
-
-__all__ = [
-    "DEBUG",
-    "ERROR",
-    "FATAL",
-    "INFO",
-    "WARN",
-    "delete_param",
-    "get_master",
-    "get_param",
-    "get_param_cached",
-    "get_param_names",
-    "get_published_topics",
-    "has_param",
-    "init_node",
-    "load_command_line_node_params",
-    "myargv",
-    "on_shutdown",
-    "search_param",
-    "set_param",
-    "spin",
-    "wait_for_message",
-]
 
 TIMEOUT_READY = 15.0
 _UNSPECIFIED = object()
@@ -249,3 +227,6 @@ def delete_param(param_name: str) -> None:
 def has_param(param_name: str) -> bool:
     """Return whether a parameter is set."""
     return param_name in get_master()
+
+
+__all__ = _defined(globals(), "DEBUG", "ERROR", "FATAL", "INFO", "WARN")

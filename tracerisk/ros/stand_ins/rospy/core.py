@@ -12,11 +12,12 @@ from typing import Any
 
 from tracerisk.ros.controller.frames import controller_frame
 from tracerisk.ros.graph.failures import error_logged
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node import NodeState, node
 from .impl.validators import ParameterInvalid
-from .names import (
+from .names import (  # noqa: F401 - names of this module too
     SEP,
     get_caller_id,
     get_mappings,
@@ -28,57 +29,6 @@ from .names import (
     valid_name,
 )
 from .rostime import duration_ns
-
-__all__ = [
-    "ParameterInvalid",
-    "add_client_shutdown_hook",
-    "add_preshutdown_hook",
-    "add_shutdown_hook",
-    "get_caller_id",
-    "get_mappings",
-    "get_name",
-    "get_namespace",
-    "get_node_uri",
-    "get_resolved_mappings",
-    "get_ros_root",
-    "global_name",
-    "is_initialized",
-    "is_shutdown",
-    "is_shutdown_requested",
-    "is_topic",
-    "logdebug",
-    "logdebug_once",
-    "logdebug_throttle",
-    "logdebug_throttle_identical",
-    "logerr",
-    "logerr_once",
-    "logerr_throttle",
-    "logerr_throttle_identical",
-    "logerror",
-    "logfatal",
-    "logfatal_once",
-    "logfatal_throttle",
-    "logfatal_throttle_identical",
-    "loginfo",
-    "loginfo_once",
-    "loginfo_throttle",
-    "loginfo_throttle_identical",
-    "logout",
-    "logwarn",
-    "logwarn_once",
-    "logwarn_throttle",
-    "logwarn_throttle_identical",
-    "parse_rosrpc_uri",
-    "resolve_name",
-    "rospydebug",
-    "rospyerr",
-    "rospyinfo",
-    "rospywarn",
-    "set_initialized",
-    "set_node_uri",
-    "signal_shutdown",
-    "valid_name",
-]
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
 _NAMES = {DEBUG: "DEBUG", INFO: "INFO", WARN: "WARN", ERROR: "ERROR", FATAL: "FATAL"}
@@ -384,3 +334,17 @@ def _call_hook(hook: Callable[..., object], *args: str) -> None:
         hook(*args)
     except Exception:  # noqa: BLE001 - the controller's; rospy prints it and goes on
         traceback.print_exc()
+
+
+__all__ = _defined(
+    globals(),
+    "ParameterInvalid",
+    "get_caller_id",
+    "get_mappings",
+    "get_name",
+    "get_namespace",
+    "get_resolved_mappings",
+    "global_name",
+    "resolve_name",
+    "valid_name",
+)

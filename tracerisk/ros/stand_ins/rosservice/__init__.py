@@ -9,17 +9,7 @@ import rospy
 from roslib.message import get_service_class as _class_of
 
 from tracerisk.ros.graph.runtime import current
-
-__all__ = [
-    "ROSServiceException",
-    "ROSServiceIOException",
-    "call_service",
-    "get_service_class_by_name",
-    "get_service_list",
-    "get_service_node",
-    "get_service_type",
-    "rosservice_find",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 class ROSServiceException(Exception):
@@ -92,3 +82,6 @@ def call_service(
 def rosservice_find(service_type: str) -> list[str]:
     """Return the services of a type."""
     return [each.name for each in current().graph.services() if each.type_name == service_type]
+
+
+__all__ = _defined(globals())

@@ -8,13 +8,7 @@ from typing import Any
 import rospy
 from roslib.message import get_message_class
 
-__all__ = [
-    "ROSTopicException",
-    "ROSTopicIOException",
-    "find_by_type",
-    "get_topic_class",
-    "get_topic_type",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 class ROSTopicException(Exception):
@@ -80,3 +74,6 @@ def _field(path: list[str]) -> Callable[[Any], Any]:
         return message
 
     return evaluate
+
+
+__all__ = _defined(globals())

@@ -10,14 +10,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 
-__all__ = [
-    "create_cloud",
-    "create_cloud_xyz32",
-    "dtype_from_fields",
-    "read_points",
-    "read_points_list",
-    "read_points_numpy",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 DUMMY_FIELD_PREFIX = "unnamed_field"
 _KINDS = {
@@ -132,3 +125,6 @@ def create_cloud_xyz32(header: Any, points: Any, step: int | None = None) -> Any
         for index, name in enumerate("xyz")
     ]
     return create_cloud(header, fields, points, step)
+
+
+__all__ = _defined(globals())

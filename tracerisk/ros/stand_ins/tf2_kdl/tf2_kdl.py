@@ -9,17 +9,7 @@ from geometry_msgs.msg import PointStamped, PoseStamped
 from tf2_geometry_msgs import transform_to_kdl
 from tf2_ros import ConvertRegistration, Stamped, TransformRegistration
 
-__all__ = [
-    "do_transform_frame",
-    "do_transform_twist",
-    "do_transform_vector",
-    "do_transform_wrench",
-    "from_msg_frame",
-    "from_msg_vector",
-    "to_msg_frame",
-    "to_msg_vector",
-    "transform_to_kdl",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 def do_transform_vector(vector: Any, transform: Any) -> Any:
@@ -73,3 +63,6 @@ ConvertRegistration().add_to_msg(PyKDL.Vector, to_msg_vector)
 ConvertRegistration().add_from_msg(PyKDL.Vector, from_msg_vector)
 ConvertRegistration().add_to_msg(PyKDL.Frame, to_msg_frame)
 ConvertRegistration().add_from_msg(PyKDL.Frame, from_msg_frame)
+
+
+__all__ = _defined(globals(), "transform_to_kdl")

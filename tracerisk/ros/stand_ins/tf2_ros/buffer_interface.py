@@ -9,16 +9,7 @@ from typing import Any
 from std_msgs.msg import Header
 
 from tracerisk.ros.graph.runtime import Runtime, current
-
-__all__ = [
-    "BufferInterface",
-    "ConvertRegistration",
-    "NotImplementedException",
-    "Stamped",
-    "TransformRegistration",
-    "TypeException",
-    "convert",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 
 class TypeException(Exception):
@@ -205,3 +196,6 @@ class BufferInterface:
     ) -> Any:
         """Return whether there is a transform between two times; a subclass's."""
         raise NotImplementedException
+
+
+__all__ = _defined(globals())

@@ -10,15 +10,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from numpy.typing import ArrayLike, NDArray
 from PyKDL import Frame, Rotation, Vector
 
-__all__ = [
-    "fromCameraParams",
-    "fromMatrix",
-    "fromMsg",
-    "fromTf",
-    "toMatrix",
-    "toMsg",
-    "toTf",
-]
+from tracerisk.ros.imports.exported import defined as _defined
 
 Transform = tuple[tuple[float, float, float], tuple[float, float, float, float]]
 
@@ -70,3 +62,6 @@ def fromCameraParams(cv: Any, rvec: ArrayLike, tvec: ArrayLike) -> Any:
     turn = Vector(*np.asarray(rvec, dtype=np.float64).reshape(3))
     place = Vector(*np.asarray(tvec, dtype=np.float64).reshape(3))
     return Frame(Rotation.Rot(turn, turn.Norm()), place)
+
+
+__all__ = _defined(globals())

@@ -12,17 +12,9 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 
 from tracerisk.ros.graph.runtime import Runtime, current
+from tracerisk.ros.imports.exported import defined as _defined
 
 from .exceptions import InterbotixException
-
-__all__ = [
-    "InterbotixRobotNode",
-    "create_interbotix_global_node",
-    "get_interbotix_global_node",
-    "interbotix_is_up",
-    "robot_shutdown",
-    "robot_startup",
-]
 
 
 @dataclass
@@ -164,3 +156,6 @@ def get_interbotix_global_node() -> InterbotixRobotNode:
 def interbotix_is_up() -> bool:
     """Return whether the robot is started up."""
     return _state().is_up
+
+
+__all__ = _defined(globals())
