@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +11,8 @@ import rospy
 from rospy import names
 from rospy._node import node
 from rospy.msg import sent_copy
+
+from tracerisk.ros.graph.failures import callback_failed
 
 from .exceptions import ActionException
 
@@ -51,6 +55,17 @@ def action_name(ns: str) -> str:
 def is_shut_down() -> bool:
     """Return whether the node has shut down; asking moves no clock."""
     return bool(node().is_shutdown)
+
+
+def call_back(call: Callable[[], object], whose: str) -> None:
+    """Call the callback of a client or a server; what it raises is logged, as rospy does."""
+    try:
+        call()
+    except Exception as error:  # noqa: BLE001 - the controller's; rospy logs it and goes on
+        if not is_shut_down():
+            shown = "".join(traceback.format_exception(error)).rstrip()
+            rospy.logerr("bad callback of action %s\n%s", whose, shown)
+            callback_failed(f"a callback of action {whose}", error)
 
 
 def sent(message: Any) -> Any:

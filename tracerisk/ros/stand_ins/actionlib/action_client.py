@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import traceback
 from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Any
@@ -16,13 +15,12 @@ from std_msgs.msg import Header
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.callback_thread import CallbackThread
-from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.ros1_base import SerializationError
 from tracerisk.ros.time.clock import EPOCH_NS
 
-from ._node import action_name, action_parts, is_shut_down, sent
+from ._node import action_name, action_parts, call_back, is_shut_down, sent
 from .exceptions import ActionException  # noqa: F401 - names of this module too
 from .goal_id_generator import GoalIDGenerator
 
@@ -323,22 +321,12 @@ class ActionClient:
             if is_over and tracer is not None:
                 root = tracer.root("done_callback")
             with root:
-                self._run(lambda: machine.update(status, result))
+                call_back(lambda: machine.update(status, result), self._name)
 
         self._transitions.put(update)
 
     def _fed_back(self, machine: CommStateMachine, feedback: Any) -> None:
-        self._feedback.put(lambda: self._run(lambda: machine.update_feedback(feedback)))
-
-    def _run(self, call: Callable[[], object]) -> None:
-        try:
-            call()
-        except Exception as error:  # noqa: BLE001 - the controller's; rospy logs it and goes on
-            if is_shut_down():
-                return
-            shown = "".join(traceback.format_exception(error)).rstrip()
-            rospy.logerr("bad callback of action %s\n%s", self._name, shown)
-            callback_failed(f"a callback of action {self._name}", error)
+        self._feedback.put(lambda: call_back(lambda: machine.update_feedback(feedback), self._name))
 
 
 __all__ = _defined(globals(), "ActionException", "GoalID", "GoalStatus", "Header")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -13,11 +12,10 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray  # noqa: F401
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions, ActionServerEnd
 from tracerisk.ros.graph.callback_thread import CallbackThread
-from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.imports.exported import defined as _defined
 
-from ._node import action_name, action_parts, is_shut_down, sent
+from ._node import action_name, action_parts, call_back, sent
 from .exceptions import ActionException  # noqa: F401 - names of this module too
 from .goal_id_generator import GoalIDGenerator  # noqa: F401 - names of this module too
 from .server_goal_handle import ServerGoalHandle
@@ -110,17 +108,7 @@ class ActionServer:
             self.cancel_callback(handle)
 
     def _put(self, call: Callable[[], None]) -> None:
-        def run() -> None:
-            try:
-                call()
-            except Exception as error:  # noqa: BLE001 - the controller's; rospy logs it, goes on
-                if is_shut_down():
-                    return
-                shown = "".join(traceback.format_exception(error)).rstrip()
-                rospy.logerr("bad callback of action server %s\n%s", self._name, shown)
-                callback_failed(f"a callback of action server {self._name}", error)
-
-        self._calls.put(run)
+        self._calls.put(lambda: call_back(call, f"server {self._name}"))
 
 
 __all__ = _defined(

@@ -44,8 +44,6 @@ class GroupSettings:
         self._path_constraints = Constraints()
         self._trajectory_constraints = TrajectoryConstraints()
         self._speed_limit: tuple[float, str] | None = None
-        self._can_look = self._can_replan = False
-        self._support_surface = ""
 
     def get_name(self) -> str:
         """Return the group's name."""
@@ -138,11 +136,9 @@ class GroupSettings:
 
     def allow_looking(self, value: bool) -> None:
         """Allow sensors to look around first; there are none."""
-        self._can_look = bool(value)
 
     def allow_replanning(self, value: bool) -> None:
         """Allow planning anew when the scene changes; it changes under no plan of the twin."""
-        self._can_replan = bool(value)
 
     def set_workspace(self, ws: Sequence[float]) -> None:
         """Set the workspace as [], [minX, minY, maxX, maxY] or with Z; it binds mobile bases.
@@ -237,7 +233,6 @@ class GroupSettings:
 
     def set_support_surface_name(self, value: str) -> None:
         """Name the object that a placed object stands on."""
-        self._support_surface = value
 
 
 def _fraction(value: float) -> float:

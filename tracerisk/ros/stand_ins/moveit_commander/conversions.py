@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from genpy import Duration, Time
 from geometry_msgs.msg import Pose, PoseStamped, Transform
-from moveit_msgs.msg import RobotState, RobotTrajectory
+from moveit_msgs.msg import RobotTrajectory
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from tracerisk.ros.moveit.messages import new_message, state_message
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import quaternion_from_rpy, unit_quaternion
 from tracerisk.twin.physics import motion
@@ -135,11 +136,7 @@ def _twin_trajectory(message: Any) -> motion.JointTrajectory:
 
 def _state_message(positions: Mapping[str, float], frame: str) -> Any:
     """Return joint positions as a RobotState."""
-    state = RobotState()
-    state.joint_state.header.frame_id = frame
-    state.joint_state.header.stamp = _now()
-    state.joint_state.name = list(positions)
-    state.joint_state.position = list(positions.values())
+    state = state_message(new_message, positions, frame, server().now_ns())
     state.multi_dof_joint_state.header.frame_id = frame
     return state
 

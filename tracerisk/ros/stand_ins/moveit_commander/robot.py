@@ -1,5 +1,6 @@
 """RobotCommander: the robot's groups, joints and links."""
 
+from collections.abc import Collection
 from typing import Any
 
 from tracerisk.errors import one_of
@@ -131,9 +132,7 @@ class RobotCommander:
         Raises:
             MoveItCommanderException: there is no such joint; lists those there are.
         """
-        names = self.get_joint_names()
-        if name not in names:
-            raise MoveItCommanderException(f"There is no joint named {name}; {one_of(names, name)}")
+        _check("joint", name, self.get_joint_names())
         return self.Joint(self, name)
 
     def get_link(self, name: str) -> Link:
@@ -142,9 +141,7 @@ class RobotCommander:
         Raises:
             MoveItCommanderException: there is no such link; lists those there are.
         """
-        names = self.get_link_names()
-        if name not in names:
-            raise MoveItCommanderException(f"There is no link named {name}; {one_of(names, name)}")
+        _check("link", name, self.get_link_names())
         return self.Link(self, name)
 
     def get_group(self, name: str) -> MoveGroupCommander:
@@ -169,10 +166,7 @@ class RobotCommander:
 
     def _group(self, name: str) -> Any:
         groups = self._server.robot.groups
-        if name not in groups:
-            raise MoveItCommanderException(
-                f"There is no group named {name}; {one_of(groups, name)}"
-            )
+        _check("group", name, groups)
         return groups[name]
 
     def __getattr__(self, name: str) -> Any:
@@ -191,3 +185,8 @@ class RobotCommander:
             name=name,
             obj=self,
         )
+
+
+def _check(kind: str, name: str, known: Collection[str]) -> None:
+    if name not in known:
+        raise MoveItCommanderException(f"There is no {kind} named {name}; {one_of(known, name)}")

@@ -22,9 +22,7 @@ class PickPlaceInterface:
         plan_only: bool = False,
         verbose: bool = False,
     ) -> None:
-        self._verbose = verbose
         self._group = group
-        self._effector = ee_group
         self.plan_only = plan_only
         self.planner_id: str | None = None
         self.allowed_planning_time = 30.0

@@ -12,12 +12,11 @@ from moveit_msgs.msg import Constraints
 from tracerisk.ros.moveit import messages
 
 from ._messages import point, quaternion, stamped
+from ._waiting import OnNode
 
 
-class Goals:
+class Goals(OnNode):
     """Gathers goals, joints, poses and constraints for the next plan."""
-
-    _node: Any
 
     def _begin_goals(
         self, joint_names: Sequence[str], base_link: str, end_effector: str, group: str

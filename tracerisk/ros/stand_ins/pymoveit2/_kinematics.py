@@ -8,30 +8,19 @@ from moveit_msgs.msg import MoveItErrorCodes
 from moveit_msgs.srv import GetPositionFK, GetPositionIK
 from sensor_msgs.msg import JointState
 
+from ._goals import Goals
 from ._messages import init_joint_state, point, quaternion
 from .utils import enum_to_str
 
 
-class KinematicsServices:
+class KinematicsServices(Goals):
     """Asks where links are, and for the joint state that leads to a pose."""
 
-    _node: Any
-    _base_link: str
-    _end_effector: str
-    _group: str
-    _joint_names: list[str]
     joint_state: Any
-    _wait: Any
-    _warn: Any
-    _is_ready: Any
 
-    def _begin_kinematics(self, callback_group: Any) -> None:
-        self._fk_client = self._node.create_client(
-            GetPositionFK, "compute_fk", callback_group=callback_group
-        )
-        self._ik_client = self._node.create_client(
-            GetPositionIK, "compute_ik", callback_group=callback_group
-        )
+    def _begin_kinematics(self) -> None:
+        self._fk_client = self._client(GetPositionFK, "compute_fk")
+        self._ik_client = self._client(GetPositionIK, "compute_ik")
 
     def _as_state(self, given: Any) -> Any:
         if isinstance(given, JointState):

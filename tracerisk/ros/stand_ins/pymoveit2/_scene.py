@@ -14,32 +14,21 @@ from shape_msgs.msg import Mesh, MeshTriangle, SolidPrimitive
 
 from tracerisk.geometry.triangle_mesh import read_triangles
 
+from ._goals import Goals
 from ._messages import point, quaternion
 
 
-class Scene:
+class Scene(Goals):
     """Adds objects to the planning scene, attaches and removes them."""
 
-    _node: Any
-    _base_link: str
-    _end_effector: str
-
-    def _stamped(self, pose: Any, position: Any, quat_xyzw: Any, frame_id: str | None) -> Any:
-        raise NotImplementedError
-
-    def _wait(self, future: Any) -> Any:
-        raise NotImplementedError
-
-    def _begin_scene(self, callback_group: Any) -> None:
+    def _begin_scene(self) -> None:
         self._objects = self._node.create_publisher(CollisionObject, "/collision_object", 10)
         self._attached = self._node.create_publisher(
             AttachedCollisionObject, "/attached_collision_object", 10
         )
-        self._get_planning_scene_service = self._node.create_client(
-            GetPlanningScene, "get_planning_scene", callback_group=callback_group
-        )
-        self._apply_planning_scene_service = self._node.create_client(
-            ApplyPlanningScene, "apply_planning_scene", callback_group=callback_group
+        self._get_planning_scene_service = self._client(GetPlanningScene, "get_planning_scene")
+        self._apply_planning_scene_service = self._client(
+            ApplyPlanningScene, "apply_planning_scene"
         )
         self._scene: Any = None
         self._scene_before: Any = None
@@ -283,9 +272,3 @@ class Scene:
             return None
         request = ApplyPlanningScene.Request(scene=self._scene)
         return self._apply_planning_scene_service.call_async(request)
-
-    def _is_ready(self, client: Any, timeout_sec: float | None = 3.0) -> bool:
-        if client.wait_for_service(timeout_sec=timeout_sec):
-            return True
-        self._node.get_logger().warning(f"Service '{client.srv_name}' is not yet available.")
-        return False

@@ -1,4 +1,4 @@
-"""Waiting for what a callback of the node brings, whoever runs the node's callbacks."""
+"""The use of a node: asking, and waiting for what its callbacks bring, whoever runs them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,29 @@ import rclpy
 from rclpy._run import run
 
 from tracerisk.ros.controller.thread import Meaning
+
+
+class OnNode:
+    """Asks services by a node, waits for what they answer, and warns by its logger."""
+
+    _node: Any
+    _callback_group: Any
+
+    def _client(self, kind: Any, name: str) -> Any:
+        return self._node.create_client(kind, name, callback_group=self._callback_group)
+
+    def _is_ready(self, client: Any, timeout_sec: float | None = 3.0) -> bool:
+        if client.wait_for_service(timeout_sec=timeout_sec):
+            return True
+        self._warn(f"Service '{client.srv_name}' is not yet available.")
+        return False
+
+    def _wait(self, future: Any) -> Any:
+        wait_until(self._node, lambda: future._done, future._awaited or "a future")
+        return future.result()
+
+    def _warn(self, message: str) -> None:
+        self._node.get_logger().warning(message)
 
 
 def wait_until(node: Any, is_over: Callable[[], bool], reason: str) -> None:

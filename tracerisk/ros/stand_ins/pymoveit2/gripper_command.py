@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -10,14 +11,17 @@ from control_msgs.action import GripperCommand as GripperCommandAction
 from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 
-from ._waiting import wait_until
+from ._gripper import Gripper
+from ._waiting import OnNode, wait_until
 from .utils import enum_to_str
 
 __all__ = ["GripperCommand"]
 
 
-class GripperCommand:
+class GripperCommand(Gripper, OnNode):
     """Opens and closes a gripper by goals."""
+
+    _moves_each = False
 
     def __init__(
         self,
@@ -36,6 +40,7 @@ class GripperCommand:
             [float(each)] if isinstance(each, float | int) else [float(one) for one in each]
             for each in (open_gripper_joint_positions, closed_gripper_joint_positions)
         )
+        self._ends = list(zip(self._opened, self._closed, strict=False))
         self._effort = float(max_effort)
         self._ignores_calls = ignore_new_calls_while_executing
         self._is_requested = self._is_executing = False
@@ -48,26 +53,8 @@ class GripperCommand:
             JointState, "joint_states", self._take_state, 1, callback_group=callback_group
         )
 
-    def __call__(self) -> None:
-        """Toggle the gripper."""
-        self.toggle()
-
-    def toggle(self) -> None:
-        """Close what is open, and open what is closed."""
-        if self.is_open:
-            self.close(skip_if_noop=False)
-        else:
-            self.open(skip_if_noop=False)
-
-    def open(self, skip_if_noop: bool = False) -> None:
-        """Open the gripper."""
-        if not (skip_if_noop and self.is_open):
-            self.move_to_position(self._opened[0])
-
-    def close(self, skip_if_noop: bool = False) -> None:
-        """Close the gripper."""
-        if not (skip_if_noop and self.is_closed):
-            self.move_to_position(self._closed[0])
+    def _go(self, positions: Sequence[float]) -> None:
+        self.move_to_position(positions[0])
 
     def move_to_position(self, position: float) -> None:
         """Move the gripper to a position."""
@@ -78,7 +65,7 @@ class GripperCommand:
         goal.command.position, goal.command.max_effort = float(position), self._effort
         client = self.gripper_command_action_client
         if not client.wait_for_server(timeout_sec=1.0):
-            self._node.get_logger().warning("Action server of the gripper is not yet ready.")
+            self._warn("Action server of the gripper is not yet ready.")
             return
         client.send_goal_async(goal).add_done_callback(self._answered)
 
@@ -99,9 +86,7 @@ class GripperCommand:
     def wait_until_executed(self) -> bool:
         """Wait for the end of a motion; False where none goes on."""
         if not self._is_requested and not self._is_executing:
-            self._node.get_logger().warning(
-                "Cannot wait until motion is executed (no motion is in progress)."
-            )
+            self._warn("Cannot wait until motion is executed (no motion is in progress).")
             return False
         wait_until(
             self._node,
@@ -118,7 +103,7 @@ class GripperCommand:
         handle = future.result()
         self._is_requested = False
         if not handle.accepted:
-            self._node.get_logger().warning("The gripper's goal was rejected.")
+            self._warn("The gripper's goal was rejected.")
             return
         self._is_executing = True
         handle.get_result_async().add_done_callback(self._ended)
@@ -130,10 +115,7 @@ class GripperCommand:
             self._node.get_logger().error(f"The gripper's goal was unsuccessful: {text}")
         self._is_executing = False
 
-    @property
-    def joint_names(self) -> list[str]:
-        """The joints of the gripper."""
-        return self._names
+    joint_names = property(attrgetter("_names"), doc="The joints of the gripper.")
 
     @property
     def joint_state(self) -> Any:
@@ -148,19 +130,3 @@ class GripperCommand:
     def reset_new_joint_state_checker(self) -> None:
         """Forget that joint states came."""
         self._has_new_state = False
-
-    @property
-    def is_open(self) -> bool:
-        """Whether all fingers are within a tenth of the way of where they are open."""
-        if self._state is None:
-            return True
-        at = dict(zip(self._state.name, self._state.position, strict=True))
-        return all(
-            abs(at[name] - opened) <= 0.1 * abs(opened - closed)
-            for name, opened, closed in zip(self._names, self._opened, self._closed, strict=False)
-        )
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether a finger is not where it is open."""
-        return not self.is_open

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from enum import Enum
+from operator import attrgetter
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -15,7 +16,6 @@ from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from ._goals import Goals
 from ._kinematics import KinematicsServices
 from ._messages import (
     init_dummy_joint_trajectory_from_state,
@@ -43,8 +43,37 @@ class MoveIt2State(Enum):
     EXECUTING = 2
 
 
-class MoveIt2(Goals, KinematicsServices, Scene):
+def _of(path: str, doc: str) -> Any:
+    """Return a property: a field of one of the messages that are kept for requests."""
+    message, _, field = path.rpartition(".")
+
+    def write(kept: MoveIt2, value: Any) -> None:
+        setattr(attrgetter(message)(kept), field, value)
+
+    return property(attrgetter(path), write, doc=doc)
+
+
+class MoveIt2(KinematicsServices, Scene):
     """Plans and executes motions of one group; `node` is to be spun by somebody."""
+
+    max_velocity = _of("_goal.request.max_velocity_scaling_factor", "Fraction of the rated speed.")
+    max_acceleration = _of(
+        "_goal.request.max_acceleration_scaling_factor", "Fraction of the rated acceleration."
+    )
+    num_planning_attempts = _of("_goal.request.num_planning_attempts", "How often is planned.")
+    allowed_planning_time = _of("_goal.request.allowed_planning_time", "How long is planned [s].")
+    pipeline_id = _of("_goal.request.pipeline_id", "The planning pipeline.")
+    planner_id = _of("_goal.request.planner_id", "The planner.")
+    cartesian_avoid_collisions = _of(
+        "_cartesian_request.avoid_collisions", "Whether lines avoid bodies."
+    )
+    cartesian_jump_threshold = _of("_cartesian_request.jump_threshold", "The largest jump.")
+    cartesian_prismatic_jump_threshold = _of(
+        "_cartesian_request.prismatic_jump_threshold", "The largest jump of a prismatic joint [m]."
+    )
+    cartesian_revolute_jump_threshold = _of(
+        "_cartesian_request.revolute_jump_threshold", "The largest jump of a revolute joint [rad]."
+    )
 
     def __init__(
         self,
@@ -68,7 +97,7 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         self._uses_move_group = use_move_group_action or execute_via_moveit
         self._ignores_calls = ignore_new_calls_while_executing
         self._begin_goals(joint_names, base_link_name, end_effector_name, group_name)
-        self._begin_scene(callback_group)
+        self._begin_scene()
         self._stop_publisher = node.create_publisher(String, "/trajectory_execution_event", 1)
         self._mutex = threading.Lock()
         self._state: Any = None
@@ -77,7 +106,6 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         self.motion_suceeded = False
         self._handle: Any = None
         self._error_code: Any = None
-        self._max_step = 0.0025
         self._cartesian_request = GetCartesianPath.Request()
         self._cartesian_request.avoid_collisions = True
         node.create_subscription(
@@ -91,17 +119,7 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         )
         self._plan_kinematic_path_service = self._client(GetMotionPlan, "plan_kinematic_path")
         self._plan_cartesian_path_service = self._client(GetCartesianPath, "compute_cartesian_path")
-        self._begin_kinematics(callback_group)
-
-    def _client(self, kind: Any, name: str) -> Any:
-        return self._node.create_client(kind, name, callback_group=self._callback_group)
-
-    def _warn(self, message: str) -> None:
-        self._node.get_logger().warning(message)
-
-    def _wait(self, future: Any) -> Any:
-        wait_until(self._node, lambda: future._done, future._awaited or "a future")
-        return future.result()
+        self._begin_kinematics()
 
     # What goes on
 
@@ -147,28 +165,23 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         cartesian_fraction_threshold: float = 0.0,
     ) -> None:
         """Plan to a pose and begin to execute; `wait_until_executed` waits for the end."""
-        goal = self._stamped(pose, position, quat_xyzw, frame_id)
+        goal: dict[str, Any] = {
+            "pose": self._stamped(pose, position, quat_xyzw, frame_id),
+            "target_link": target_link,
+            "tolerance_position": tolerance_position,
+            "tolerance_orientation": tolerance_orientation,
+            "weight_position": weight_position,
+            "weight_orientation": weight_orientation,
+        }
         if self._uses_move_group and not cartesian:
             if self._is_skipped():
                 return
-            self.set_pose_goal(
-                goal,
-                target_link=target_link,
-                tolerance_position=tolerance_position,
-                tolerance_orientation=tolerance_orientation,
-                weight_position=weight_position,
-                weight_orientation=weight_orientation,
-            )
+            self.set_pose_goal(**goal)
             self._send_move()
             return
         self.execute(
             self.plan(
-                pose=goal,
-                target_link=target_link,
-                tolerance_position=tolerance_position,
-                tolerance_orientation=tolerance_orientation,
-                weight_position=weight_position,
-                weight_orientation=weight_orientation,
+                **goal,
                 cartesian=cartesian,
                 max_step=cartesian_max_step,
                 cartesian_fraction_threshold=cartesian_fraction_threshold,
@@ -429,20 +442,11 @@ class MoveIt2(Goals, KinematicsServices, Scene):
 
     # What is set
 
-    @property
-    def end_effector_name(self) -> str:
-        """The link of the end effector."""
-        return self._end_effector
+    end_effector_name = property(attrgetter("_end_effector"), doc="The link of the end effector.")
 
-    @property
-    def base_link_name(self) -> str:
-        """The base link."""
-        return self._base_link
+    base_link_name = property(attrgetter("_base_link"), doc="The base link.")
 
-    @property
-    def joint_names(self) -> list[str]:
-        """The joints of the group."""
-        return self._joint_names
+    joint_names = property(attrgetter("_joint_names"), doc="The joints of the group.")
 
     @property
     def joint_state(self) -> Any:
@@ -459,44 +463,3 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         """Forget that joint states came."""
         with self._mutex:
             self._has_new_state = False
-
-
-def _of_request(name: str, doc: str) -> Any:
-    def read(self: MoveIt2) -> Any:
-        return getattr(self._goal.request, name)
-
-    def write(self: MoveIt2, value: Any) -> None:
-        setattr(self._goal.request, name, value)
-
-    return property(read, write, doc=doc)
-
-
-def _of_cartesian(name: str, doc: str) -> Any:
-    def read(self: MoveIt2) -> Any:
-        return getattr(self._cartesian_request, name)
-
-    def write(self: MoveIt2, value: Any) -> None:
-        setattr(self._cartesian_request, name, value)
-
-    return property(read, write, doc=doc)
-
-
-for _name, _property in {
-    "max_velocity": _of_request("max_velocity_scaling_factor", "Fraction of the rated speed."),
-    "max_acceleration": _of_request(
-        "max_acceleration_scaling_factor", "Fraction of the rated acceleration."
-    ),
-    "num_planning_attempts": _of_request("num_planning_attempts", "How often is planned."),
-    "allowed_planning_time": _of_request("allowed_planning_time", "How long is planned [s]."),
-    "pipeline_id": _of_request("pipeline_id", "The planning pipeline."),
-    "planner_id": _of_request("planner_id", "The planner."),
-    "cartesian_avoid_collisions": _of_cartesian("avoid_collisions", "Whether lines avoid bodies."),
-    "cartesian_jump_threshold": _of_cartesian("jump_threshold", "The largest jump."),
-    "cartesian_prismatic_jump_threshold": _of_cartesian(
-        "prismatic_jump_threshold", "The largest jump of a prismatic joint [m]."
-    ),
-    "cartesian_revolute_jump_threshold": _of_cartesian(
-        "revolute_jump_threshold", "The largest jump of a revolute joint [rad]."
-    ),
-}.items():
-    setattr(MoveIt2, _name, _property)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ._gripper import Gripper
 from ._messages import init_dummy_joint_trajectory_from_state, init_joint_state
 from .moveit2 import MoveIt2
 
 __all__ = ["MoveIt2Gripper"]
 
 
-class MoveIt2Gripper(MoveIt2):
+class MoveIt2Gripper(Gripper, MoveIt2):
     """Opens and closes a gripper by plans, or by trajectories of one point."""
 
     def __init__(
@@ -45,30 +46,7 @@ class MoveIt2Gripper(MoveIt2):
         self._closed = [float(each) for each in closed_gripper_joint_positions]
         self._skips_planning = skip_planning
         self._skip_s = skip_planning_fixed_motion_duration
-        pairs = zip(self._opened, self._closed, strict=True)
-        # Open is what is within a tenth of the way of it.
-        self._slack = [0.1 * abs(a - b) for a, b in pairs]
-
-    def __call__(self) -> None:
-        """Toggle the gripper."""
-        self.toggle()
-
-    def toggle(self) -> None:
-        """Close what is open, and open what is closed."""
-        if self.is_open:
-            self.close(skip_if_noop=False)
-        else:
-            self.open(skip_if_noop=False)
-
-    def open(self, skip_if_noop: bool = False) -> None:
-        """Open the gripper."""
-        if not (skip_if_noop and self.is_open):
-            self._go(self._opened)
-
-    def close(self, skip_if_noop: bool = False) -> None:
-        """Close the gripper."""
-        if not (skip_if_noop and self.is_closed):
-            self._go(self._closed)
+        self._ends = list(zip(self._opened, self._closed, strict=True))
 
     def move_to_position(self, position: float) -> None:
         """Move every finger to a position."""
@@ -90,20 +68,3 @@ class MoveIt2Gripper(MoveIt2):
         state = init_joint_state(self.joint_names, positions)
         rest = int((self._skip_s - seconds) * 1e9)
         self.execute(init_dummy_joint_trajectory_from_state(state, seconds, rest))
-
-    @property
-    def is_open(self) -> bool:
-        """Whether all fingers are where they are open; so they are before joint states came."""
-        state = self.joint_state
-        if state is None:
-            return True
-        at = dict(zip(state.name, state.position, strict=True))
-        return all(
-            abs(at[name] - opened) <= slack
-            for name, opened, slack in zip(self.joint_names, self._opened, self._slack, strict=True)
-        )
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether a finger is not where it is open."""
-        return not self.is_open

@@ -139,8 +139,12 @@ class Clock:
     @property
     def _reported_ns(self) -> int:
         """What the clock shows [ns]; asking for it moves nothing."""
-        start_ns = MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
-        return start_ns + run().scheduler.now_ns
+        return self._start_ns + run().scheduler.now_ns
+
+    @property
+    def _start_ns(self) -> int:
+        """What the clock shows when the run begins [ns]."""
+        return MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Sleep until a time; False where the context was shut down before.
@@ -151,8 +155,7 @@ class Clock:
         """
         if until.clock_type != self._clock_type:
             raise ValueError("until's clock type does not match this clock's type")
-        start_ns = MONOTONIC_START_NS if self._clock_type is ClockType.STEADY_TIME else EPOCH_NS
-        return self._sleep(until.nanoseconds - start_ns - run().scheduler.now_ns, context)
+        return self._sleep(until.nanoseconds - self._start_ns - run().scheduler.now_ns, context)
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
         """Sleep for a span; False where the context was shut down before.

@@ -23,22 +23,8 @@ _SCALARS: tuple[tuple[type, str], ...] = (
 )
 _ELEMENTS: tuple[tuple[type, str], ...] = (
     (bytes, "BYTE_ARRAY"),
-    (bool, "BOOL_ARRAY"),
-    (int, "INTEGER_ARRAY"),
-    (float, "DOUBLE_ARRAY"),
-    (str, "STRING_ARRAY"),
+    *((kind, f"{name}_ARRAY") for kind, name in _SCALARS),
 )
-_FIELDS = {
-    "BOOL": "bool_value",
-    "INTEGER": "integer_value",
-    "DOUBLE": "double_value",
-    "STRING": "string_value",
-    "BYTE_ARRAY": "byte_array_value",
-    "BOOL_ARRAY": "bool_array_value",
-    "INTEGER_ARRAY": "integer_array_value",
-    "DOUBLE_ARRAY": "double_array_value",
-    "STRING_ARRAY": "string_array_value",
-}
 
 
 class _Type(Enum):
@@ -75,6 +61,11 @@ class _Type(Enum):
         raise TypeError(
             f"The given value is not a list of one of the allowed types '{parameter_value}'."
         )
+
+    @property
+    def _field(self) -> str:
+        """The field of rcl_interfaces/ParameterValue that holds such a value."""
+        return f"{self.name.lower()}_value"
 
     def check(self, parameter_value: Any) -> bool:
         """Return whether a value is of the type."""
@@ -130,7 +121,7 @@ class Parameter:
         """Return the value as a rcl_interfaces/ParameterValue."""
         made = ParameterValue(type=self.type_.value)
         if self.type_ is not Parameter.Type.NOT_SET:
-            setattr(made, _FIELDS[self.type_.name], self.value)
+            setattr(made, self.type_._field, self.value)
         return made
 
     def to_parameter_msg(self) -> Any:
@@ -204,5 +195,5 @@ def parameter_value_to_python(parameter_value: Any) -> Any:
         raise RuntimeError(f"unexpected parameter type {parameter_value.type}") from error
     if type_ is Parameter.Type.NOT_SET:
         return None
-    value = getattr(parameter_value, _FIELDS[type_.name])
+    value = getattr(parameter_value, type_._field)
     return list(value) if type_.name.endswith("ARRAY") else value

@@ -8,8 +8,6 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from tracerisk.ros.time.clock import EPOCH_NS, MONOTONIC_START_NS
-
 from ._entity import Call, Entity
 from ._handle import GONE
 from ._run import run
@@ -151,12 +149,11 @@ class Timer(Entity):
         return self._asks_for
 
     def _info(self, due_ns: int, now_ns: int) -> TimerInfo:
-        kind = self._clock.clock_type
-        start_ns = MONOTONIC_START_NS if kind is ClockType.STEADY_TIME else EPOCH_NS
+        start_ns = self._clock._start_ns
         return TimerInfo(
             expected_call_time=start_ns + due_ns,
             actual_call_time=start_ns + now_ns,
-            clock_type=kind,
+            clock_type=self._clock.clock_type,
         )
 
 

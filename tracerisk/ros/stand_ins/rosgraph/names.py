@@ -13,30 +13,18 @@ GLOBALNS = "/"
 ANYTYPE = "*"
 REMAP = ":="
 
+is_global = _names.is_global
+is_private = _names.is_private
+is_legal_name = _names.is_legal_name
+is_legal_base_name = _names.is_legal_base_name
+canonicalize_name = _names.canonical
+namespace = _names.namespace
+make_global_ns = _names.make_global
+
 
 def isstring(s: object) -> bool:
     """Return whether it is a text."""
     return isinstance(s, str)
-
-
-def is_global(name: str) -> bool:
-    """Return whether a name begins at the root."""
-    return _names.is_global(name)
-
-
-def is_private(name: str) -> bool:
-    """Return whether a name is one within a node's."""
-    return _names.is_private(name)
-
-
-def is_legal_name(name: str | None) -> bool:
-    """Return whether a name is one that ROS takes."""
-    return _names.is_legal_name(name)
-
-
-def is_legal_base_name(name: str | None) -> bool:
-    """Return whether a name is one that ROS takes, and has no namespace."""
-    return _names.is_legal_base_name(name)
 
 
 def is_legal_remap(arg: str | None) -> bool:
@@ -44,28 +32,9 @@ def is_legal_remap(arg: str | None) -> bool:
     return _names.is_legal_remap(arg)
 
 
-def canonicalize_name(name: str) -> str:
-    """Return a name without empty parts."""
-    return _names.canonical(name)
-
-
-def namespace(name: str) -> str:
-    """Return the namespace of a name, with a slash at its end."""
-    return _names.namespace(name)
-
-
 def ns_join(ns: str, name: str) -> str:
     """Return a name within a namespace; a global or private name as it is."""
     return _names.join(ns, name)
-
-
-def make_global_ns(name: str) -> str:
-    """Return a name that begins and ends with a slash.
-
-    Raises:
-        ValueError: it is private.
-    """
-    return _names.make_global(name)
 
 
 def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | None = None) -> str:

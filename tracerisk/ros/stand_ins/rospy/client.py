@@ -201,12 +201,7 @@ def get_param_names() -> list[str]:
 
 def set_param(param_name: str, param_value: Any) -> None:
     """Set a parameter; a dictionary replaces the whole namespace."""
-    if not graph_names.is_legal_name(param_name):
-        warnings.warn(
-            f"'{param_name}' is not a legal ROS graph resource name. "
-            "This may cause problems with other ROS tools",
-            stacklevel=2,
-        )
+    names._warn_unless_legal(param_name, 2)
     get_master()[param_name] = param_value
 
 

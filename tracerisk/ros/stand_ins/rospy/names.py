@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -28,6 +29,16 @@ load_mappings = graph_names.load_mappings
 make_global_ns = graph_names.make_global
 namespace = graph_names.namespace
 ns_join = graph_names.join
+
+
+def _warn_unless_legal(name: str, stacklevel: int) -> None:
+    """Warn of a name that other tools may not take, at the line that is so many calls above."""
+    if not is_legal_name(name):
+        warnings.warn(
+            f"'{name}' is not a legal ROS graph resource name. "
+            "This may cause problems with other ROS tools",
+            stacklevel=stacklevel + 1,
+        )
 
 
 def isstring(s: Any) -> bool:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import traceback
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
-from tracerisk.ros.graph.names import ANY_TYPE, is_legal_name
+from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.messages.ros1_base import Message
 from tracerisk.ros.time.rostime import Duration
 
@@ -18,7 +17,7 @@ from . import core
 from ._node import node
 from .exceptions import ROSException, ROSInterruptException
 from .msg import args_kwds_to_message, sent_copy
-from .names import resolve_name
+from .names import _warn_unless_legal, resolve_name
 from .rostime import duration_ns
 
 DEFAULT_BUFF_SIZE = 65536
@@ -58,12 +57,7 @@ class Service(_Service):
         if not name or not isinstance(name, str):
             raise ValueError("service name is not a non-empty string")
         super().__init__(name, service_class)
-        if not is_legal_name(name):
-            warnings.warn(
-                f"'{name}' is not a legal ROS graph resource name. "
-                "This may cause problems with other ROS tools",
-                stacklevel=2,
-            )
+        _warn_unless_legal(name, 2)
         state = node()
         self.handler = handler
         self.buff_size = buff_size

@@ -12,14 +12,13 @@ from typing import Any
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import Publication, Subscription
-from tracerisk.ros.graph.names import is_legal_name
 from tracerisk.ros.messages.ros1_base import Message, SerializationError
 
 from . import core
 from ._node import node
 from .exceptions import ROSException, ROSSerializationException
 from .msg import args_kwds_to_message, sent_copy
-from .names import resolve_name, resolve_name_without_node_name
+from .names import _warn_unless_legal, resolve_name, resolve_name_without_node_name
 
 __all__ = ["Message", "Publisher", "SubscribeListener", "Subscriber", "Topic"]
 
@@ -39,12 +38,7 @@ class Topic:
         if not name or not isinstance(name, str):
             raise ValueError("topic name is not a non-empty string")
         _check_class(data_class)
-        if not is_legal_name(name):
-            warnings.warn(
-                f"'{name}' is not a legal ROS graph resource name. "
-                "This may cause problems with other ROS tools",
-                stacklevel=3,
-            )
+        _warn_unless_legal(name, 3)
         is_ready = node().is_initialized
         self.resolved_name: Any = (
             resolve_name(name) if is_ready else resolve_name_without_node_name(name)

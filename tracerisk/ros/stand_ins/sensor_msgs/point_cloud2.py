@@ -6,7 +6,7 @@ from collections import namedtuple
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import PointCloud2
 from sensor_msgs_py import point_cloud2 as arrays
 
 if not hasattr(PointCloud2, "_md5sum"):
@@ -52,8 +52,4 @@ def create_cloud(header: Any, fields: Sequence[Any], points: Any) -> Any:
 
 def create_cloud_xyz32(header: Any, points: Any) -> Any:
     """Return a cloud of points (x, y, z) [m]."""
-    fields = [
-        PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
-        for index, name in enumerate("xyz")
-    ]
-    return create_cloud(header, fields, points)
+    return arrays.create_cloud_xyz32(header, points)

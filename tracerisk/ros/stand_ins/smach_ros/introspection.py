@@ -9,7 +9,7 @@ class IntrospectionServer:
     """Offers a view of a container, which changes nothing."""
 
     def __init__(self, server_name: str, state: Any, path: str) -> None:
-        self._server_name, self._state, self._path = server_name, state, path
+        """Take what is to be shown."""
 
     def start(self) -> None:
         """Begin to offer it."""

@@ -50,16 +50,14 @@ def do_transform_point(point: Any, transform: Any) -> Any:
     """Return a PointStamped in the target frame."""
     result = PointStamped()
     result.point.x, result.point.y, result.point.z = _point(point.point, _frame(transform))
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def do_transform_vector3(vector3: Any, transform: Any) -> Any:
     """Return a Vector3Stamped in the target frame: turned, not shifted."""
     result = Vector3Stamped()
     _turn_into(result.vector, vector3.vector, transform)
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def do_transform_pose(pose: Any, transform: Any) -> Any:
@@ -78,8 +76,7 @@ def do_transform_pose_stamped(pose: Any, transform: Any) -> Any:
     """Return a PoseStamped in the target frame."""
     result = PoseStamped()
     _fill_pose(result.pose, pose.pose, _frame(transform))
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def do_transform_pose_with_covariance_stamped(pose: Any, transform: Any) -> Any:
@@ -87,8 +84,7 @@ def do_transform_pose_with_covariance_stamped(pose: Any, transform: Any) -> Any:
     result = PoseWithCovarianceStamped()
     _fill_pose(result.pose.pose, pose.pose.pose, _frame(transform))
     result.pose.covariance = transform_covariance(pose.pose.covariance, transform)
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def do_transform_polygon_stamped(polygon: Any, transform: Any) -> Any:
@@ -101,8 +97,7 @@ def do_transform_polygon_stamped(polygon: Any, transform: Any) -> Any:
         moved.x, moved.y, moved.z = _point(point, frame)
         points.append(moved)
     result.polygon.points = points
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def do_transform_wrench(wrench: Any, transform: Any) -> Any:
@@ -110,8 +105,7 @@ def do_transform_wrench(wrench: Any, transform: Any) -> Any:
     result = WrenchStamped()
     _turn_into(result.wrench.force, wrench.wrench.force, transform)
     _turn_into(result.wrench.torque, wrench.wrench.torque, transform)
-    result.header = deepcopy(transform.header)
-    return result
+    return _headed(result, transform)
 
 
 def transform_covariance(cov_in: Any, transform: Any) -> Any:
@@ -122,6 +116,11 @@ def transform_covariance(cov_in: Any, transform: Any) -> Any:
     matrix[:3, :3] = matrix[3:, 3:] = np.array(columns).T
     covariance = np.array(cov_in, dtype=np.float64).reshape(6, 6)
     return (matrix @ covariance @ matrix.T).ravel().tolist()
+
+
+def _headed(result: Any, transform: Any) -> Any:
+    result.header = deepcopy(transform.header)
+    return result
 
 
 def _frame(transform: Any) -> motion.Pose:
