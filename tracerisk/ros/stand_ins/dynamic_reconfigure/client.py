@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 import rospy
@@ -19,6 +20,17 @@ from .encoding import decode_config, decode_description, encode_config, extract_
 
 _TYPES: dict[str, Callable[[Any], Any]] = {"int": int, "double": float, "str": str, "bool": bool}
 Callback = Callable[[Any], object] | None
+
+
+def _callback(name: str, present: str, doc: str) -> Any:
+    """Return the property of a callback, which is called with what is present when it is set."""
+
+    def write(client: Client, value: Callback) -> None:
+        setattr(client, name, value)
+        if value is not None:
+            value(getattr(client, present))
+
+    return property(attrgetter(name), write, doc=doc)
 
 
 class Client:
@@ -114,27 +126,16 @@ class Client:
         self._descriptions_sub.unregister()
         self._updates_sub.unregister()
 
-    @property
-    def config_callback(self) -> Callback:
-        """What is called with each configuration; at once with the present one."""
-        return self._config_callback
-
-    @config_callback.setter
-    def config_callback(self, value: Callback) -> None:
-        self._config_callback = value
-        if value is not None:
-            value(self.config)
-
-    @property
-    def description_callback(self) -> Callback:
-        """What is called with each description; at once with the present one."""
-        return self._description_callback
-
-    @description_callback.setter
-    def description_callback(self, value: Callback) -> None:
-        self._description_callback = value
-        if value is not None:
-            value(self.param_description)
+    config_callback = _callback(
+        "_config_callback",
+        "config",
+        "What is called with each configuration; at once with the present one.",
+    )
+    description_callback = _callback(
+        "_description_callback",
+        "param_description",
+        "What is called with each description; at once with the present one.",
+    )
 
     def _wait_for(self, what: str, suffix: str, kind: Any, timeout: float | None) -> Any:
         topic = rospy.resolve_name(f"{self.name}/{suffix}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -32,7 +31,7 @@ def description(robot_model: str) -> Any:
     return getattr(mr_descriptions, robot_model)
 
 
-class ArmInterface(ABC):
+class ArmInterface:
     """Commands the joints of one group over the graph, and knows where its end effector is."""
 
     core: Any
@@ -58,28 +57,19 @@ class ArmInterface(ABC):
         self.info_index_map = {name: i for i, name in enumerate(self.group_info.joint_names)}
         self.capture_joint_positions()
 
-    @abstractmethod
-    def _sleep(self, duration: float) -> None: ...
-
-    @abstractmethod
-    def _report(self, message: str) -> None: ...
-
-    @abstractmethod
-    def _set_register(self, name: str, value: int) -> None: ...
-
-    @abstractmethod
-    def _now(self) -> Any: ...
-
     # Commands
 
     def set_trajectory_time(self, moving_time: Any = None, accel_time: Any = None) -> None:
         """Set how long moves take, and how long they speed up and slow down each [s]."""
         if moving_time is not None and moving_time != self.moving_time:
             self.moving_time = moving_time
-            self._set_register("Profile_Velocity", int(moving_time * 1000))
+            self._set_register("Profile_Velocity", moving_time)
         if accel_time is not None and accel_time != self.accel_time:
             self.accel_time = accel_time
-            self._set_register("Profile_Acceleration", int(accel_time * 1000))
+            self._set_register("Profile_Acceleration", accel_time)
+
+    def _set_register(self, name: str, seconds: float) -> None:
+        self.core.robot_set_motor_registers("group", self.group_name, name, int(seconds * 1000))
 
     def _publish(
         self, positions: Sequence[float], moving_time: Any, accel_time: Any, blocking: bool
@@ -90,7 +80,7 @@ class ArmInterface(ABC):
             JointGroupCommand(name=self.group_name, cmd=self.joint_commands)
         )
         if blocking:
-            self._sleep(self.moving_time)
+            self.core._sleep(self.moving_time)
         if self.iterative_update_fk:
             self._update_Tsb()
 
@@ -139,7 +129,7 @@ class ArmInterface(ABC):
         self.joint_commands[self.core.js_index_map[joint_name]] = float(position)
         self.core.pub_single.publish(JointSingleCommand(name=joint_name, cmd=float(position)))
         if blocking:
-            self._sleep(self.moving_time)
+            self.core._sleep(self.moving_time)
         if self.iterative_update_fk:
             self._update_Tsb()
         return True
@@ -173,7 +163,7 @@ class ArmInterface(ABC):
                     self._publish(found, moving_time, accel_time, blocking)
                     self.T_sb = T_sd
                 return found, True
-        self._report("No valid pose could be found. Will not execute")
+        self.core._warn("No valid pose could be found. Will not execute")
         return found, False
 
     def set_ee_pose_components(
@@ -222,7 +212,7 @@ class ArmInterface(ABC):
         moves, and the result is False.
         """
         if self.group_info.num_joints < 6 and (y != 0 or yaw != 0):
-            self._report(
+            self.core._warn(
                 "'y' and 'yaw' fields must be '0' when working with arms with fewer than 6dof."
             )
             return False
@@ -243,7 +233,7 @@ class ArmInterface(ABC):
             goal = facing @ within
             found, is_there = self.set_ee_pose_matrix(goal, path[-1], False, blocking=False)
             if not is_there:
-                self._report(
+                self.core._warn(
                     f"Only {index / count * 100:.2f}% of trajectory successfully planned. "
                     "Trajectory will not be executed."
                 )
@@ -251,7 +241,7 @@ class ArmInterface(ABC):
             path.append([float(each) for each in found])
         self.set_trajectory_time(wp_moving_time, wp_accel_time)
         self._send(path, wp_period)
-        self._sleep(moving_time + wp_moving_time)
+        self.core._sleep(moving_time + wp_moving_time)
         self.T_sb = goal
         self.joint_commands = path[-1]
         self.set_trajectory_time(moving_time, accel_time)
@@ -259,7 +249,7 @@ class ArmInterface(ABC):
 
     def _send(self, path: Sequence[Sequence[float]], period: float) -> None:
         message = JointTrajectory()
-        message.header.stamp = self._now()
+        message.header.stamp = self.core._now()
         message.joint_names = list(self.group_info.joint_names)
         points = []
         for index, positions in enumerate([self._measured("position"), *path[1:]]):

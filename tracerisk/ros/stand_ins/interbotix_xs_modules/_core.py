@@ -61,6 +61,15 @@ class RobotCore(ABC):
     @abstractmethod
     def _duration(self, seconds: float) -> Any: ...
 
+    @abstractmethod
+    def _now(self) -> Any: ...
+
+    @abstractmethod
+    def _sleep(self, duration: float) -> None: ...
+
+    @abstractmethod
+    def _warn(self, message: str) -> None: ...
+
     def robot_set_operating_modes(
         self,
         cmd_type: str,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import Any
 
 from interbotix_xs_msgs.msg import JointSingleCommand
 
 
-class GripperInterface(ABC):
+class GripperInterface:
     """Drives the servo of the fingers with an effort, until they are at their limits."""
 
     core: Any
@@ -24,9 +23,6 @@ class GripperInterface(ABC):
         self.left_finger_index = self.core.js_index_map[info.joint_names[0]]
         self.left_finger_lower_limit = info.joint_lower_limits[0]
         self.left_finger_upper_limit = info.joint_upper_limits[0]
-
-    @abstractmethod
-    def _sleep(self, duration: float) -> None: ...
 
     def _finger(self) -> float:
         with self.core.js_mutex:
@@ -51,7 +47,7 @@ class GripperInterface(ABC):
         if effort != 0 and not self._is_at_limit():
             self.core.pub_single.publish(self.gripper_command)
             self.gripper_moving = True
-            self._sleep(delay)
+            self.core._sleep(delay)
 
     def set_pressure(self, pressure: float) -> None:
         """Set the effort: a fraction of the way from the lower to the upper limit."""

@@ -56,7 +56,7 @@ class InterbotixArmXSInterface(ArmInterface):
         accel_time: float = 0.3,
     ) -> None:
         self.core = core
-        self.group_info = core.srv_get_info("group", group_name)
+        self.group_info = core.robot_get_robot_info("group", group_name)
         if self.group_info.profile_type != "time":
             rospy.logerr("Please set the group's 'profile type' to 'time'.")
         if self.group_info.mode != "position":
@@ -115,15 +115,3 @@ class InterbotixArmXSInterface(ArmInterface):
             accel_time=accel_time,
             blocking=blocking,
         )
-
-    def _sleep(self, duration: float) -> None:
-        rospy.sleep(duration)
-
-    def _report(self, message: str) -> None:
-        rospy.logwarn(message)
-
-    def _set_register(self, name: str, value: int) -> None:
-        self.core.srv_set_reg(cmd_type="group", name=self.group_name, reg=name, value=value)
-
-    def _now(self) -> Any:
-        return rospy.Time.now()

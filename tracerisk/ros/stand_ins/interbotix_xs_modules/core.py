@@ -77,3 +77,12 @@ class InterbotixRobotXSCore(RobotCore):
 
     def _duration(self, seconds: float) -> Any:
         return rospy.Duration.from_sec(seconds)
+
+    def _now(self) -> Any:
+        return rospy.Time.now()
+
+    def _sleep(self, duration: float) -> None:
+        rospy.sleep(duration)
+
+    def _warn(self, message: str) -> None:
+        rospy.logwarn(message)

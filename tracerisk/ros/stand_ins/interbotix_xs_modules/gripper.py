@@ -47,7 +47,7 @@ class InterbotixGripperXSInterface(GripperInterface):
         gripper_pressure_upper_limit: int = 350,
     ) -> None:
         self.core = core
-        info = core.srv_get_info("single", gripper_name)
+        info = core.robot_get_robot_info("single", gripper_name)
         if info.mode not in ("current", "pwm"):
             rospy.logerr("Please set the gripper's 'operating mode' to 'pwm' or 'current'.")
         self._begin(
@@ -71,6 +71,3 @@ class InterbotixGripperXSInterface(GripperInterface):
     def close(self, delay: float = 1.0) -> None:
         """Close the gripper and wait [s]."""
         self.gripper_controller(-self.gripper_value, delay)
-
-    def _sleep(self, duration: float) -> None:
-        rospy.sleep(duration)

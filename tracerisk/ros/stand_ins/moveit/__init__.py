@@ -1,45 +1,9 @@
 """Stand-in for MoveItPy, the Python library of MoveIt 2, on the twin."""
 
-from .core import (
-    World,
-    collision_detection,
-    controller_manager,
-    kinematic_constraints,
-    planning_interface,
-    planning_scene,
-    robot_model,
-    robot_state,
-    robot_trajectory,
-)
-from .planning import (
-    LockedPlanningSceneContextManagerRO,
-    LockedPlanningSceneContextManagerRW,
-    MoveItPy,
-    MultiPipelinePlanRequestParameters,
-    PlanningComponent,
-    PlanningSceneMonitor,
-    PlanRequestParameters,
-    TrajectoryExecutionManager,
-)
+from . import core as _core
+from . import planning as _planning
+from .core import *  # noqa: F403 - each name of it
+from .planning import *  # noqa: F403 - each name of it
 from .utils import get_launch_params_filepaths
 
-__all__ = [
-    "LockedPlanningSceneContextManagerRO",
-    "LockedPlanningSceneContextManagerRW",
-    "MoveItPy",
-    "MultiPipelinePlanRequestParameters",
-    "PlanRequestParameters",
-    "PlanningComponent",
-    "PlanningSceneMonitor",
-    "TrajectoryExecutionManager",
-    "World",
-    "collision_detection",
-    "controller_manager",
-    "get_launch_params_filepaths",
-    "kinematic_constraints",
-    "planning_interface",
-    "planning_scene",
-    "robot_model",
-    "robot_state",
-    "robot_trajectory",
-]
+__all__ = [*_core.__all__, *_planning.__all__, "get_launch_params_filepaths"]

@@ -265,14 +265,14 @@ class GroupTargets(GroupState):
         return _FramedPose(self._reference_frame, conversions._twin_pose(values))
 
     def _pose_goal(self, link: str, framed: _FramedPose, kind: GoalKind) -> PoseGoal:
-        frame = self._server.frame(framed.frame)
+        return self._goal(link, compose(self._frame(framed.frame), framed.pose), kind)
+
+    def _frame(self, name: str) -> motion.Pose:
+        frame = self._server.frame(name)
         if frame is None:
-            raise PlanningError(
-                "bad_request",
-                f"unknown frame '{framed.frame}'; "
-                f"{one_of(self._server.robot.link_names, framed.frame)}",
-            )
-        return self._goal(link, compose(frame, framed.pose), kind)
+            links = self._server.robot.link_names
+            raise PlanningError("bad_request", f"unknown frame '{name}'; {one_of(links, name)}")
+        return frame
 
     def _goal(self, link: str, pose: motion.Pose, kind: GoalKind = "pose") -> PoseGoal:
         """Return a goal in the planning frame, with the tolerances that are set."""

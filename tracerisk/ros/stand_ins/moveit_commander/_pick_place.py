@@ -238,12 +238,7 @@ class GroupPickPlace(GroupTargets):
     # Poses
 
     def _in_planning_frame(self, stamped: Any) -> motion.Pose:
-        name = stamped.header.frame_id
-        frame = self._server.frame(name)
-        if frame is None:
-            links = self._server.robot.link_names
-            raise PlanningError("bad_request", f"unknown frame '{name}'; {one_of(links, name)}")
-        return compose(frame, message_pose(stamped.pose))
+        return compose(self._frame(stamped.header.frame_id), message_pose(stamped.pose))
 
     def _moved(
         self, pose: motion.Pose, translation: Any, link: str, *, back: bool = False

@@ -22,6 +22,7 @@ from tracerisk.twin.robots.robot import Scaling
 
 from . import conversions
 from ._pick_place import GroupPickPlace
+from ._server import report_unknown
 from .exception import MoveItCommanderException
 
 _RETIMING = (
@@ -215,13 +216,7 @@ class MoveGroupCommander(GroupPickPlace):
         if not link:
             return False
         if not self._server.attach(object_name, link, touch_links or [link]):
-            known = self._server.scene.world
-            text = (
-                f"object '{object_name}' cannot be attached: the planning scene has no such object"
-            )
-            self._server.execution.report(
-                "attach_failure", f"{text}; {one_of(known, object_name)}", object_name=object_name
-            )
+            text = report_unknown(object_name, "attached")
             if object_name not in self._server.scene.attached:
                 self._server.lack(object_name, text)
         return True

@@ -23,7 +23,7 @@ from tracerisk.ros.moveit.planning_scene import SceneObject
 from tracerisk.ros.transforms.poses import compose
 
 from . import conversions
-from ._server import server
+from ._server import report_unknown, server
 from .exception import MoveItCommanderException
 
 
@@ -324,7 +324,7 @@ class PlanningSceneInterface:
             scene.remove(message.id)
         elif message.operation == CollisionObject.MOVE:
             if not scene.move(message.id, self._placed(message)):
-                self._report_unknown(message.id, scene.world, "moved")
+                self._server.lack(message.id, report_unknown(message.id, "moved"))
         elif message.operation == CollisionObject.APPEND and message.id in scene.world:
             scene.append(message.id, message)
         else:
@@ -342,7 +342,7 @@ class PlanningSceneInterface:
         elif item.id in scene.attached:
             self._server.detach(item.id)
         if not self._server.attach(item.id, message.link_name, message.touch_links):
-            self._report_unknown(item.id, scene.world, "attached")
+            self._server.lack(item.id, report_unknown(item.id, "attached"))
 
     def _placed(self, message: Any) -> Any:
         frame = self._server.frame(message.header.frame_id)
@@ -358,12 +358,6 @@ class PlanningSceneInterface:
         poses = [*message.primitive_poses, *message.mesh_poses, *message.plane_poses]
         empty = message_pose(pose) == message_pose(type(pose)())
         return compose(frame, message_pose(poses[0] if empty and poses else pose))
-
-    def _report_unknown(self, name: str, known: Any, what: str) -> None:
-        kind = "attach_failure" if what == "attached" else "planning_scene"
-        text = f"object '{name}' cannot be {what}: the planning scene has no such object"
-        self._server.execution.report(kind, f"{text}; {one_of(known, name)}", object_name=name)
-        self._server.lack(name, text)
 
 
 def _primitive(name: str, pose: Any, kind: int, dimensions: Sequence[float]) -> Any:

@@ -34,9 +34,7 @@ class PickPlaceInterface:
         Raises:
             NotImplementedError: without waiting; the twin serves no action `pickup`.
         """
-        _check_waits("pickup", wait)
-        self._prepare(kwargs)
-        plan_only = kwargs.get("plan_only", self.plan_only)
+        plan_only = self._prepare("pickup", wait, kwargs)
         code = self._commander.pick(name, grasps, plan_only)
         return PickupResult(error_code=MoveItErrorCodes(val=int(code)))
 
@@ -46,20 +44,24 @@ class PickPlaceInterface:
         Raises:
             NotImplementedError: without waiting; the twin serves no action `place`.
         """
-        _check_waits("place", wait)
-        self._prepare(kwargs)
-        plan_only = kwargs.get("plan_only", self.plan_only)
+        plan_only = self._prepare("place", wait, kwargs)
         is_placed = self._commander.place(name, locations, plan_only)
         code = MoveItErrorCodes.SUCCESS if is_placed else MoveItErrorCodes.PLANNING_FAILED
         return PlaceResult(error_code=MoveItErrorCodes(val=code))
 
-    def _prepare(self, given: dict[str, Any]) -> None:
+    def _prepare(self, name: str, wait: bool, given: dict[str, Any]) -> Any:
+        """Set what a call gives, and return whether it is only to be planned."""
+        if not wait:
+            raise NotImplementedError(
+                f"PickPlaceInterface.{name} with wait=False: the twin serves no action '{name}'"
+            )
         planner = given.get("planner_id", self.planner_id)
         if planner:
             self._commander.set_planner_id(planner)
         self._commander.set_planning_time(given.get("planning_time", self.allowed_planning_time))
         if "support_name" in given:
             self._commander.set_support_surface_name(given["support_name"])
+        return given.get("plan_only", self.plan_only)
 
     def pick_with_retry(
         self, name: str, grasps: Any, retries: int = 5, scene: Any = None, **kwargs: Any
@@ -80,13 +82,6 @@ class PickPlaceInterface:
     def setPlanningTime(self, time: float) -> None:
         """Set the planning time of later requests [s]."""
         self.allowed_planning_time = time
-
-
-def _check_waits(name: str, wait: bool) -> None:
-    if not wait:
-        raise NotImplementedError(
-            f"PickPlaceInterface.{name} with wait=False: the twin serves no action '{name}'"
-        )
 
 
 def _retried(what: str, act: Callable[[], Any], retries: int) -> list[Any]:

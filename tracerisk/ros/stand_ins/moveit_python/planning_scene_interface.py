@@ -133,19 +133,6 @@ class PlanningSceneInterface:
         """Add a primitive."""
         self.sendUpdate(self.makeSolidPrimitive(name, solid, pose, frame_id), None, use_service)
 
-    def _add(
-        self,
-        name: str,
-        kind: int,
-        sizes: Sequence[float],
-        place: Sequence[float],
-        use_service: bool,
-        frame_id: str | None,
-    ) -> None:
-        solid = SolidPrimitive(type=kind, dimensions=list(sizes))
-        pose = Pose(Point(*place), Quaternion(0.0, 0.0, 0.0, 1.0))
-        self.addSolidPrimitive(name, solid, pose, use_service, frame_id)
-
     def addCylinder(
         self,
         name: str,
@@ -158,8 +145,8 @@ class PlanningSceneInterface:
         frame_id: str | None = None,
     ) -> None:
         """Add a cylinder along z."""
-        kind = SolidPrimitive.CYLINDER
-        self._add(name, kind, (height, radius), (x, y, z), use_service, frame_id)
+        placed = _placed(SolidPrimitive.CYLINDER, (height, radius), (x, y, z))
+        self.addSolidPrimitive(name, *placed, use_service, frame_id)
 
     def addSphere(
         self,
@@ -172,7 +159,8 @@ class PlanningSceneInterface:
         frame_id: str | None = None,
     ) -> None:
         """Add a sphere."""
-        self._add(name, SolidPrimitive.SPHERE, (radius,), (x, y, z), use_service, frame_id)
+        placed = _placed(SolidPrimitive.SPHERE, (radius,), (x, y, z))
+        self.addSolidPrimitive(name, *placed, use_service, frame_id)
 
     def addCone(
         self,
@@ -186,8 +174,8 @@ class PlanningSceneInterface:
         frame_id: str | None = None,
     ) -> None:
         """Add a cone along z."""
-        kind = SolidPrimitive.CONE
-        self._add(name, kind, (height, radius), (x, y, z), use_service, frame_id)
+        placed = _placed(SolidPrimitive.CONE, (height, radius), (x, y, z))
+        self.addSolidPrimitive(name, *placed, use_service, frame_id)
 
     def addBox(
         self,
@@ -202,8 +190,8 @@ class PlanningSceneInterface:
         frame_id: str | None = None,
     ) -> None:
         """Add a box."""
-        sizes = (size_x, size_y, size_z)
-        self._add(name, SolidPrimitive.BOX, sizes, (x, y, z), use_service, frame_id)
+        placed = _placed(SolidPrimitive.BOX, (size_x, size_y, size_z), (x, y, z))
+        self.addSolidPrimitive(name, *placed, use_service, frame_id)
 
     def addCube(
         self,
@@ -234,8 +222,7 @@ class PlanningSceneInterface:
         use_service: bool = True,
     ) -> None:
         """Attach a box to a link, in whose frame its place is."""
-        solid = SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[size_x, size_y, size_z])
-        pose = Pose(Point(x, y, z), Quaternion(0.0, 0.0, 0.0, 1.0))
+        solid, pose = _placed(SolidPrimitive.BOX, (size_x, size_y, size_z), (x, y, z))
         made = self.makeSolidPrimitive(name, solid, pose, link_name)
         attached = self.makeAttached(link_name, made, touch_links, detach_posture, weight)
         self.sendUpdate(None, attached, use_service)
@@ -286,3 +273,9 @@ class PlanningSceneInterface:
         if not self._apply_service.call(scene).success:
             rospy.logerr("Could not update colors through service, using topic instead.")
             self._scene_pub.publish(scene)
+
+
+def _placed(kind: int, sizes: Sequence[float], place: Sequence[float]) -> tuple[Any, Any]:
+    """Return a primitive, and the pose of one that is not turned."""
+    solid = SolidPrimitive(type=kind, dimensions=list(sizes))
+    return solid, Pose(Point(*place), Quaternion(0.0, 0.0, 0.0, 1.0))

@@ -129,8 +129,7 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
     def spin(self, spin_dist: float = 1.57, time_allowance: int = 10) -> bool:
         """Turn on the spot [rad]; return whether the goal was taken."""
         goal = Spin.Goal(target_yaw=float(spin_dist))
-        goal.time_allowance = Duration(seconds=time_allowance).to_msg()
-        return self._begin("spin", goal)
+        return self._begin("spin", goal, time_allowance)
 
     def backup(
         self, backup_dist: float = 0.15, backup_speed: float = 0.025, time_allowance: int = 10
@@ -138,8 +137,7 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
         """Drive back [m, m/s]; return whether the goal was taken."""
         goal = BackUp.Goal(speed=float(backup_speed))
         goal.target.x = float(backup_dist)
-        goal.time_allowance = Duration(seconds=time_allowance).to_msg()
-        return self._begin("backup", goal)
+        return self._begin("backup", goal, time_allowance)
 
     def driveOnHeading(
         self, dist: float = 0.15, speed: float = 0.025, time_allowance: int = 10
@@ -147,14 +145,12 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
         """Drive straight on [m, m/s]; return whether the goal was taken."""
         goal = DriveOnHeading.Goal(speed=float(speed))
         goal.target.x = float(dist)
-        goal.time_allowance = Duration(seconds=time_allowance).to_msg()
-        return self._begin("drive_on_heading", goal)
+        return self._begin("drive_on_heading", goal, time_allowance)
 
     def assistedTeleop(self, time_allowance: int = 30) -> bool:
         """Give the base to a user who drives; return whether the goal was taken."""
         goal = AssistedTeleop.Goal()
-        goal.time_allowance = Duration(seconds=time_allowance).to_msg()
-        return self._begin("assisted_teleop", goal)
+        return self._begin("assisted_teleop", goal, time_allowance)
 
     def cancelTask(self) -> None:
         """Cancel the task that goes on."""
@@ -313,7 +309,9 @@ class BasicNavigator(Node):  # type: ignore[misc]  # of the stand-in, which has 
         """Destroy the node."""
         self.destroy_node()
 
-    def _begin(self, name: str, goal: Any) -> bool:
+    def _begin(self, name: str, goal: Any, time_allowance: int | None = None) -> bool:
+        if time_allowance is not None:
+            goal.time_allowance = Duration(seconds=time_allowance).to_msg()
         kind = _ACTIONS[name]
         client = self._made.setdefault(name, None) or ActionClient(self, kind, name)
         self._made[name] = client

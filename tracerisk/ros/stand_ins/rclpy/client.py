@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need
@@ -11,18 +10,18 @@ from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.messages.ros2 import copy_message
 
-from ._entity import Call, Entity
+from ._entity import Call
 from ._handle import GONE
 from ._run import run
 from .callback_groups import CallbackGroup
 from .exceptions import InvalidHandle
 from .qos import QoSProfile
 from .service import Service
-from .service_introspection import Introspection
+from .service_introspection import ServiceEnd
 from .task import Future
 
 
-class Client(Entity):
+class Client(ServiceEnd):
     """Calls a service of one type; made by `Node.create_client`.
 
     A response completes its future when an executor takes it.
@@ -36,18 +35,12 @@ class Client(Entity):
         qos_profile: QoSProfile,
         callback_group: CallbackGroup,
     ) -> None:
-        super().__init__(node, callback_group)
+        super().__init__(node, srv_type, srv_name, qos_profile, callback_group)
         self.context = node.context
-        self.srv_type = srv_type
-        self.srv_name = srv_name
-        self.qos_profile = qos_profile
-        self._introspection = Introspection(node, srv_type, srv_name)
         self._n_calls = 0
         self._pending: list[Future] = []
         self._responses: deque[tuple[Future, Any, int]] = deque()
         run().graph.become_caller(srv_name, srv_type._ros_type)
-
-    service_name = property(attrgetter("srv_name"), doc="The service's name.")
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Call the service and wait for the response; another thread has to spin.
@@ -147,12 +140,6 @@ class Client(Entity):
         """Make no more calls."""
         super().destroy()
         self._responses.clear()
-
-    def configure_introspection(
-        self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any
-    ) -> None:
-        """Publish the calls on `SERVICE/_service_event`, as much of them as the state says."""
-        self._introspection.configure(service_event_qos_profile, introspection_state)
 
     @property
     def _text(self) -> str:

@@ -5,19 +5,18 @@ from __future__ import annotations
 import inspect
 from collections import deque
 from collections.abc import Callable
-from operator import attrgetter
 from typing import Any, ClassVar
 
 from tracerisk.ros.messages.ros2 import copy_message
 
-from ._entity import Call, Entity
+from ._entity import Call
 from ._run import run
 from .callback_groups import CallbackGroup
 from .qos import QoSProfile
-from .service_introspection import Introspection
+from .service_introspection import ServiceEnd
 
 
-class Service(Entity):
+class Service(ServiceEnd):
     """Answers requests of one type; made by `Node.create_service`."""
 
     _root_kind = "service"
@@ -32,12 +31,8 @@ class Service(Entity):
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
     ) -> None:
-        super().__init__(node, callback_group)
-        self.srv_type = srv_type
-        self.srv_name = srv_name
+        super().__init__(node, srv_type, srv_name, qos_profile, callback_group)
         self.callback = callback
-        self.qos_profile = qos_profile
-        self._introspection = Introspection(node, srv_type, srv_name)
         self._queue: deque[tuple[Any, Callable[[Any], None], int]] = deque()
         self._server = run().graph.serve(
             srv_name,
@@ -46,8 +41,6 @@ class Service(Entity):
             node=node.get_fully_qualified_name(),
             is_callback=self._is_controllers,
         )
-
-    service_name = property(attrgetter("srv_name"), doc="The service's name.")
 
     def send_response(self, response: Any, header: Callable[[Any], None]) -> None:
         """Send a response to who asked.
@@ -63,12 +56,6 @@ class Service(Entity):
         """Stop serving."""
         super().destroy()
         self._server.close()
-
-    def configure_introspection(
-        self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any
-    ) -> None:
-        """Publish the calls on `SERVICE/_service_event`, as much of them as the state says."""
-        self._introspection.configure(service_event_qos_profile, introspection_state)
 
     def _enqueue(self, request: Any, reply: Callable[[Any], None], number: int = 0) -> None:
         self._queue.append((request, reply, number))

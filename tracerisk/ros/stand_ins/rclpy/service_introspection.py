@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.time.clock import EPOCH_NS
 
+from ._entity import Entity
 from ._run import run
+from .callback_groups import CallbackGroup
+from .qos import QoSProfile
 
 
 class ServiceIntrospectionState(IntEnum):
@@ -16,6 +20,32 @@ class ServiceIntrospectionState(IntEnum):
     OFF = 0
     METADATA = 1
     CONTENTS = 2
+
+
+class ServiceEnd(Entity):
+    """A client of a service, or what serves it."""
+
+    def __init__(
+        self,
+        node: Any,
+        srv_type: Any,
+        srv_name: str,
+        qos_profile: QoSProfile,
+        callback_group: CallbackGroup,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.srv_type = srv_type
+        self.srv_name = srv_name
+        self.qos_profile = qos_profile
+        self._introspection = Introspection(node, srv_type, srv_name)
+
+    service_name = property(attrgetter("srv_name"), doc="The service's name.")
+
+    def configure_introspection(
+        self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any
+    ) -> None:
+        """Publish the calls on `SERVICE/_service_event`, as much of them as the state says."""
+        self._introspection.configure(service_event_qos_profile, introspection_state)
 
 
 class Introspection:

@@ -54,17 +54,7 @@ from .core import (
     parse_rosrpc_uri,
     signal_shutdown,
 )
-from .exceptions import (
-    ROSException,
-    ROSInitException,
-    ROSInternalException,
-    ROSInterruptException,
-    ROSSerializationException,
-    ROSTimeMovedBackwardsException,
-    TransportException,
-    TransportInitError,
-    TransportTerminated,
-)
+from .exceptions import *  # noqa: F403 - each name of it
 from .msg import AnyMsg
 from .msproxy import MasterProxy
 from .names import get_caller_id, get_name, get_namespace, remap_name, resolve_name

@@ -5,13 +5,7 @@ from tracerisk.ros.imports.exported import exported as _exported
 
 from .concurrence import Concurrence
 from .container import Container
-from .exceptions import (
-    InvalidConstructionError,
-    InvalidStateError,
-    InvalidTransitionError,
-    InvalidUserCodeError,
-    PreemptError,
-)
+from .exceptions import *  # noqa: F403 - each name of it
 from .iterator import Iterator
 from .log import is_shutdown as is_shutdown
 from .log import logdebug, logerr, loginfo, logwarn, set_loggers, set_shutdown_check

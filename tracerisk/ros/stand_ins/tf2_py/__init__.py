@@ -4,13 +4,6 @@
 from tracerisk.ros.imports.exported import exported as _exported
 
 from .buffer_core import BufferCore
-from .exceptions import (
-    ConnectivityException,
-    ExtrapolationException,
-    InvalidArgumentException,
-    LookupException,
-    TimeoutException,
-    TransformException,
-)
+from .exceptions import *  # noqa: F403 - each name of it
 
 __all__ = _exported(globals())

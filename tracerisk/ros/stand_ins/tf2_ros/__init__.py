@@ -4,15 +4,7 @@
 # The messages are names of the real package too: its modules are taken in whole.
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
-from tf2_py import (
-    BufferCore,
-    ConnectivityException,
-    ExtrapolationException,
-    InvalidArgumentException,
-    LookupException,
-    TimeoutException,
-    TransformException,
-)
+from tf2_py import *  # noqa: F403 - each name of it
 
 from tracerisk.ros.imports.exported import exported as _exported
 

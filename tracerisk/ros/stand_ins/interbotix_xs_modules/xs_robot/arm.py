@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from interbotix_common_modules.common_robot.robot import InterbotixRobotNode
-from rclpy.duration import Duration
 from rclpy.logging import LoggingSeverity
 
 from .._arm import REV, ArmInterface, description
@@ -104,18 +103,6 @@ class InterbotixArmXSInterface(ArmInterface):
     def get_number_of_joints(self) -> int:
         """Return how many joints the group has."""
         return int(self.group_info.num_joints)
-
-    def _sleep(self, duration: float) -> None:
-        self.core.get_node().get_clock().sleep_for(Duration(nanoseconds=int(duration * 1e9)))
-
-    def _report(self, message: str) -> None:
-        self.core.get_node().logwarn(message)
-
-    def _set_register(self, name: str, value: int) -> None:
-        self.core.robot_set_motor_registers("group", self.group_name, name, value)
-
-    def _now(self) -> Any:
-        return self.core.get_node().get_clock().now().to_msg()
 
     # The names by which subclasses of the library's know these.
 

@@ -87,6 +87,15 @@ class InterbotixRobotXSCore(RobotCore):
     def _duration(self, seconds: float) -> Any:
         return Duration(seconds=seconds).to_msg()
 
+    def _now(self) -> Any:
+        return self.robot_node.get_clock().now().to_msg()
+
+    def _sleep(self, duration: float) -> None:
+        self.robot_node.get_clock().sleep_for(Duration(nanoseconds=int(duration * 1e9)))
+
+    def _warn(self, message: str) -> None:
+        self.robot_node.logwarn(message)
+
     def robot_get_motor_registers(self, cmd_type: str, name: str, reg: str) -> Any:
         """Return the values of a register."""
         return super().robot_get_motor_registers(cmd_type, name, reg).values

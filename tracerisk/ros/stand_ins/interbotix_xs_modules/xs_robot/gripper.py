@@ -6,7 +6,6 @@ from threading import Thread
 from typing import Any
 
 import rclpy
-from rclpy.duration import Duration
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity
 
@@ -93,7 +92,7 @@ class InterbotixGripperXSInterface(GripperInterface):
         if self.gripper_info.mode not in ("current", "pwm"):
             node.logwarn(f"Motor '{gripper_name}' operating mode not set to 'pwm' or 'current'.")
         self.tmr_gripper_state = node.create_timer(0.02, self.gripper_state)
-        self._sleep(0.5)
+        core._sleep(0.5)
         node.loginfo(
             f"\n\tGripper Name: {gripper_name}\n\tGripper Pressure: {gripper_pressure * 100}%"
         )
@@ -131,6 +130,3 @@ class InterbotixGripperXSInterface(GripperInterface):
         with self.core.js_mutex:
             values = getattr(self.core.joint_states, field)
             return float(values[self.core.js_index_map[self.gripper_name]])
-
-    def _sleep(self, duration: float) -> None:
-        self.core.get_node().get_clock().sleep_for(Duration(nanoseconds=int(duration * 1e9)))

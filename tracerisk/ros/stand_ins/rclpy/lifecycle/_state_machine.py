@@ -99,10 +99,7 @@ class StateMachine:
         Raises:
             RCLError: there is none.
         """
-        for each in self.available:
-            if each.label == label:
-                return each
-        raise RCLError(f"no transition '{label}' from state '{self.label}'")
+        return self._available_by("label", label, f"'{label}'")
 
     def by_id(self, number: int) -> Transition:
         """Return the transition of a number that can happen now.
@@ -110,7 +107,10 @@ class StateMachine:
         Raises:
             RCLError: there is none.
         """
+        return self._available_by("id", number, str(number))
+
+    def _available_by(self, field: str, value: Any, text: str) -> Transition:
         for each in self.available:
-            if each.id == number:
+            if getattr(each, field) == value:
                 return each
-        raise RCLError(f"no transition {number} from state '{self.label}'")
+        raise RCLError(f"no transition {text} from state '{self.label}'")
