@@ -3,31 +3,6 @@
 
 from ._chain import Chain, Joint, Segment, Tree
 from ._frames import Frame, FrameVel, Rotation, addDelta, diff, dot
-from ._joints import (
-    Add,
-    Divide,
-    Equal,
-    Jacobian,
-    JntArray,
-    JntArrayVel,
-    JntSpaceInertiaMatrix,
-    Multiply,
-    MultiplyJacobian,
-    RigidBodyInertia,
-    RotationalInertia,
-    SetToZero,
-    Subtract,
-)
-from ._solvers import (
-    ChainDynParam,
-    ChainFkSolverPos_recursive,
-    ChainFkSolverVel_recursive,
-    ChainIdSolver_RNE,
-    ChainIkSolverPos_LMA,
-    ChainIkSolverPos_NR,
-    ChainIkSolverPos_NR_JL,
-    ChainIkSolverVel_pinv,
-    ChainJntToJacSolver,
-    SolverI,
-)
+from ._joints import *  # noqa: F403 - each name of it
+from ._solvers import *  # noqa: F403 - each name of it
 from ._values import Twist, Vector, Wrench

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.ros.imports.exported import defined as _defined
+
 from ._frames import Frame, Rotation, cross_matrix
 from ._values import (
     EPSILON,
@@ -233,3 +235,6 @@ def SetToZero(a: Any) -> None:
     if not isinstance(a, Value):
         raise refused("SetToZero", a)
     a._v[:] = 0.0
+
+
+__all__ = _defined(globals())

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.ros.imports.exported import defined as _defined
+
 from ._chain import Chain, JointType, Segment
 from ._frames import Frame, FrameVel, cross_matrix, diff
 from ._joints import Jacobian, JntArray, JntArrayVel, JntSpaceInertiaMatrix
@@ -337,3 +339,6 @@ def _forward(solver: SolverI, q: JntArray, frame: Frame, count: int) -> int:
         return _OUT_OF_RANGE
     frame._v[:] = solver._walk(q._v, count)[0]._v
     return 0
+
+
+__all__ = _defined(globals())

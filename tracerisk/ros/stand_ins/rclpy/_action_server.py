@@ -14,6 +14,7 @@ from unique_identifier_msgs.msg import UUID
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState, GoalStateError
 from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
@@ -23,8 +24,6 @@ from .constants import S_TO_NS
 from .executors import await_or_execute
 from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from .waitable import NumberOfEntities
-
-__all__ = ["ActionServer", "CancelResponse", "GoalResponse", "RCLError", "ServerGoalHandle"]
 
 
 class RCLError(RuntimeError):
@@ -310,3 +309,6 @@ class ActionServer(Entity):
             raise TypeError(f"Expected {self._action_type.Result}, got {type(result)}")
         handle._send(result)
         handle._ended_ns = run().scheduler.now_ns
+
+
+__all__ = _defined(globals())

@@ -4,20 +4,6 @@
 from tracerisk.ros.imports.exported import exported as _exported
 
 from ._bag import SequentialReader, SequentialWriter
-from ._description import (
-    BagMetadata,
-    ConverterOptions,
-    FileInformation,
-    Info,
-    ReadOrder,
-    ReadOrderSortBy,
-    StorageFilter,
-    StorageOptions,
-    TopicInformation,
-    TopicMetadata,
-    get_registered_readers,
-    get_registered_serializers,
-    get_registered_writers,
-)
+from ._description import *  # noqa: F403 - each name of it
 
 __all__ = _exported(globals())

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rclpy.duration import Duration
+from rclpy.time import Time
 from rosidl_runtime_py.utilities import get_message
 
 from tracerisk.ros.messages.fields import fields_of, type_of
@@ -14,11 +16,12 @@ from ._description import (
     PLUGINS,
     BagMetadata,
     ConverterOptions,
+    FileInformation,
     ReadOrder,
     StorageFilter,
     StorageOptions,
+    TopicInformation,
     TopicMetadata,
-    metadata,
 )
 
 
@@ -196,7 +199,7 @@ class SequentialReader:
 
     def get_metadata(self) -> BagMetadata:
         """Return what the bag holds."""
-        return metadata(self._opened(), self._path, self.get_all_topics_and_types())
+        return _metadata(self._opened(), self._path, self.get_all_topics_and_types())
 
     def _opened(self) -> Any:
         if self._reader is None:
@@ -247,3 +250,26 @@ def _definition(type_name: str) -> tuple[str, str]:
         left += [field.message for field in fields if field.message is not None]
     store.register(known)
     return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)
+
+
+def _metadata(reader: Any, path: Path, topics: list[TopicMetadata]) -> BagMetadata:
+    """Return what an open bag at `path` holds."""
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    stored = [file for file in files if file.suffix in PLUGINS.values()]
+    start = reader.start_time if reader.message_count else 0
+    duration = reader.duration if reader.message_count else 0
+    counts = {each.topic: each.msgcount for each in reader.connections}
+    found = BagMetadata(
+        bag_size=sum(file.stat().st_size for file in files if file.is_file()),
+        storage_identifier=next(name for name, end in PLUGINS.items() if end == stored[0].suffix),
+        relative_file_paths=[file.name for file in stored],
+        duration=Duration(nanoseconds=duration),
+        starting_time=Time(nanoseconds=start),
+        message_count=reader.message_count,
+        topics_with_message_count=[TopicInformation(each, counts[each.name]) for each in topics],
+    )
+    found.files = [
+        FileInformation(file.name, found.starting_time, found.duration, found.message_count)
+        for file in stored
+    ]
+    return found

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from pathlib import Path
 from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.time import Time
+
+from tracerisk.ros.imports.exported import defined as _defined
 
 PLUGINS = {"sqlite3": ".db3", "mcap": ".mcap"}
 """The kinds of storage, each with the ending of its files."""
@@ -128,29 +129,6 @@ class BagMetadata:
     ros_distro: str = ""
 
 
-def metadata(reader: Any, path: Path, topics: list[TopicMetadata]) -> BagMetadata:
-    """Return what an open bag at `path` holds."""
-    files = sorted(path.iterdir()) if path.is_dir() else [path]
-    stored = [file for file in files if file.suffix in PLUGINS.values()]
-    start = reader.start_time if reader.message_count else 0
-    duration = reader.duration if reader.message_count else 0
-    counts = {each.topic: each.msgcount for each in reader.connections}
-    found = BagMetadata(
-        bag_size=sum(file.stat().st_size for file in files if file.is_file()),
-        storage_identifier=next(name for name, end in PLUGINS.items() if end == stored[0].suffix),
-        relative_file_paths=[file.name for file in stored],
-        duration=Duration(nanoseconds=duration),
-        starting_time=Time(nanoseconds=start),
-        message_count=reader.message_count,
-        topics_with_message_count=[TopicInformation(each, counts[each.name]) for each in topics],
-    )
-    found.files = [
-        FileInformation(file.name, found.starting_time, found.duration, found.message_count)
-        for file in stored
-    ]
-    return found
-
-
 class Info:
     """Reads what is in a bag."""
 
@@ -183,3 +161,6 @@ def get_registered_writers() -> set[str]:
 def get_registered_serializers() -> set[str]:
     """Return the formats in which messages are serialised."""
     return {"cdr"}
+
+
+__all__ = _defined(globals())

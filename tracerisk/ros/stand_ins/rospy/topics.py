@@ -141,13 +141,29 @@ class Publisher(Topic):
             raise ROSSerializationException(str(error)) from error
 
 
-class _PublisherImpl:
+class _Connected:
+    """The node's one connection to a topic, which ends with the last that refers to it."""
+
+    def __init__(self, name: str, data_class: Any) -> None:
+        self.name = name
+        self.data_class = data_class
+        self.references = 0
+
+    def release(self) -> None:
+        self.references -= 1
+        if self.references == 0:
+            self.close()
+
+    def close(self) -> None:
+        raise NotImplementedError
+
+
+class _PublisherImpl(_Connected):
     """The node's one connection to a topic that it publishes on."""
 
     def __init__(self, name: str, data_class: Any) -> None:
+        super().__init__(name, data_class)
         state = node()
-        self.name = name
-        self.references = 0
         self.listeners: list[SubscribeListener] = []
         self.publication: Publication = state.graph.advertise(
             name,
@@ -157,7 +173,6 @@ class _PublisherImpl:
             on_connect=self._connected,
             on_disconnect=self._disconnected,
         )
-        self.data_class = data_class
 
     def publish(self, message: Any, only: Subscription | None = None) -> None:
         if self.publication.closed:
@@ -171,11 +186,6 @@ class _PublisherImpl:
 
     def add_listener(self, listener: SubscribeListener) -> None:
         self.listeners.append(listener)
-
-    def release(self) -> None:
-        self.references -= 1
-        if self.references == 0:
-            self.close()
 
     def close(self) -> None:
         self.publication.close()
@@ -243,13 +253,11 @@ class _Connection:
         self.latched: Any = None
 
 
-class _SubscriberImpl:
+class _SubscriberImpl(_Connected):
     """The node's one connection to a topic that it subscribes to, with all its callbacks."""
 
     def __init__(self, name: str, data_class: Any) -> None:
-        self.name = name
-        self.data_class = data_class
-        self.references = 0
+        super().__init__(name, data_class)
         self.queue_size: int | None = None
         self.callbacks: list[tuple[Callable[..., object], Any]] = []
         self.subscription: Subscription | None = None
@@ -294,11 +302,6 @@ class _SubscriberImpl:
 
     def get_num_connections(self) -> int:
         return 0 if self.subscription is None else len(self.subscription.publications)
-
-    def release(self) -> None:
-        self.references -= 1
-        if self.references == 0:
-            self.close()
 
     def close(self) -> None:
         if self.subscription is not None:

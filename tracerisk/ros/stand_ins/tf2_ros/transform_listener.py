@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from threading import Lock, Thread
 from typing import Any
 
@@ -84,18 +85,11 @@ class _Ros2Listener(_Listener):
         from rclpy.callback_groups import ReentrantCallbackGroup
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
+        profile = partial(QoSProfile, depth=100, history=HistoryPolicy.KEEP_LAST)
         if qos is None:
-            qos = QoSProfile(
-                depth=100,
-                durability=DurabilityPolicy.VOLATILE,
-                history=HistoryPolicy.KEEP_LAST,
-            )
+            qos = profile(durability=DurabilityPolicy.VOLATILE)
         if static_qos is None:
-            static_qos = QoSProfile(
-                depth=100,
-                durability=DurabilityPolicy.TRANSIENT_LOCAL,
-                history=HistoryPolicy.KEEP_LAST,
-            )
+            static_qos = profile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.buffer = buffer
         self.node = node
         # A callback that waits for a transform must not keep the listener's from running.

@@ -1,3 +1,4 @@
+# ruff: noqa: F401 - what is imported here is what the module gives
 """Stand-in for `launch`: descriptions are walked through, and nothing is started."""
 
 from tracerisk.pipeline.launch_files.stand_ins.launch import (
@@ -31,27 +32,10 @@ from tracerisk.pipeline.launch_files.stand_ins.launch.some_substitutions_type im
     SomeSubstitutionsType_types_tuple,
 )
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
+from tracerisk.ros.imports.exported import exported as _exported
 
-__all__ = [
-    "Action",
-    "Condition",
-    "Event",
-    "EventHandler",
-    "LaunchContext",
-    "LaunchDescription",
-    "LaunchDescriptionEntity",
-    "LaunchDescriptionSource",
-    "LaunchIntrospector",
-    "LaunchService",
-    "SomeSubstitutionsType",
-    "SomeSubstitutionsType_types_tuple",
-    "Substitution",
-    "actions",
-    "conditions",
-    "event_handlers",
-    "events",
-    "launch_description_sources",
-    "logging",
-    "substitutions",
-    "utilities",
-]
+__all__ = _exported(
+    globals(),
+    *("actions", "conditions", "event_handlers", "events"),
+    *("launch_description_sources", "logging", "substitutions", "utilities"),
+)

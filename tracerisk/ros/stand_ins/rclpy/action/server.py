@@ -1,17 +1,6 @@
-# ruff: noqa: F401 - what is imported here is what the module gives
 """Servers of actions."""
 
-from rclpy._action_server import (
-    ActionServer,
-    CancelResponse,
-    GoalResponse,
-    RCLError,
-    ServerGoalHandle,
-    default_cancel_callback,
-    default_goal_callback,
-    default_handle_accepted_callback,
-)
+from .. import _action_server as _module
+from .._action_server import *  # noqa: F403 - each name of it
 
-from tracerisk.ros.imports.exported import exported as _exported
-
-__all__ = _exported(globals())
+__all__ = list(_module.__all__)
