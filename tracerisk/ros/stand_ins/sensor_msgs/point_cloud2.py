@@ -6,7 +6,7 @@ from collections import namedtuple
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sensor_msgs.msg import PointCloud2
+from sensor_msgs.msg import PointCloud2, PointField  # noqa: F401 - programs take both from here
 from sensor_msgs_py import point_cloud2 as arrays
 
 if not hasattr(PointCloud2, "_md5sum"):
