@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.errors import one_of
-
 from .._library import library
 from .robot_model import RobotModel
 
@@ -136,10 +134,7 @@ class JointValues:
     def _set(self, values: dict[str, float], given: Mapping[str, float]) -> None:
         for name, value in given.items():
             if name not in values:
-                raise RuntimeError(
-                    f"Variable '{name}' is not known to model '{self._model.name}'; "
-                    f"{one_of(values, name)}"
-                )
+                raise self._model._no_variable(name, values)
             values[name] = float(value)
 
 

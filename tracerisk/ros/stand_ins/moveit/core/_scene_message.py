@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.moveit.messages import object_message
-from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
 
 from .._library import new
-from .collision_detection import AllowedCollisionMatrix
-from .robot_model import RobotModel
-from .robot_state import RobotState, robotStateToRobotStateMsg
+from .robot_state import robotStateToRobotStateMsg
+
+if TYPE_CHECKING:
+    from .planning_scene import PlanningScene
 
 
-def scene_message(
-    name: str,
-    model: RobotModel,
-    state: RobotState,
-    objects: Objects,
-    allowed: AllowedCollisionMatrix,
-) -> Any:
+def scene_message(scene: PlanningScene) -> Any:
     """Return the whole scene as a message."""
+    objects, allowed = scene._objects, scene.allowed_collision_matrix
     message = new("moveit_msgs/PlanningScene")
-    message.name, message.robot_model_name = name, model.name
-    message.robot_state = robotStateToRobotStateMsg(state)
+    message.name, message.robot_model_name = scene.name, scene.robot_model.name
+    message.robot_state = robotStateToRobotStateMsg(scene._state)
     message.world.collision_objects = [
-        object_message(new, item, model.model_frame) for _, item in sorted(objects.world.items())
+        object_message(new, item, scene.planning_frame) for _, item in sorted(objects.world.items())
     ]
     message.object_colors = [_color(item, one) for item, one in sorted(objects.colors.items())]
     names = sorted({name for pair in allowed._entries for name in pair})

@@ -108,8 +108,7 @@ class PlanningScene(SceneChecks):
     @property
     def planning_scene_message(self) -> Any:
         """The scene as a PlanningScene message."""
-        matrix_ = self.allowed_collision_matrix
-        return scene_message(self.name, self._model, self._state, self._objects, matrix_)
+        return scene_message(self)
 
     @property
     def transforms(self) -> Transforms:

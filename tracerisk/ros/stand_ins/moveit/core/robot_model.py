@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -272,6 +272,11 @@ class RobotModel:
     def _group_of(self, given: Any) -> JointModelGroup:
         """Return the group given as such or by its name."""
         return given if isinstance(given, JointModelGroup) else self._group(given)
+
+    def _no_variable(self, name: str, known: Collection[str]) -> RuntimeError:
+        return RuntimeError(
+            f"Variable '{name}' is not known to model '{self.name}'; {one_of(known, name)}"
+        )
 
     def _no_group(self, name: str) -> str:
         groups = self._server.robot.groups

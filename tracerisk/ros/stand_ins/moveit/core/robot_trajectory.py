@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.errors import one_of
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Scaling
@@ -194,10 +193,7 @@ class RobotTrajectory:
         known = robot_state.joint_positions
         for name in names:
             if name not in known:
-                raise RuntimeError(
-                    f"Variable '{name}' is not known to model '{self._model.name}'; "
-                    f"{one_of(known, name)}"
-                )
+                raise self._model._no_variable(name, known)
         waypoints, durations, before = [], [], 0
         for number, point in enumerate(given.points):
             if len(point.positions) != len(names):
