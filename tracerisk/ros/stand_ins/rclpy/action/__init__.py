@@ -3,12 +3,12 @@
 
 from tracerisk.ros.imports.exported import exported as _exported
 
-from .._action_server import ActionServer, CancelResponse, GoalResponse
 from .client import ActionClient
 from .graph import (
     get_action_client_names_and_types_by_node,
     get_action_names_and_types,
     get_action_server_names_and_types_by_node,
 )
+from .server import ActionServer, CancelResponse, GoalResponse
 
 __all__ = _exported(globals())

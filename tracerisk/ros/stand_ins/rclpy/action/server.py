@@ -1,6 +1,23 @@
 """Servers of actions."""
 
-from .. import _action_server as _module
-from .._action_server import *  # noqa: F403 - each name of it
+from rclpy._action_server import (
+    ActionServer,
+    CancelResponse,
+    GoalResponse,
+    RCLError,
+    ServerGoalHandle,
+    default_cancel_callback,
+    default_goal_callback,
+    default_handle_accepted_callback,
+)
 
-__all__ = list(_module.__all__)
+__all__ = [
+    "ActionServer",
+    "CancelResponse",
+    "GoalResponse",
+    "RCLError",
+    "ServerGoalHandle",
+    "default_cancel_callback",
+    "default_goal_callback",
+    "default_handle_accepted_callback",
+]
