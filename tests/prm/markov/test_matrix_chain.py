@@ -187,7 +187,7 @@ def test_elimination_and_iteration_agree_where_elimination_fills_in():
         iterated.absorption_from_each([601]), rel=1e-15
     )
     # Own elimination in dense arrays: its last block, and rows behind a block.
-    assert 600 - eliminated._solver._eliminated.head > 200
+    assert 600 - eliminated._solver._eliminated.plan.head > 200
 
 
 def test_iteration_is_tried_first_where_elimination_is_dear_and_left_where_it_is_not_certain():

@@ -64,6 +64,11 @@ class Diagram:
     loops: Loops
 
     @property
+    def nodes(self) -> tuple[Any, Any, Any]:
+        """The level, low and high edge of each node."""
+        return self.level, self.low, self.high
+
+    @property
     def size(self) -> int:
         """The number of nodes, that of the constant included."""
         return len(self.level)
@@ -79,18 +84,9 @@ class Diagram:
 
     def sweep(self, p: Sequence[float], q: Sequence[float]) -> tuple[Any, Any]:
         """Return each node's probability and its complement; `p` and `q` are by level."""
-        loops = self.loops
-        happens, fails = loops.floats(self.size), loops.floats(self.size)
-        loops.sweep(
-            self.level,
-            self.low,
-            self.high,
-            loops.listed_floats(list(p)),
-            loops.listed_floats(list(q)),
-            happens,
-            fails,
-        )
-        return happens, fails
+        swept = self.loops.floats(self.size), self.loops.floats(self.size)
+        self.loops.sweep(*self.nodes, *self._listed(p, q), *swept)
+        return swept
 
     def gains(
         self,
@@ -110,16 +106,13 @@ class Diagram:
         while size < 2 * self.size and size < limits.pairs:
             size *= 2
         levels = len(self.order)
-        p_levels, q_levels = loops.listed_floats(list(p)), loops.listed_floats(list(q))
+        given = self._listed(p, q)
         chosen = loops.listed([int(want) for want in wanted])
         while True:
             gains = loops.floats(self.size)
             met = loops.edge_gains(
-                self.level,
-                self.low,
-                self.high,
-                p_levels,
-                q_levels,
+                *self.nodes,
+                *given,
                 *swept,
                 chosen,
                 gains,
@@ -135,21 +128,9 @@ class Diagram:
 
     def derivatives(self, p: Sequence[float], q: Sequence[float], limits: Limits) -> list[float]:
         """Return by level the derivative of the root's probability by the variable's."""
-        loops = self.loops
-        swept = self.sweep(p, q)
-        gains = self.gains(p, q, swept, [True] * len(p), limits)
-        out = loops.floats(len(p))
-        loops.derivatives(
-            self.root,
-            self.level,
-            self.low,
-            self.high,
-            loops.listed_floats(list(p)),
-            loops.listed_floats(list(q)),
-            gains,
-            loops.floats(self.size),
-            out,
-        )
+        gains = self.gains(p, q, self.sweep(p, q), [True] * len(p), limits)
+        out, reach = self.loops.floats(len(p)), self.loops.floats(self.size)
+        self.loops.derivatives(self.root, *self.nodes, *self._listed(p, q), gains, reach, out)
         return [float(value) for value in out]
 
     def difference(
@@ -163,20 +144,9 @@ class Diagram:
 
         `drops` are the differences of the variables' probabilities.
         """
-        loops = self.loops
-        swept = self.sweep(*low)
-        gains = self.gains(*low, swept, [drop != 0.0 for drop in drops], limits)
-        out = loops.floats(self.size)
-        loops.differences(
-            self.level,
-            self.low,
-            self.high,
-            loops.listed_floats(list(high[0])),
-            loops.listed_floats(list(high[1])),
-            loops.listed_floats(list(drops)),
-            gains,
-            out,
-        )
+        gains = self.gains(*low, self.sweep(*low), [drop != 0.0 for drop in drops], limits)
+        out = self.loops.floats(self.size)
+        self.loops.differences(*self.nodes, *self._listed(*high, drops), gains, out)
         found = float(out[self.root >> 1])
         return -found if self.root & 1 else found
 
@@ -198,12 +168,15 @@ class Diagram:
             rows: tuple[Any, Any]
             if loops.sweep_many is None:
                 rows = [np.zeros(width)] * self.size, [np.zeros(width)] * self.size
-                loops.sweep(self.level, self.low, self.high, p_part, q_part, *rows)
+                loops.sweep(*self.nodes, p_part, q_part, *rows)
             else:
                 rows = np.empty((self.size, width)), np.empty((self.size, width))
-                loops.sweep_many(width, self.level, self.low, self.high, p_part, q_part, *rows)
+                loops.sweep_many(width, *self.nodes, p_part, q_part, *rows)
             happens[part], fails[part] = (row[self.root >> 1] for row in rows)
         return (fails, happens) if self.root & 1 else (happens, fails)
+
+    def _listed(self, *rows: Sequence[float]) -> list[Any]:
+        return [self.loops.listed_floats(list(row)) for row in rows]
 
 
 def module_pair(

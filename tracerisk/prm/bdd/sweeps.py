@@ -89,26 +89,17 @@ def edge_gains(
             else:
                 node_f = f >> 1
                 node_g = g >> 1
+                p_f, q_f = happens[node_f], fails[node_f]
                 if f & 1:
-                    p_f = fails[node_f]
-                    q_f = happens[node_f]
-                else:
-                    p_f = happens[node_f]
-                    q_f = fails[node_f]
+                    p_f, q_f = q_f, p_f
+                p_g, q_g = happens[node_g], fails[node_g]
                 if g & 1:
-                    p_g = fails[node_g]
-                    q_g = happens[node_g]
-                else:
-                    p_g = happens[node_g]
-                    q_g = fails[node_g]
+                    p_g, q_g = q_g, p_g
                 scale_p = max(p_f, p_g)
                 scale_q = max(q_f, q_g)
-                if scale_p <= scale_q:
-                    result = p_f - p_g
-                    scale = scale_p
-                else:
-                    result = q_g - q_f
-                    scale = scale_q
+                result, scale = p_f - p_g, scale_p
+                if scale_p > scale_q:
+                    result, scale = q_g - q_f, scale_q
                 if abs(result) * EXACT_ENOUGH < scale and not full:
                     # Canonical pair: the greater node first, and regular.
                     sign = 0
@@ -128,10 +119,8 @@ def edge_gains(
                     else:
                         found = False
                         base = 5 * depth
-                        frames[base] = f
-                        frames[base + 1] = g
-                        frames[base + 2] = sign
-                        frames[base + 3] = 0
+                        frames[base], frames[base + 1] = f, g
+                        frames[base + 2], frames[base + 3] = sign, 0
                         node_f = f >> 1
                         node_g = g >> 1
                         top = min(level[node_f], level[node_g])
@@ -166,9 +155,7 @@ def edge_gains(
                     slot = (slot ^ (slot >> 17)) & mask
                     while memo_f[slot] != 0:
                         slot = (slot + 1) & mask
-                    memo_f[slot] = f
-                    memo_g[slot] = g
-                    memo_gain[slot] = result
+                    memo_f[slot], memo_g[slot], memo_gain[slot] = f, g, result
                     pairs += 1
                 else:
                     full = True

@@ -80,6 +80,11 @@ class Family:
     loops: SetLoops
 
     @property
+    def nodes(self) -> tuple[Any, Any, Any]:
+        """The level, low and high node of each node."""
+        return self.level, self.low, self.high
+
+    @property
     def size(self) -> int:
         """The number of nodes, the two constants included."""
         return len(self.level)
@@ -98,7 +103,7 @@ class Family:
         found = self.loops.integers(self.size)
         # More than any set can weigh where there is no limit.
         none = (sum(weights[literal] for literal in self.literals) if most is None else most) + 1
-        self.loops.lightest(self.level, self.low, self.high, by_level, none, found)
+        self.loops.lightest(*self.nodes, by_level, none, found)
         return found
 
     def by_order(
@@ -128,7 +133,7 @@ class Family:
     def _filled(self, loop: Callable[..., None], values: Mapping[int, float]) -> Any:
         by_level = self.loops.listed_floats([values[literal] for literal in self.literals])
         found = self.loops.floats(self.size)
-        loop(self.level, self.low, self.high, by_level, found)
+        loop(*self.nodes, by_level, found)
         return found
 
 
@@ -186,21 +191,17 @@ def of_diagram(
     size = max(2_000, 4 * diagram.size)
     while True:
         size = min(size, budget)
-        level, low, high = (loops.integers(size) for _ in range(3))
+        made = [loops.integers(size) for _ in range(3)]
         used = loops.integers(1)
         root = loops.minimal_solutions(
             diagram.root ^ int(sign < 0),
-            diagram.level,
-            diagram.low,
-            diagram.high,
+            *diagram.nodes,
             loops.listed(rising),
             loops.listed(heavy),
             columns - 1,
             loops.integers(2 * diagram.size * columns),
             loops.integers(2 * diagram.size * columns),
-            level,
-            low,
-            high,
+            *made,
             loops.integers(1 << (size + size // 4).bit_length()),
             loops.integers(3 << (max(size, min(16 * size, _MOST_PAIRS)) - 1).bit_length()),
             loops.integers(4 * (len(literals) + 3)),
@@ -208,10 +209,11 @@ def of_diagram(
         )
         if root != kernel.OUT_OF_NODES:
             count = int(used[0])
-            kept = loops.compact(root, count, level, low, high, loops.integers(count))
+            kept = loops.compact(root, count, *made, loops.integers(count))
             # The root is the last of those kept, but for the constants.
             root = root if root <= EMPTY_SET else kept - 1
-            return Family(root, literals, level[:kept], low[:kept], high[:kept], loops)
+            level, low, high = (sequence[:kept] for sequence in made)
+            return Family(root, literals, level, low, high, loops)
         if size >= budget:
             raise TooLargeError(
                 f"the minimal cut sets of a part with {len(literals)} inputs need more than "

@@ -55,25 +55,16 @@ def minimal_solutions(
     table: (power of two, over budget) zeros; cache: (3 times a power of two) zeros.
     frames: (4 (levels + 3)) the stack; used: (1) out, how many nodes were made.
     """
-    budget = len(set_level)
-    table_mask = len(table) - 1
-    cache_mask = len(cache) // 3 - 1
+    sets = _Families(set_level, set_low, set_high, table, cache, frames)
     columns = most + 1
-    levels = level[0]
-    set_level[0] = levels
-    set_level[1] = levels
-    count = 2
+    set_level[0] = set_level[1] = level[0]
     needed[root * columns + most] = 1
     for node in range(len(level) - 1, 0, -1):
-        here = level[node]
-        heavy = weight[here]
+        heavy = weight[level[node]]
         for sign in range(2):
+            above, below = _sides(node, sign, low, high, rising[level[node]])
             for room in range(columns):
                 if needed[(2 * node + sign) * columns + room]:
-                    above = high[node] ^ sign
-                    below = low[node] ^ sign
-                    if not rising[here]:
-                        above, below = below, above
                     needed[below * columns + room] = 1
                     if room >= heavy:
                         needed[above * columns + room - heavy] = 1
@@ -84,119 +75,113 @@ def minimal_solutions(
         here = level[node]
         heavy = weight[here]
         for sign in range(2):
+            above, below = _sides(node, sign, low, high, rising[here])
             for room in range(columns):
                 place = (2 * node + sign) * columns + room
                 if not needed[place]:
                     continue
-                above = high[node] ^ sign
-                below = low[node] ^ sign
-                if not rising[here]:
-                    above, below = below, above
                 rest = family[below * columns + room]
-                f = 0
-                if room >= heavy:
-                    f = family[above * columns + room - heavy]
-                # Without(f, g): the sets of f that hold no set of g.
-                g = rest
-                depth = 0
-                result = 0
-                calling = True
-                making = False
-                make_level = 0
-                make_low = 0
-                make_high = 0
-                last = False
-                while True:
-                    if calling:
-                        if f == 0 or g == 1 or f == g:
-                            result = 0
-                        elif g == 0 or f == 1:
-                            result = f
-                        elif set_level[g] < set_level[f]:
-                            g = set_low[g]
-                            continue
-                        else:
-                            slot = f * 12582917 + g * 4256249
-                            slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
-                            if cache[slot] == f and cache[slot + 1] == g:
-                                result = cache[slot + 2]
-                            else:
-                                base = 4 * depth
-                                frames[base] = f
-                                frames[base + 1] = g
-                                frames[base + 2] = 0
-                                depth += 1
-                                if set_level[f] == set_level[g]:
-                                    g = set_high[g]
-                                f = set_high[f]
-                                continue
-                        calling = False
-                    if making:
-                        result = make_low
-                        if make_high != 0:
-                            slot = make_level * 741457 + make_low * 12582917 + make_high * 4256249
-                            slot = (slot ^ (slot >> 17)) & table_mask
-                            found = table[slot]
-                            while found != 0 and (
-                                set_low[found] != make_low
-                                or set_high[found] != make_high
-                                or set_level[found] != make_level
-                            ):
-                                slot = (slot + 1) & table_mask
-                                found = table[slot]
-                            if found == 0:
-                                if count >= budget:
-                                    used[0] = count
-                                    return -1
-                                found = count
-                                count += 1
-                                table[slot] = found
-                                set_level[found] = make_level
-                                set_low[found] = make_low
-                                set_high[found] = make_high
-                            result = found
-                        making = False
-                        if last:
-                            break
-                        base = 4 * depth
-                        slot = frames[base] * 12582917 + frames[base + 1] * 4256249
-                        slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
-                        cache[slot] = frames[base]
-                        cache[slot + 1] = frames[base + 1]
-                        cache[slot + 2] = result
-                    if depth == 0:
-                        # The element before what is left, beside the sets without it.
-                        last = True
-                        making = True
-                        make_level = here
-                        make_low = rest
-                        make_high = result
-                        continue
-                    base = 4 * (depth - 1)
-                    f = frames[base]
-                    g = frames[base + 1]
-                    if frames[base + 2] == 0 and set_level[f] == set_level[g]:
-                        # Its sets with the element must hold none of g without it, either.
-                        frames[base + 2] = 1
-                        f = result
-                        g = set_low[g]
-                        calling = True
-                    elif frames[base + 2] < 2:
-                        frames[base + 2] = 2
-                        frames[base + 3] = result
-                        if set_level[f] == set_level[g]:
-                            g = set_low[g]
-                        f = set_low[f]
-                        calling = True
-                    else:
-                        depth -= 1
-                        making = True
-                        make_level = set_level[f]
-                        make_low = result
-                        make_high = frames[base + 3]
-                family[place] = result
-    used[0] = count
+                made = family[above * columns + room - heavy] if room >= heavy else 0
+                made = sets.without(made, rest)
+                # The element before what is left, beside the sets without it.
+                if made != OUT_OF_NODES:
+                    made = sets.node_of(here, rest, made)
+                if made == OUT_OF_NODES:
+                    used[0] = sets.count
+                    return OUT_OF_NODES
+                family[place] = made
+    used[0] = sets.count
     return int(family[root * columns + most])
+
+
+def _sides(node: int, sign: int, low: Integers, high: Integers, is_rising: int) -> tuple[int, int]:
+    """Return the edges of a node, or of its complement, with and without its level's element."""
+    above, below = high[node] ^ sign, low[node] ^ sign
+    return (above, below) if is_rising else (below, above)
+
+
+class _Families:
+    """The nodes of families, the table by which they are found, and what is known of them.
+
+    The sequences are those of `minimal_solutions`.
+    """
+
+    def __init__(
+        self,
+        level: Integers,
+        low: Integers,
+        high: Integers,
+        table: Integers,
+        cache: Integers,
+        frames: Integers,
+    ) -> None:
+        self.level, self.low, self.high = level, low, high
+        self.table, self.cache, self.frames = table, cache, frames
+        self.count = 2
+
+    def node_of(self, level: int, low: int, high: int) -> int:
+        """Return the node of a level, made where there is none, or OUT_OF_NODES."""
+        if high == 0:
+            return low
+        mask = len(self.table) - 1
+        slot = level * 741457 + low * 12582917 + high * 4256249
+        slot = (slot ^ (slot >> 17)) & mask
+        while found := self.table[slot]:
+            if (self.level[found], self.low[found], self.high[found]) == (level, low, high):
+                return int(found)
+            slot = (slot + 1) & mask
+        node = self.count
+        if node >= len(self.level):
+            return OUT_OF_NODES
+        self.count += 1
+        self.table[slot] = node
+        self.level[node], self.low[node], self.high[node] = level, low, high
+        return node
+
+    def without(self, f: int, g: int) -> int:
+        """Return the sets of f that hold no set of g, or OUT_OF_NODES."""
+        level, low, high, cache, frames = self.level, self.low, self.high, self.cache, self.frames
+        mask = len(cache) // 3 - 1
+        depth = 0
+        while True:
+            if f == 0 or g == 1 or f == g:
+                result = 0
+            elif g == 0 or f == 1:
+                result = f
+            elif level[g] < level[f]:
+                g = low[g]
+                continue
+            else:
+                slot = f * 12582917 + g * 4256249
+                slot = 3 * ((slot ^ (slot >> 17)) & mask)
+                if cache[slot] != f or cache[slot + 1] != g:
+                    base = 4 * depth
+                    frames[base], frames[base + 1], frames[base + 2] = f, g, 0
+                    depth += 1
+                    f, g = high[f], high[g] if level[f] == level[g] else g
+                    continue
+                result = cache[slot + 2]
+            while depth:
+                base = 4 * (depth - 1)
+                f, g = frames[base], frames[base + 1]
+                if frames[base + 2] == 0 and level[f] == level[g]:
+                    # Its sets with the element must hold none of g without it, either.
+                    frames[base + 2] = 1
+                    f, g = result, low[g]
+                    break
+                if frames[base + 2] < 2:
+                    frames[base + 2], frames[base + 3] = 2, result
+                    f, g = low[f], low[g] if level[f] == level[g] else g
+                    break
+                depth -= 1
+                result = self.node_of(level[f], result, frames[base + 3])
+                if result == OUT_OF_NODES:
+                    return OUT_OF_NODES
+                slot = f * 12582917 + g * 4256249
+                slot = 3 * ((slot ^ (slot >> 17)) & mask)
+                cache[slot], cache[slot + 1], cache[slot + 2] = f, g, result
+            else:
+                return int(result)
 
 
 def compact(

@@ -93,19 +93,8 @@ def normalised(row: Sequence[float]) -> list[float]:
 
 def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> list[float]:
     """Step or square with NumPy, whichever takes fewer operations."""
-    from tracerisk.prm.markov.large.array_steps import power_by_squaring, power_by_steps
+    from tracerisk.prm.markov.large.array_steps import entries_of, power
     from tracerisk.prm.numbers.arrays import np
 
-    now = np.array(start)
-    counts = [len(row) for row in rows]
-    sources = np.repeat(np.arange(len(rows)), counts)
-    targets = np.fromiter((j for row in rows for j in row), dtype=np.int64)
-    values = np.fromiter((p for row in rows for p in row.values()), dtype=np.float64)
-    # A product of dense matrices takes far less time for each operation than a sparse one.
-    if len(rows) <= 2_000 and squaring < 50 * steps * len(values):
-        matrix = np.zeros((len(rows), len(rows)))
-        matrix[sources, targets] = values
-        squared: list[float] = power_by_squaring(now, matrix, steps).tolist()
-        return squared
-    stepped: list[float] = power_by_steps(now, sources, targets, values, steps).tolist()
-    return stepped
+    found: list[float] = power(np.array(start), entries_of(rows), steps, squaring).tolist()
+    return found

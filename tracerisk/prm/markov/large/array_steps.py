@@ -9,14 +9,40 @@ import numpy as np
 
 Array = np.ndarray[Any, Any]
 
+Entries = tuple[Array, Array, Array]
+"""The rows, columns and values of the entries of a sparse matrix."""
+
 _RENORMALISED_EVERY = 64
+_DENSE = 2_000
 
 
-def power_by_squaring(start: Array, matrix: Array, steps: int) -> Array:
-    """Return `start` times the `steps`-th power of a dense stochastic matrix.
+def entries_of(rows: Sequence[Mapping[int, float]]) -> Entries:
+    """Return the entries of a matrix given by its rows."""
+    return (
+        np.repeat(np.arange(len(rows)), [len(row) for row in rows]),
+        np.fromiter((j for row in rows for j in row), dtype=np.int64),
+        np.fromiter((p for row in rows for p in row.values()), dtype=np.float64),
+    )
 
-    start: (n,); matrix: (n, n). Each product is divided by its sums.
+
+def power(start: Array, entries: Entries, steps: int, squaring: float) -> Array:
+    """Return `start` times the `steps`-th power of a stochastic matrix: (n,).
+
+    `squaring` says how many operations it takes to square the matrix as often as needed; that is
+    done where it is faster than to step.
     """
+    size = len(start)
+    sources, targets, values = entries
+    # A product of dense matrices takes far less time for each operation than a sparse one.
+    if size <= _DENSE and squaring < 50 * steps * len(values):
+        matrix = np.zeros((size, size))
+        matrix[sources, targets] = values
+        return _power_by_squaring(start, matrix, steps)
+    return _power_by_steps(start, entries, steps)
+
+
+def _power_by_squaring(start: Array, matrix: Array, steps: int) -> Array:
+    """Square a dense matrix: (n, n). Each product is divided by its sums."""
     now = start
     while steps:
         if steps & 1:
@@ -29,14 +55,8 @@ def power_by_squaring(start: Array, matrix: Array, steps: int) -> Array:
     return now
 
 
-def power_by_steps(
-    start: Array, sources: Array, targets: Array, values: Array, steps: int
-) -> Array:
-    """Return `start` after so many steps of a sparse stochastic matrix; start: (n,)."""
-    from scipy.sparse import csr_array
-
-    size = len(start)
-    turned = csr_array((values, (targets, sources)), shape=(size, size))
+def _power_by_steps(start: Array, entries: Entries, steps: int) -> Array:
+    turned = _turned(entries, len(start))
     now = start
     for number in range(1, steps + 1):
         now = turned @ now
@@ -52,13 +72,7 @@ def weighted_steps(
     weights: Sequence[float],
 ) -> Array:
     """Return the sum of the distributions after `first` steps and on, weighed: (n,)."""
-    from scipy.sparse import csr_array
-
-    size = len(rows)
-    sources = np.repeat(np.arange(size), [len(row) for row in rows])
-    targets = np.fromiter((j for row in rows for j in row), dtype=np.int64)
-    values = np.fromiter((p for row in rows for p in row.values()), dtype=np.float64)
-    turned = csr_array((values, (targets, sources)), shape=(size, size))
+    turned = _turned(entries_of(rows), len(rows))
     now = np.array(start)
     for _ in range(first):
         now = turned @ now
@@ -67,3 +81,10 @@ def weighted_steps(
         now = turned @ now
         total = total + weight * now
     return np.asarray(total / total.sum())
+
+
+def _turned(entries: Entries, size: int) -> Any:
+    from scipy.sparse import csr_array
+
+    sources, targets, values = entries
+    return csr_array((values, (targets, sources)), shape=(size, size))

@@ -56,9 +56,7 @@ class Certifier:
 
     def __init__(self, weights: Weights) -> None:
         self._weights = weights
-        self._leaving, self._right_terms, self._left_terms = leaving_and_terms(
-            weights.indptr, weights.indices, weights.data, weights.slack, weights.ends
-        )
+        self._leaving, self._right_terms, self._left_terms = leaving_and_terms(weights)
         self._nothing = np.zeros(weights.size)
 
     def certify(
@@ -82,18 +80,19 @@ class Certifier:
         if not np.all(np.isfinite(first)):
             return Certified(first, math.inf)
         terms = self._left_terms if left else self._right_terms
+        residual_of = left_residual if left else right_residual
         high, low = first, self._nothing
         lost = self._nothing if given_low is None else given_low
         scale = self._leaving * first
         # How much a relative residual of one in every entry can come to.
         reach = solver(scale)
-        slip, size = self._residual(scale, self._nothing, reach, low, left=left)
+        slip, size = residual_of(self._weights, scale, self._nothing, reach, low)
         missing = worst_share(slip, size, terms, scale, _WORKING)
         best = Certified(first, math.inf)
         if not missing < 0.5:
             return best
         for number in range(rounds + 1):
-            residual, size = self._residual(given, lost, high, low, left=left)
+            residual, size = residual_of(self._weights, given, lost, high, low)
             unknown = worst_share(residual, size, terms, scale, _WORKING)
             bound = unknown * worst_ratio(reach, high, _SMALLEST) / (1.0 - missing)
             if bound + _ROUNDING < best.bound:
@@ -107,24 +106,6 @@ class Certifier:
             # Twice the working precision is not enough; elimination itself loses no digits.
             return Certified(first, _against(first, best))
         return best
-
-    def _residual(
-        self, given: Array, given_low: Array, high: Array, low: Array, *, left: bool
-    ) -> tuple[Array, Array]:
-        kernel: Any = left_residual if left else right_residual
-        weights = self._weights
-        found: tuple[Array, Array] = kernel(
-            weights.indptr,
-            weights.indices,
-            weights.data,
-            weights.slack,
-            weights.slack_low,
-            given,
-            given_low,
-            high,
-            low,
-        )
-        return found
 
 
 def _against(first: Array, best: Certified) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from tracerisk.prm.markov.large.dense_elimination import eliminate_dense
 from tracerisk.prm.markov.large.ordering import TOO_DENSE, minimum_degree
-from tracerisk.prm.markov.large.pattern import neighbours, transposed
+from tracerisk.prm.markov.large.pattern import Rows, neighbours, transposed
 from tracerisk.prm.markov.large.sparse_elimination import eliminate_rows, solve_left, solve_right
 from tracerisk.prm.markov.large.symbolic import (
     count_fill,
@@ -48,6 +48,11 @@ class Weights:
     def size(self) -> int:
         """How many states there are."""
         return len(self.slack)
+
+    @property
+    def rows(self) -> Rows:
+        """The ways in compressed rows."""
+        return self.indptr, self.indices, self.data
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,20 +88,14 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Factors:
-    """The eliminated chain: u G = start and G x = reward are solved without a subtraction."""
+    """The eliminated chain: u G = start and G x = reward are solved without a subtraction.
 
-    order: Array
-    rank: Array
-    head: int
+    leaving, rows, dense: as `eliminate_rows` returns them, the dense rest eliminated.
+    """
+
+    plan: Plan
     leaving: Array
-    in_ptr: Array
-    in_end: Array
-    in_state: Array
-    in_weight: Array
-    out_ptr: Array
-    out_end: Array
-    out_state: Array
-    out_share: Array
+    rows: tuple[Array, ...]
     dense: Array
 
     def left(self, start: Array) -> Array:
@@ -108,28 +107,15 @@ class Factors:
         return np.asarray(self._solve(solve_right, reward))
 
     def _solve(self, solver: Any, given: Array) -> Array:
-        ordered = np.ascontiguousarray(given, dtype=np.float64)[self.order]
-        found: Array = solver(
-            ordered,
-            self.head,
-            self.leaving,
-            self.in_ptr,
-            self.in_end,
-            self.in_state,
-            self.in_weight,
-            self.out_ptr,
-            self.out_end,
-            self.out_state,
-            self.out_share,
-            self.dense,
-        )
-        return found[self.rank]
+        ordered = np.ascontiguousarray(given, dtype=np.float64)[self.plan.order]
+        found: Array = solver(ordered, self.plan.head, self.leaving, *self.rows, self.dense)
+        return found[self.plan.rank]
 
 
 def plan(weights: Weights, budget: Budget) -> Plan | None:
     """Return how to eliminate a chain, or `None` where that would outgrow the budget."""
     n = weights.size
-    turned_ptr, turned, _ = transposed(n, weights.indptr, weights.indices, weights.data)
+    turned_ptr, turned, _ = transposed(n, weights.rows)
     joined_ptr, joined = neighbours(n, weights.indptr, weights.indices, turned_ptr, turned)
     order, head = minimum_degree(n, joined_ptr, joined, budget.dense_rest, budget.products)
     if head == TOO_DENSE:
@@ -145,17 +131,8 @@ def plan(weights: Weights, budget: Budget) -> Plan | None:
         return None
     # A product of dense matrices takes about an eighth of the time of so many single ones.
     products += float(n - head) ** 3 / 8.0
-    return Plan(
-        order,
-        rank,
-        head,
-        parent,
-        np.cumsum(into),
-        np.cumsum(out),
-        joined_ptr,
-        joined,
-        products,
-    )
+    ends = np.cumsum(into), np.cumsum(out)
+    return Plan(order, rank, head, parent, *ends, joined_ptr, joined, products)
 
 
 def eliminate(
@@ -165,47 +142,14 @@ def eliminate(
 
     Raises StuckStateError when a state is left with less than the smallest normal double.
     """
-    n = weights.size
-    head = how.head
-    out_state = later_states(
-        n, head, how.order, how.rank, how.joined_ptr, how.joined, how.parent, how.out_ptr
-    )
     smallest = sys.float_info.min
-    in_end, in_state, in_weight, out_end, out_share, leaving, dense, stuck = eliminate_rows(
-        n,
-        head,
-        how.order,
-        how.rank,
-        how.parent,
-        weights.indptr,
-        weights.indices,
-        weights.data,
-        weights.slack,
-        how.in_ptr,
-        how.out_ptr,
-        out_state,
-        smallest,
-    )
+    leaving, rows, dense, stuck = eliminate_rows(weights, how, later_states(how), smallest)
     if stuck < 0:
-        place = eliminate_dense(dense, leaving[head:], smallest)
-        stuck = int(how.order[head + place]) if place >= 0 else -1
+        place = eliminate_dense(dense, leaving[how.head :], smallest)
+        stuck = int(how.order[how.head + place]) if place >= 0 else -1
     if stuck >= 0:
         raise StuckStateError(label(stuck), kind)
-    return Factors(
-        how.order,
-        how.rank,
-        head,
-        leaving,
-        how.in_ptr,
-        in_end,
-        in_state,
-        in_weight,
-        how.out_ptr,
-        out_end,
-        out_state,
-        out_share,
-        dense,
-    )
+    return Factors(how, leaving, rows, dense)
 
 
 def _ranks(order: Array) -> Array:

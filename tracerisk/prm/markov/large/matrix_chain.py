@@ -13,7 +13,7 @@ import numpy as np
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.markov.large.factors import Budget, Weights
 from tracerisk.prm.markov.large.matrix_solution import MatrixSolution
-from tracerisk.prm.markov.large.pattern import not_reached_backwards, split, transposed
+from tracerisk.prm.markov.large.pattern import Rows, not_reached_backwards, split, transposed
 from tracerisk.prm.markov.solver import CertifiedSolver
 
 Array = np.ndarray[Any, Any]
@@ -45,11 +45,10 @@ class MatrixChain:
         cls, matrix: Any, absorbing: Any = None, names: Sequence[str] | None = None
     ) -> MatrixChain:
         """Return the chain of a square matrix; see `MarkovChain.from_matrix`."""
-        indptr, indices, data = compressed(matrix)
-        labels = _checked_names(names, len(indptr) - 1)
-        check_entries(indptr, indices, data, labels, "probability")
-        ends = _absorbing_states(indptr, indices, data, absorbing, labels)
-        chain = cls._split(indptr, indices, data, ends, labels)
+        rows = _compressed(matrix)
+        labels = _checked_names(names, len(rows[0]) - 1)
+        _check_entries(rows, labels)
+        chain = cls._split(rows, _absorbing_states(rows, absorbing, labels), labels)
         wrong = np.flatnonzero(~(np.abs(chain.totals - 1.0) <= _ROW_TOLERANCE))
         if len(wrong):
             state = int(chain.transient[wrong[0]])
@@ -60,23 +59,14 @@ class MatrixChain:
         return chain
 
     @classmethod
-    def _split(
-        cls,
-        indptr: Array,
-        indices: Array,
-        data: Array,
-        absorbing: Array,
-        names: tuple[str, ...] | None,
-    ) -> MatrixChain:
+    def _split(cls, rows: Rows, absorbing: Array, names: tuple[str, ...] | None) -> MatrixChain:
         """Separate the transient states; raise ModelError when one is never absorbed."""
         transient = np.flatnonzero(~absorbing)
         place = (np.cumsum(~absorbing) - 1).astype(np.int32)
-        starts, targets, values, slack, slack_low, ends, totals = split(
-            indptr, indices, data, absorbing, place, transient
-        )
-        n = len(transient)
-        turned_ptr, turned, _ = transposed(n, starts, targets, values)
-        caught = not_reached_backwards(n, turned_ptr, turned, slack > 0.0)
+        *parts, totals = split(rows, absorbing, place, transient)
+        weights = Weights(*parts)
+        turned_ptr, turned, _ = transposed(weights.size, weights.rows)
+        caught = not_reached_backwards(weights.size, turned_ptr, turned, weights.slack > 0.0)
         if len(caught):
             shown = [labelled(int(transient[k]), names) for k in caught[:_NAMED_IN_ERRORS]]
             more = len(caught) - len(shown)
@@ -85,8 +75,12 @@ class MatrixChain:
                 f"{f' and {more} more states' if more else ''}; lead each to an absorbing state"
                 f"{'' if absorbing.any() else ' (there is none)'}"
             )
-        weights = Weights(starts, targets, values, slack, slack_low, ends)
-        return cls(indptr, indices, data, absorbing, transient, totals, weights, names)
+        return cls(*rows, absorbing, transient, totals, weights, names)
+
+    @property
+    def rows(self) -> Rows:
+        """The matrix in compressed rows."""
+        return self.indptr, self.indices, self.data
 
     @property
     def size(self) -> int:
@@ -119,7 +113,7 @@ class MatrixChain:
 
         Raises ModelError when `entry` is not a transient state or `steps` is below zero.
         """
-        from tracerisk.prm.markov.large.array_steps import power_by_squaring, power_by_steps
+        from tracerisk.prm.markov.large.array_steps import power
 
         if steps < 0:
             raise ModelError(f"{steps} steps: a chain takes none or more")
@@ -135,11 +129,7 @@ class MatrixChain:
         columns = np.concatenate((self.indices[inside].astype(np.int64), ends))
         values = np.concatenate((self.data[inside] / scale[sources[inside]], np.ones(len(ends))))
         squaring = float(self.size) ** 3 * max(1, steps).bit_length()
-        if self.size <= 2_000 and squaring < 50.0 * steps * len(values):
-            matrix = np.zeros((self.size, self.size))
-            matrix[rows, columns] = values
-            return power_by_squaring(now, matrix, steps)
-        return power_by_steps(now, rows, columns, values, steps)
+        return power(now, (rows, columns, values), steps, squaring)
 
     def state(self, given: int | str) -> int:
         """Return the index of a state given by index or name; raise ModelError for no such."""
@@ -175,7 +165,7 @@ class MatrixChain:
         return int(np.searchsorted(self.transient, state))
 
 
-def compressed(matrix: Any) -> tuple[Array, Array, Array]:
+def _compressed(matrix: Any) -> Rows:
     """Return a square matrix in compressed rows; raise ModelError when it is none."""
     from scipy.sparse import csr_array, issparse
 
@@ -194,17 +184,16 @@ def compressed(matrix: Any) -> tuple[Array, Array, Array]:
     return rows.indptr.astype(np.int64), rows.indices.astype(np.int32), rows.data
 
 
-def check_entries(
-    indptr: Array, indices: Array, data: Array, names: tuple[str, ...] | None, kind: str
-) -> None:
+def _check_entries(rows: Rows, names: tuple[str, ...] | None) -> None:
     """Raise ModelError, naming row and column, when an entry is negative or not finite."""
+    indptr, indices, data = rows
     if not len(data) or (data.min() >= 0.0 and data.max() < math.inf):
         return
     place = int(np.flatnonzero(~((data >= 0.0) & (data < math.inf)))[0])
     row = int(np.searchsorted(indptr, place, side="right")) - 1
     raise ModelError(
         f"state {labelled(row, names)}: {float(data[place])!r} to "
-        f"{labelled(int(indices[place]), names)} is not a {kind}"
+        f"{labelled(int(indices[place]), names)} is not a probability"
     )
 
 
@@ -225,14 +214,13 @@ def _checked_names(names: Sequence[str] | None, size: int) -> tuple[str, ...] | 
     return labels
 
 
-def _absorbing_states(
-    indptr: Array, indices: Array, data: Array, given: Any, names: tuple[str, ...] | None
-) -> Array:
+def _absorbing_states(rows: Rows, given: Any, names: tuple[str, ...] | None) -> Array:
+    indptr, indices, data = rows
     size = len(indptr) - 1
-    rows = np.repeat(np.arange(size), np.diff(indptr))
-    leads = (data > 0.0) & (indices != rows)
+    sources = np.repeat(np.arange(size), np.diff(indptr))
+    leads = (data > 0.0) & (indices != sources)
     leaves = np.zeros(size, np.bool_)
-    leaves[rows[leads]] = True
+    leaves[sources[leads]] = True
     if given is None:
         return ~leaves
     chosen = np.asarray(given)

@@ -72,9 +72,7 @@ class MatrixSolution:
         """
         chain = self.chain
         chosen = chain.chosen(targets)
-        reward, low = row_sums_into(
-            chain.indptr, chain.indices, chain.data, chosen, chain.transient
-        )
+        reward, low = row_sums_into(chain.rows, chosen, chain.transient)
         found = self._solver.right(reward, low)
         return Certified(self._full(found.values) + chosen, found.bound)
 
@@ -139,10 +137,7 @@ class MatrixSolution:
 
     def _into(self, chosen: Array) -> Array:
         chain = self.chain
-        found: Array = gathered(
-            chain.indptr, chain.indices, chain.data, chosen, chain.transient, self._stay.values
-        )
-        return found
+        return gathered(chain.rows, chosen, chain.transient, self._stay.values)
 
     def _full(self, values: Array) -> Array:
         full = np.zeros(self.chain.size)

@@ -12,6 +12,8 @@ import numpy as np
 from tracerisk.prm.compiled.library import loop
 
 Array = np.ndarray[Any, Any]
+Rows = tuple[Array, Array, Array]
+"""A matrix in compressed rows: where each row begins, and ends; the columns; the entries."""
 
 _transposed = loop("transposed", "lidllid")
 _neighbours = loop("neighbours", "liliili", int)
@@ -21,13 +23,13 @@ _gathered = loop("gathered", "lid?lddd")
 _row_sums_into = loop("row_sums_into", "lid?ldd")
 
 
-def transposed(n: int, indptr: Array, indices: Array, data: Array) -> tuple[Array, Array, Array]:
-    """Return the transpose of an n x n matrix in compressed rows, its rows sorted."""
+def transposed(n: int, rows: Rows) -> Rows:
+    """Return the transpose of an n x n matrix, its rows sorted."""
+    count = len(rows[1])
     starts = np.zeros(n + 1, np.int64)
-    rows = np.empty(len(indices), np.int32)
-    values = np.empty(len(indices))
-    _transposed(indptr, indices, data, starts, np.empty(n, np.int64), rows, values)
-    return starts, rows, values
+    turned, values = np.empty(count, np.int32), np.empty(count)
+    _transposed(*rows, starts, np.empty(n, np.int64), turned, values)
+    return starts, turned, values
 
 
 def neighbours(
@@ -52,7 +54,7 @@ def not_reached_backwards(n: int, turned_ptr: Array, turned: Array, ends: Array)
 
 
 def split(
-    indptr: Array, indices: Array, data: Array, absorbing: Array, place: Array, transient: Array
+    rows: Rows, absorbing: Array, place: Array, transient: Array
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
     """Split the rows of the transient states into the ways between them and what leaves them.
 
@@ -63,33 +65,24 @@ def split(
     """
     n = len(transient)
     starts = np.zeros(n + 1, np.int64)
-    targets = np.empty(len(indices), np.int32)
-    values = np.empty(len(indices))
-    slack, slack_low, totals = np.zeros(n), np.zeros(n), np.zeros(n)
-    ends = np.zeros(n, np.int32)
-    sums = slack, slack_low, ends, totals
-    count = _split(
-        indptr, indices, data, absorbing, place, transient, starts, targets, values, *sums
-    )
+    targets, values = np.empty(len(rows[1]), np.int32), np.empty(len(rows[1]))
+    sums = np.zeros(n), np.zeros(n), np.zeros(n, np.int32), np.zeros(n)
+    count = _split(*rows, absorbing, place, transient, starts, targets, values, *sums)
     return starts, targets[:count].copy(), values[:count].copy(), *sums
 
 
-def gathered(
-    indptr: Array, indices: Array, data: Array, chosen: Array, transient: Array, stay: Array
-) -> Array:
+def gathered(rows: Rows, chosen: Array, transient: Array, stay: Array) -> Array:
     """Return for each state where `chosen` holds the sum of the ways into it times `stay`."""
     total, lost = np.zeros(len(chosen)), np.zeros(len(chosen))
-    _gathered(indptr, indices, data, chosen, transient, stay, total, lost)
+    _gathered(*rows, chosen, transient, stay, total, lost)
     return total + lost
 
 
-def row_sums_into(
-    indptr: Array, indices: Array, data: Array, chosen: Array, transient: Array
-) -> tuple[Array, Array]:
+def row_sums_into(rows: Rows, chosen: Array, transient: Array) -> tuple[Array, Array]:
     """Return for each transient state the sum of its ways to states where `chosen` holds.
 
     And what its rounding lost.
     """
     sums, low = np.zeros(len(transient)), np.zeros(len(transient))
-    _row_sums_into(indptr, indices, data, chosen, transient, sums, low)
+    _row_sums_into(*rows, chosen, transient, sums, low)
     return sums, low

@@ -8,11 +8,14 @@ Computer Programming", volume 2, 4.2.2.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.large.factors import Weights
 
 Array = np.ndarray[Any, Any]
 
@@ -22,54 +25,34 @@ _leaving_and_terms = loop("leaving_and_terms", "lididdd")
 
 
 def right_residual(
-    indptr: Array,
-    indices: Array,
-    data: Array,
-    slack: Array,
-    slack_low: Array,
-    reward: Array,
-    reward_low: Array,
-    high: Array,
-    low: Array,
+    weights: Weights, reward: Array, reward_low: Array, high: Array, low: Array
 ) -> tuple[Array, Array]:
     """Return reward - G (high + low), and the sum of the sizes of all that it was summed from.
 
     Ways between states are weighed with the difference of their values, which is exact and
     small where a chain seldom ends. The slack and the reward are pairs of doubles, too.
     """
-    residual, size = np.empty(len(slack)), np.empty(len(slack))
-    chain = (indptr, indices, data, slack, slack_low)
+    residual, size = np.empty(weights.size), np.empty(weights.size)
+    chain = (*weights.rows, weights.slack, weights.slack_low)
     _right_residual(*chain, reward, reward_low, high, low, residual, size)
     return residual, size
 
 
 def left_residual(
-    indptr: Array,
-    indices: Array,
-    data: Array,
-    slack: Array,
-    slack_low: Array,
-    start: Array,
-    start_low: Array,
-    high: Array,
-    low: Array,
+    weights: Weights, start: Array, start_low: Array, high: Array, low: Array
 ) -> tuple[Array, Array]:
     """Return start - (high + low) G, and the sum of the sizes of all that it was summed from."""
     total, error, size = start.copy(), start_low.copy(), np.abs(start)
-    _left_residual(indptr, indices, data, slack, slack_low, high, low, total, error, size)
+    chain = (*weights.rows, weights.slack, weights.slack_low)
+    _left_residual(*chain, high, low, total, error, size)
     return total + error, size
 
 
-def leaving_and_terms(
-    indptr: Array, indices: Array, data: Array, slack: Array, ends: Array
-) -> tuple[Array, Array, Array]:
-    """Return what leaves each state, and how many terms its right and left residuals have.
-
-    `ends` counts the ways that the slack of each state sums.
-    """
-    leaving: Array = slack.copy()
-    right, left = np.empty(len(slack)), np.zeros(len(slack))
-    _leaving_and_terms(indptr, indices, data, ends, leaving, right, left)
+def leaving_and_terms(weights: Weights) -> tuple[Array, Array, Array]:
+    """Return what leaves each state, and how many terms its right and left residuals have."""
+    leaving: Array = weights.slack.copy()
+    right, left = np.empty(weights.size), np.zeros(weights.size)
+    _leaving_and_terms(*weights.rows, weights.ends, leaving, right, left)
     return leaving, right, left
 
 

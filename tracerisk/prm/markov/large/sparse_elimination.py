@@ -8,11 +8,14 @@ of the dense rest only gather here, and are eliminated by `dense_elimination`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.large.factors import Plan, Weights
 
 Array = np.ndarray[Any, Any]
 
@@ -24,49 +27,35 @@ _solve_right = loop("solve_right", _SOLVES)
 
 
 def eliminate_rows(
-    n: int,
-    head: int,
-    order: Array,
-    rank: Array,
-    parent: Array,
-    indptr: Array,
-    indices: Array,
-    data: Array,
-    slack: Array,
-    in_ptr: Array,
-    out_ptr: Array,
-    out_state: Array,
-    smallest: float,
-) -> tuple[Array, Array, Array, Array, Array, Array, Array, int]:
-    """Eliminate the first `head` states by rank.
+    weights: Weights, how: Plan, out_state: Array, smallest: float
+) -> tuple[Array, tuple[Array, ...], Array, int]:
+    """Eliminate the first `how.head` states by rank.
 
-    Rows of `indptr`, `indices`, `data` and `slack`, the weight that leaves all states at once,
-    go by state.
     `out_state` is given as a bound and returned with what is there, its ends in `out_end`.
-    Returns in_end, in_state, in_weight: the weights into earlier states, by rows;
-    out_end, out_share: the shares of what leaves a state, by rows; the weight that leaves each
-    state; the dense rest with the slack as its last column; and the state that is left with
-    less than `smallest`, or -1.
+    Returns the weight that leaves each state; the rows in_ptr, in_end, in_state, in_weight: the
+    weights into earlier states, and out_ptr, out_end, out_state, out_share: the shares of what
+    leaves a state; the dense rest with the slack as its last column; and the state that is left
+    with less than `smallest`, or -1.
     """
+    n, head, in_ptr, out_ptr = weights.size, how.head, how.in_ptr, how.out_ptr
     rest = n - head
-    in_end = in_ptr[:n].copy()
-    in_state, in_weight = np.empty(in_ptr[n], np.int32), np.empty(in_ptr[n])
-    out_end = out_ptr[:head].copy()
-    out_share = np.empty(out_ptr[head])
+    rows = (
+        *(in_ptr, in_ptr[:n].copy(), np.empty(in_ptr[n], np.int32), np.empty(in_ptr[n])),
+        *(out_ptr, out_ptr[:head].copy(), out_state, np.empty(out_ptr[head])),
+    )
     leaving = np.zeros(n)
     dense = np.zeros((rest, rest + 1))
     stuck: int = _eliminate_rows(
         head,
-        *(order, rank, parent),
-        *(indptr, indices, data, slack),
-        *(in_ptr, in_end, in_state, in_weight),
-        *(out_ptr, out_end, out_state, out_share),
+        *(how.order, how.rank, how.parent),
+        *(*weights.rows, weights.slack),
+        *rows,
         *(leaving, dense),
         *(np.zeros(head), np.zeros(head, np.bool_), np.zeros(n)),
         *(np.full(n, -1, np.int32), np.empty(n, np.int32), np.empty(n, np.int32)),
         smallest,
     )
-    return in_end, in_state, in_weight, out_end, out_share, leaving, dense, stuck
+    return leaving, rows, dense, stuck
 
 
 def solve_left(start: Array, head: int, leaving: Array, *rows: Array) -> Array:

@@ -7,11 +7,14 @@ Analysis and Applications 11 (1990).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.large.factors import Plan
 
 Array = np.ndarray[Any, Any]
 
@@ -49,18 +52,11 @@ def count_fill(
     return into, out
 
 
-def later_states(
-    n: int,
-    head: int,
-    order: Array,
-    rank: Array,
-    indptr: Array,
-    indices: Array,
-    parent: Array,
-    starts: Array,
-) -> Array:
-    """Return for each of the first `head` states, by rank, which later ones it can lead to."""
-    found = np.empty(starts[head], np.int32)
-    mark = np.full(n, -1, np.int32)
-    _later_states(head, order, rank, indptr, indices, parent, mark, starts[:head].copy(), found)
+def later_states(how: Plan) -> Array:
+    """Return for each of the first `how.head` states, by rank, which later ones it can lead to."""
+    found = np.empty(how.out_ptr[how.head], np.int32)
+    ends = how.out_ptr[: how.head].copy()
+    mark = np.full(len(how.order), -1, np.int32)
+    joined = how.joined_ptr, how.joined
+    _later_states(how.head, how.order, how.rank, *joined, how.parent, mark, ends, found)
     return found
