@@ -319,4 +319,4 @@ class GazeboServices:
         return self._messages.response(f"{_PACKAGE}/{kind}")
 
     def _report(self, message: str) -> None:
-        self._commands.report("simulator", message, self._commands.stack())
+        self._commands.report("simulator", message)

@@ -182,8 +182,7 @@ class MoveGroupServer(RobotGroups):
         return self._runtime.scheduler.read_clock()
 
     def _positions(self) -> dict[str, float]:
-        state = self._twin.joint_state()
-        return dict(zip(state.names, state.position, strict=True))
+        return self._twin.joint_state().positions
 
     # Planning
 

@@ -240,7 +240,6 @@ class Servo:
                 "no file of the workspace gives servo its scales: a share of 1 is taken for "
                 f"{self.settings.linear:g} m/s, {self.settings.rotational:g} rad/s of the tool, "
                 f"{self.settings.joint:g} rad/s of a joint, as by default in MoveIt 2",
-                self._commands.stack(),
             )
         return np.array(scales)
 
@@ -281,7 +280,6 @@ class Servo:
                 f"servo {'slows' if share else 'stops'} the tool at a singularity: the condition "
                 f"number is {condition:.3g}, and it stops at {high:g}; the arm may have to start "
                 "elsewhere",
-                self._commands.stack(),
             )
         return share
 
@@ -319,7 +317,6 @@ class Servo:
         self._commands.report(
             "not_simulated",
             "servo is let drift in some directions: the arm holds them all the same",
-            self._commands.stack(),
         )
         return {"success": True}
 

@@ -220,8 +220,7 @@ class TrajectoryExecution:
     def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
         if not trajectory.joints or not len(trajectory.time):
             return "it is empty"
-        state = self._twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = self._twin.joint_state().positions
         for name, begin in zip(trajectory.joints, trajectory.position[0], strict=True):
             if name not in here:
                 return f"the robot has no joint '{name}'; {one_of(here, name)}"

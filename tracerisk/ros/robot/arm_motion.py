@@ -68,8 +68,7 @@ class ArmMotion:
 
     def positions(self) -> list[float]:
         """Return where the joints are [rad]."""
-        state = self.twin.joint_state()
-        at = dict(zip(state.names, state.position, strict=True))
+        at = self.twin.joint_state().positions
         return [at[name] for name in self.joints]
 
     def velocities(self) -> list[float]:
@@ -108,8 +107,7 @@ class ArmMotion:
         """Return how far the gripper is open: 0 closed, 1 wide open."""
         if self.gripper is None:
             return 0.0
-        state = self.twin.joint_state()
-        at = dict(zip(state.names, state.position, strict=True))
+        at = self.twin.joint_state().positions
         closed, opened = gripper_ends(self.twin.robot, self.gripper)
         return (self.gripper.position(at) - closed) / (opened - closed)
 
@@ -117,8 +115,7 @@ class ArmMotion:
         """Return how far the fingers are apart, or at which angle the gripper is [m or rad]."""
         if self.gripper is None:
             return 0.0
-        state = self.twin.joint_state()
-        at = dict(zip(state.names, state.position, strict=True))
+        at = self.twin.joint_state().positions
         position = self.gripper.position(at)
         is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
         return position * len(self.gripper.joints) if is_sliding else position

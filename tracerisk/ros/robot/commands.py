@@ -102,15 +102,18 @@ class TwinCommands:
         self,
         kind: str,
         message: str,
-        stack: tuple[Frame, ...],
+        stack: tuple[Frame, ...] | None = None,
         *,
         object_name: str = "",
         target: Sequence[float] = (),
     ) -> None:
         """Record a finding at the line that sent the goal or message; the same one only once.
 
-        `object_name` is what it is about, `target` the goal of what failed.
+        Without a `stack` it is the line that runs now. `object_name` is what it is about, `target`
+        the goal of what failed.
         """
+        if stack is None:
+            stack = self.stack()
         location = None
         if stack:
             line, column = stack[-1].site

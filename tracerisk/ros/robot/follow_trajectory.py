@@ -197,8 +197,7 @@ class _Pursuit:
             for each in (() if server._rules.ignore_tolerances else asked.path_tolerance)
             if each.position > 0.0 and each.name in trajectory.joints
         }
-        state = self._commands.twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = self._commands.twin.joint_state().positions
         self._start = np.array([here[name] for name in trajectory.joints])
         goal.data = self
         self._command: LiveCommand = self._commands.begin(
@@ -272,8 +271,7 @@ class _Pursuit:
         if self._motion.outcome != "active" or self._goal.state.is_terminal:
             return
         twin = self._commands.twin
-        state = twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = twin.joint_state().positions
         goals = zip(self._trajectory.joints, self._trajectory.position[-1], strict=True)
         miss, joint = max((abs(here[name] - wanted), name) for name, wanted in goals)
         if miss <= (_LATE if self._limit.position is None else self._limit.position):

@@ -141,7 +141,6 @@ class SetPoints:
             self._commands.report(
                 "unprovided",
                 f"'{name}' of a message on {topic} moved nothing: {note}",
-                self._commands.stack(),
                 object_name=name,
             )
 
@@ -166,7 +165,6 @@ class SetPoints:
                 self._commands.report(
                     "stopped_at_limit",
                     f"a message on {topic} takes joint '{joint}' {words}",
-                    self._commands.stack(),
                     object_name=joint,
                 )
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
@@ -185,8 +183,7 @@ class SetPoints:
         points = getattr(message, "points", None)
         if not points or len(points[-1].positions) != len(message.joint_names):
             return False
-        state = self._twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = self._twin.joint_state().positions
         goal = zip(message.joint_names, points[-1].positions, strict=True)
         return all(abs(here.get(name, math.inf) - value) <= tolerance for name, value in goal)
 
@@ -249,7 +246,6 @@ class SetPoints:
             "unprovided",
             f"messages on {topic} moved nothing: the workspace has a controller for "
             f"{', '.join(declared)}, and robot '{robot.name}' has no such joint",
-            self._commands.stack(),
             object_name=topic,
         )
 
@@ -303,15 +299,11 @@ class SetPoints:
                 "not_simulated",
                 f"joint states published on {topic} move nothing: a driver publishes there what "
                 "it measured, and takes commands elsewhere",
-                self._commands.stack(),
             )
 
     def _refuse(self, topic: str, message: str) -> None:
         self._commands.report(
-            "command_ignored",
-            f"a message on {topic} moved nothing: {message}",
-            self._commands.stack(),
-            object_name=topic,
+            "command_ignored", f"a message on {topic} moved nothing: {message}", object_name=topic
         )
 
     def set_point(
@@ -369,8 +361,7 @@ class SetPoints:
         now_ns: int,
         speed: float,
     ) -> JointTrajectory:
-        state = self._twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = self._twin.joint_state().positions
         start = np.array([here[name] for name in joints])
         rest = np.zeros((1, len(joints)))
         if stream is not None and now_ns > stream.last_ns:

@@ -113,8 +113,7 @@ def _check_joints(names: tuple[str, ...], twin: Twin) -> None:
 def _from_now(
     names: tuple[str, ...], time: Array, position: Array, velocity: Array | None, twin: Twin
 ) -> JointTrajectory:
-    state = twin.joint_state()
-    here = dict(zip(state.names, state.position, strict=True))
+    here = twin.joint_state().positions
     start = np.array([here[name] for name in names])
     first = int(np.searchsorted(time, 0.0))
     if first == len(time) and time[-1] < 0.0:

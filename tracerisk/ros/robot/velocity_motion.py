@@ -33,8 +33,7 @@ def at_velocities(
     """
     names = tuple(asked)
     joints = [twin.robot.joint(name) for name in names]
-    state = twin.joint_state()
-    at = {**dict(zip(state.names, state.position, strict=True)), **(start or {})}
+    at = {**twin.joint_state().positions, **(start or {})}
     here = np.array([at[name] for name in names])
     speed = np.array(
         [
@@ -92,8 +91,7 @@ class VelocityStream:
                 led = known[1][name] + passed * known[2][name]
                 start[name] = min(max(led, joint.lower), joint.upper)
         else:
-            state = self._twin.joint_state()
-            at = dict(zip(state.names, state.position, strict=True))
+            at = self._twin.joint_state().positions
             start = {name: at[name] for name in names}
         self._last[names] = (now_ns, start, dict(asked))
         return at_velocities(self._twin, asked, for_s, start)

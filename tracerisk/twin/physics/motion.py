@@ -47,6 +47,11 @@ class JointState:
     effort: tuple[float, ...]
     absent: frozenset[str] = frozenset()
 
+    @property
+    def positions(self) -> dict[str, float]:
+        """The position of each joint by its name."""
+        return dict(zip(self.names, self.position, strict=True))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointTrajectory:

@@ -149,15 +149,11 @@ class DobotDriver:
         return OK if request.index == 0 else self._refuse("a frame other than 0", request, answer)
 
     def _take(self, name: str, request: Any, answer: Any) -> int:
-        self._commands.report(
-            "not_simulated", f"{name} was taken and changes nothing", self._commands.stack()
-        )
+        self._commands.report("not_simulated", f"{name} was taken and changes nothing")
         return OK
 
     def _refuse(self, name: str, request: Any, answer: Any) -> int:
-        self._commands.report(
-            "not_simulated", f"{name} is not simulated: nothing moved", self._commands.stack()
-        )
+        self._commands.report("not_simulated", f"{name} is not simulated: nothing moved")
         return NOT_EXECUTED
 
     def _stop(self, request: Any, answer: Any) -> int:
@@ -181,9 +177,7 @@ class DobotDriver:
         return self._queue.add(kind, lambda: make(words))
 
     def _wrong(self, kind: str, message: str) -> int:
-        self._commands.report(
-            "command_ignored", f"{kind} moved nothing: {message}", self._commands.stack()
-        )
+        self._commands.report("command_ignored", f"{kind} moved nothing: {message}")
         return WRONG_TYPE
 
     def _to(

@@ -79,11 +79,7 @@ class DobotQueue:
 
     def report_refused(self, kind: str, code: int) -> int:
         """Record that a command moved nothing, and return its code."""
-        self._commands.report(
-            "command_ignored",
-            f"{kind} moved nothing: it returned {code}",
-            self._commands.stack(),
-        )
+        self._commands.report("command_ignored", f"{kind} moved nothing: it returned {code}")
         return code
 
     def clear(self) -> None:

@@ -85,7 +85,6 @@ class DobotReports:
             self._commands.report(
                 "not_simulated",
                 f"GetPose in user frame {request.user}, tool frame {request.tool}; allowed: 0",
-                self._commands.stack(),
             )
             return NOT_EXECUTED
         self._reading.asked("encoder")
@@ -106,9 +105,7 @@ class DobotReports:
     def _set_pin(self, place: str, request: Any, answer: Any) -> int:
         self._pins[place, request.index] = int(request.status)
         self._commands.report(
-            "not_simulated",
-            f"{place} {request.index} was set: nothing hangs on it",
-            self._commands.stack(),
+            "not_simulated", f"{place} {request.index} was set: nothing hangs on it"
         )
         return OK
 

@@ -182,9 +182,7 @@ class DoosanReports:
     def _unknown(self, kind: str, name: str, known: Any) -> bool:
         names = ", ".join(sorted(each for each in known if each)) or "none"
         self._commands.report(
-            "command_ignored",
-            f"no {kind} '{name}' was created by the controller; known: {names}",
-            self._commands.stack(),
+            "command_ignored", f"no {kind} '{name}' was created by the controller; known: {names}"
         )
         return False
 
@@ -192,11 +190,7 @@ class DoosanReports:
         def take(request: Any, answer: Any) -> bool:
             number = request.index if hasattr(request, "index") else request.channel
             self._pins[place, number] = float(request.value)
-            self._commands.report(
-                "not_simulated",
-                f"{place} {number} was set: nothing hangs on it",
-                self._commands.stack(),
-            )
+            self._commands.report("not_simulated", f"{place} {number} was set: nothing hangs on it")
             return True
 
         return take

@@ -183,7 +183,7 @@ class InterbotixDriver:
 
     def _refused(self, message: str, request: Any) -> ServiceFailedError:
         text = f"'{request.name}' of robot '{self._twin.robot.name}': {message}"
-        self._commands.report("service_refused", text, self._commands.stack())
+        self._commands.report("service_refused", text)
         return ServiceFailedError(text)
 
     def _response(self, kind: str) -> Any:
@@ -270,7 +270,6 @@ class InterbotixDriver:
                 "not_simulated",
                 f"'{request.name}' was torqued off: the twin's joints stay where they are, and "
                 "take no commands until they are torqued on",
-                self._commands.stack(),
             )
         return self._response("TorqueEnable")
 

@@ -74,8 +74,7 @@ class InterbotixMotion:
         return _passed(names, [time + lag for time in sent], self._here(names), goals[1:])
 
     def _here(self, names: Sequence[str]) -> list[float]:
-        state = self._twin.joint_state()
-        here = dict(zip(state.names, state.position, strict=True))
+        here = self._twin.joint_state().positions
         return [here[name] for name in names]
 
     def _reachable(self, name: str, value: float) -> float:

@@ -251,5 +251,5 @@ class KortexPlayer:
 
     def refused(self, message: str) -> ServiceFailedError:
         """Record that something is not simulated, and return the error that says so."""
-        self._commands.report("not_simulated", message, self._commands.stack())
+        self._commands.report("not_simulated", message)
         return ServiceFailedError(message)

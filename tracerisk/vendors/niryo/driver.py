@@ -317,14 +317,12 @@ class NiryoRobot:
         return _SUCCESS, "Success"
 
     def _shown(self, request: Any, answer: Any) -> tuple[int, str]:
-        self._commands.report(
-            "not_simulated", "lights and sounds change nothing on the twin", self._commands.stack()
-        )
+        self._commands.report("not_simulated", "lights and sounds change nothing on the twin")
         return _SUCCESS, "Success"
 
     def _refuse(self, request: Any, answer: Any) -> tuple[int, str]:
         message = "stored and computed trajectories are not simulated: nothing moved"
-        self._commands.report("not_simulated", message, self._commands.stack())
+        self._commands.report("not_simulated", message)
         return _NOT_IMPLEMENTED, message
 
 
