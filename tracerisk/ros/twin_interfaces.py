@@ -62,7 +62,7 @@ class TwinInterfaces:
         if runtime.recorder is not None:
             moveit = MoveItInterfaces(runtime, messages)
             SceneInterfaces(runtime, messages)
-            Servo(runtime, messages, commands)
+            Servo(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
             if not messages.is_ros2:
@@ -70,8 +70,8 @@ class TwinInterfaces:
                 picking = PickPlaceServer(runtime, messages)
                 self._types[PICKUP] = (picking.pickup, picking.on_cancel)
                 self._types[PLACE] = (picking.place, picking.on_cancel)
-            GazeboServices(runtime, messages, commands)
-        self.set_points = SetPoints(runtime, commands)
+            GazeboServices(runtime, messages)
+        self.set_points = SetPoints(runtime, messages)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         if not hasattr(interfaces, "action"):

@@ -13,12 +13,11 @@ from tracerisk.ros.controller.thread import undisturbed
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, SetPoints
 from tracerisk.ros.robot.state_topics import fill_joint_state
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
@@ -49,7 +48,7 @@ _NEEDED: Mapping[InterfaceKind, NeedKind] = {
 }
 
 
-class DescribedDriver:
+class DescribedDriver(TwinNode):
     """Serves what one description says, under its names in whatever namespace they are asked for.
 
     Raises:
@@ -64,13 +63,9 @@ class DescribedDriver:
         set_points: SetPoints,
     ) -> None:
         take_rules(driver, runtime)
-        self._driver = driver
-        self._runtime = runtime
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
+        super().__init__(runtime, messages)
+        self._driver, self.node = driver, driver.node
         self._set_points = set_points
-        self._commands = runtime.client(TwinCommands)
-        self._reading = runtime.client(SensorReading)
         self._conventions = Conventions(driver.units, driver.rotation)
         self._state = DriverState(driver, runtime)
         self._queue, self._grips = self._state.queue, self._state.grips
@@ -86,7 +81,7 @@ class DescribedDriver:
                     check_interface(each, type_name, messages, self._arm(each).answers)
         self._interfaces = known
         for each in (each for each in known if each.kind == "services"):
-            self._offer(each)
+            self._serve(each)
         for name, output in driver.parameters.items():
             self._graph.parameters.offer(name, partial(self._parameter, output))
         self._graph.watch(self._on_change)
@@ -117,17 +112,17 @@ class DescribedDriver:
 
     # Services
 
-    def _offer(self, interface: Interface) -> None:
+    def _serve(self, interface: Interface) -> None:
         for type_name in self._types(interface):
             answer = partial(self._answer, interface, type_name)
             if interface.name.startswith("/") and self._driver.origin != "shipped":
                 self._graph.serve(
-                    interface.name, type_name, answer, node=self._driver.node, is_callback=False
+                    interface.name, type_name, answer, node=self.node, is_callback=False
                 )
             else:
                 name = interface.name.strip("/")
                 base = "/".join(name.split("/")[-2:])
-                self._graph.offer(base, type_name, answer, node=self._driver.node)
+                self._graph.offer(base, type_name, answer, node=self.node)
 
     def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
         arm, stack = self._arm(interface), self._commands.stack()
@@ -256,7 +251,7 @@ class DescribedDriver:
                 self._runtime.client(Actions).serve(
                     name,
                     type_name,
-                    node=self._driver.node,
+                    node=self.node,
                     on_goal=partial(self._on_goal, each),
                     on_cancel=self._on_cancel,
                     by_controller=False,
@@ -326,11 +321,8 @@ class DescribedDriver:
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         kind = {"advertised": "subscribed_topics", "subscribed": "published_topics"}.get(change)
-        if kind is None or (f"{kind} {name}", type_name) in self._taken:
-            return
         for each in self._interfaces:
             if each.kind == kind and type_name in each.types and is_named(each.name, name):
-                self._taken.add((f"{kind} {name}", type_name))
                 if kind == "subscribed_topics":
                     self._listen(each, name, type_name)
                 else:
@@ -348,7 +340,10 @@ class DescribedDriver:
             except PlanningError as error:
                 self._streams.refuse(name, error.message)
 
-        self._graph.subscribe(name, type_name, deliver, node=self._driver.node, by_controller=False)
+        self._hear(name, type_name, deliver)
+
+    def _key(self, name: str, type_name: str) -> str:
+        return f"{name} {type_name}"
 
     def _take(self, interface: Interface, topic: str, request: Request) -> None:
         case, stack = case_of(interface, request), self._commands.stack()
@@ -384,31 +379,14 @@ class DescribedDriver:
             self._streams.follow(topic, kind, trajectory, is_set_point=is_set_point)
 
     def _publish(self, interface: Interface, name: str, type_name: str) -> None:
-        publication = self._graph.advertise(
-            name,
-            type_name,
-            node=self._driver.node,
-            latch=interface.latch,
-            by_controller=False,
-        )
-        is_of_joints = interface.response is None and type_name == JOINT_STATE_TYPE
-        if is_of_joints or self._arm(interface).answers.asks_sensors(interface.response):
-            self._reading.reports_joints(publication, interface.rate)
-        self._schedule(interface, publication)
-
-    def _schedule(self, interface: Interface, publication: Publication) -> None:
-        period_ns = round(1e9 / interface.rate)
-        due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
-        self._scheduler.call_at(due_ns, lambda: self._tick(interface, publication), background=True)
-
-    def _tick(self, interface: Interface, publication: Publication) -> None:
-        if not publication.subscriptions:
-            self._taken.discard((f"published_topics {publication.topic}", publication.type_name))
-            publication.close()
-            return
-        message = self._messages.new(publication.type_name)
         answers = self._arm(interface).answers
-        if interface.response is None and publication.type_name == JOINT_STATE_TYPE:
-            fill_joint_state(message, self._runtime)
-        publication.publish(answers.fill(message, interface.response or {}, Result()))
-        self._schedule(interface, publication)
+        is_of_joints = interface.response is None and type_name == JOINT_STATE_TYPE
+
+        def make(message: Any, topic: str) -> Any:
+            del topic
+            if is_of_joints:
+                fill_joint_state(message, self._runtime)
+            return answers.fill(message, interface.response or {}, Result())
+
+        sensors = JOINTS if is_of_joints or answers.asks_sensors(interface.response) else ()
+        self._report_on(name, type_name, interface.rate, make, sensors, latch=interface.latch)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.vendors.described_driver import DescribedDriver
 from tracerisk.vendors.described_parts import lacking_joint
@@ -33,7 +32,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     Raises:
         DriverError: one of them does not fit the messages that it speaks of.
     """
-    messages, commands = twin.messages, runtime.client(TwinCommands)
+    messages = twin.messages
     for driver in (*drivers, *shipped_drivers()):
         lacking = lacking_joint(driver, runtime.twin.robot)
         if not lacking:
@@ -45,14 +44,14 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
                 f"'{runtime.twin.robot.name}' has not",
                 object_name=driver.name,
             )
-    InterbotixDriver(runtime, messages, commands)
-    BaxterDriver(runtime, messages, commands, twin.set_points)
-    IoDevices(runtime, messages, commands)
-    kortex = KortexDriver(runtime, messages, commands)
-    DobotDriver(runtime, messages, commands)
-    ScriptTopics(runtime)
-    DoosanController(runtime, messages, commands)
-    niryo = NiryoRobot(runtime, messages, commands).actions
+    InterbotixDriver(runtime, messages)
+    BaxterDriver(runtime, messages, twin.set_points)
+    IoDevices(runtime, messages)
+    kortex = KortexDriver(runtime, messages)
+    DobotDriver(runtime, messages)
+    ScriptTopics(runtime, messages)
+    DoosanController(runtime, messages)
+    niryo = NiryoRobot(runtime, messages).actions
     twin.take(
         {
             FOLLOW_CARTESIAN: (kortex.follow_cartesian, kortex.on_cancel),

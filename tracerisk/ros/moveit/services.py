@@ -16,6 +16,7 @@ from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Scaling
@@ -27,29 +28,27 @@ MOVE_GROUP = "moveit_msgs/MoveGroup"
 EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
 EXECUTION_EVENTS = "/trajectory_execution_event"
 """The topic on which MoveIt takes `stop` for all that it executes."""
-_NODE = "/move_group"
 
 
-class MoveItInterfaces:
+class MoveItInterfaces(TwinNode):
     """Plans, executes and answers on the graph with the server that every client shares."""
 
+    node = "/move_group"
+
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._runtime = runtime
+        super().__init__(runtime, messages)
         self._server = runtime.client(MoveGroupServer)
         self._goals = GoalReader(self._server)
-        self._messages = messages
         self._executing: list[ActionGoal] = []
         self._stopped: list[ActionGoal] = []
-        runtime.graph.subscribe(
-            EXECUTION_EVENTS, "std_msgs/String", self._on_event, node=_NODE, by_controller=False
-        )
+        self._hear(EXECUTION_EVENTS, "std_msgs/String", self._on_event)
         for name, kind, handle in (
             ("compute_ik", "GetPositionIK", self._position_ik),
             ("compute_fk", "GetPositionFK", self._position_fk),
             ("compute_cartesian_path", "GetCartesianPath", self._cartesian_path),
             ("plan_kinematic_path", "GetMotionPlan", self._motion_plan),
         ):
-            runtime.graph.offer(name, f"moveit_msgs/{kind}", handle, node=_NODE)
+            self._offer(name, f"moveit_msgs/{kind}", handle)
 
     # Actions
 
@@ -77,9 +76,9 @@ class MoveItInterfaces:
         message = goal.message.trajectory.joint_trajectory
         # Its stamp is that of the plan, not of the motion's beginning.
         set_time(message.header.stamp, 0)
-        scheduler = self._runtime.scheduler
+        scheduler = self._scheduler
         try:
-            trajectory = twin_trajectory(message, self._runtime.twin, scheduler.now_ns)
+            trajectory = twin_trajectory(message, self._twin, scheduler.now_ns)
         except TrajectoryRefusedError as error:
             self._server.execution.report("execution_failure", f"a trajectory is none: {error}")
             self._finish(goal, result, ErrorCode.INVALID_MOTION_PLAN, str(error))
@@ -91,7 +90,7 @@ class MoveItInterfaces:
         goal.accept_cancel()
         execution = goal.data
         if isinstance(execution, Execution) and execution.motion.outcome == "active":
-            self._runtime.twin.stop(execution.motion.joints)
+            self._twin.stop(execution.motion.joints)
 
     def _on_event(self, message: Any, publication: Publication) -> None:
         """Stop what the goals move: MoveIt calls them preempted, MoveIt 2 aborts them as that."""
@@ -100,7 +99,7 @@ class MoveItInterfaces:
             if self._messages.is_ros2:
                 self._stopped.extend(self._executing)
             for goal in self._executing:
-                self._runtime.twin.stop(goal.data.motion.joints)
+                self._twin.stop(goal.data.motion.joints)
 
     def _execute(self, goal: ActionGoal, trajectory: JointTrajectory, result: Any) -> None:
         execution = self._server.execution.start(trajectory)
@@ -109,7 +108,7 @@ class MoveItInterfaces:
             return
         goal.data = execution
         self._executing.append(goal)
-        self._runtime.scheduler.spawn(
+        self._scheduler.spawn(
             lambda: self._finish(goal, result, self._server.execution.wait(execution)),
             f"goal of {goal.client.name}",
             inherit=False,
@@ -129,8 +128,8 @@ class MoveItInterfaces:
 
     # Services
 
-    def _position_ik(self, request: Any) -> Any:
-        asked, answer = request.ik_request, self._messages.response("moveit_msgs/GetPositionIK")
+    def _position_ik(self, request: Any, answer: Any) -> None:
+        asked = request.ik_request
         wanted = message_pose(asked.pose_stamped.pose).position
         try:
             self._goals.check_group(asked.group_name)
@@ -154,10 +153,8 @@ class MoveItInterfaces:
             self._server.execution.succeeded("ik_failure", asked.group_name, wanted)
             answer.solution = self._state({**self._server.positions(), **found})
             answer.error_code.val = int(ErrorCode.SUCCESS)
-        return answer
 
-    def _position_fk(self, request: Any) -> Any:
-        answer = self._messages.response("moveit_msgs/GetPositionFK")
+    def _position_fk(self, request: Any, answer: Any) -> None:
         links = ", ".join(request.fk_link_names)
         try:
             back = inverse(self._goals.frame(request.header.frame_id))
@@ -171,22 +168,20 @@ class MoveItInterfaces:
                 f"forward kinematics failed ({code.name}, {code}): {error}",
                 object_name=links,
             )
-            return answer
+            return
         self._server.execution.succeeded("fk_failure", links, ())
         stamped = []
         for pose in poses:
             message = self._messages.new("geometry_msgs/PoseStamped")
             message.header.frame_id = request.header.frame_id or self._server.planning_frame
-            self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
+            self._now(message.header)
             set_pose(message.pose, compose(back, pose))
             stamped.append(message)
         answer.pose_stamped = stamped
         answer.fk_link_names = list(request.fk_link_names)
         answer.error_code.val = int(ErrorCode.SUCCESS)
-        return answer
 
-    def _cartesian_path(self, request: Any) -> Any:
-        answer = self._messages.response("moveit_msgs/GetCartesianPath")
+    def _cartesian_path(self, request: Any, answer: Any) -> None:
         answer.start_state = self._state(self._server.positions())
         try:
             self._goals.check_group(request.group_name)
@@ -208,15 +203,13 @@ class MoveItInterfaces:
                 f"a Cartesian path failed: {error}",
                 object_name=request.group_name,
             )
-            return answer
+            return
         answer.fraction = fraction
         answer.error_code.val = int(plan.code)
         if plan.trajectory is not None:
             answer.solution = self._trajectory(plan.trajectory)
-        return answer
 
-    def _motion_plan(self, request: Any) -> Any:
-        answer = self._messages.response("moveit_msgs/GetMotionPlan")
+    def _motion_plan(self, request: Any, answer: Any) -> None:
         response = answer.motion_plan_response
         plan = self._planned(request.motion_plan_request)
         response.group_name = request.motion_plan_request.group_name
@@ -224,7 +217,6 @@ class MoveItInterfaces:
         response.error_code.val = int(plan.code)
         if plan.trajectory is not None:
             response.trajectory = self._trajectory(plan.trajectory)
-        return answer
 
     # Planning
 
@@ -256,7 +248,7 @@ class MoveItInterfaces:
     # Messages
 
     def _state(self, positions: Mapping[str, float]) -> Any:
-        frame, now_ns = self._server.planning_frame, self._runtime.scheduler.now_ns
+        frame, now_ns = self._server.planning_frame, self._scheduler.now_ns
         return state_message(self._messages.new, positions, frame, now_ns)
 
     def _trajectory(self, trajectory: JointTrajectory) -> Any:

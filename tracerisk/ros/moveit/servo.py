@@ -9,7 +9,6 @@ Servo's slowing down near obstacles is not simulated, nor are goals of poses.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -23,12 +22,12 @@ from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.state_topics import TopicStream
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import rotate
 
 if TYPE_CHECKING:
-    from tracerisk.ros.graph.graph import Change, Publication
+    from tracerisk.ros.graph.graph import Change
     from tracerisk.ros.graph.runtime import Runtime
-    from tracerisk.ros.robot.commands import TwinCommands
     from tracerisk.ros.robot.messages import TwinMessages
 
 TWIST = "geometry_msgs/TwistStamped"
@@ -36,7 +35,6 @@ JOG = "control_msgs/JointJog"
 POSE = "geometry_msgs/PoseStamped"
 _STATUS = {"std_msgs/Int8": "data", "moveit_msgs/ServoStatus": "code"}
 _STATUS_HZ = 10.0
-_NODE = "/servo_node"
 _UNITLESS = "unitless"
 _AHEAD = 0.01  # where it is seen whether a singularity nears [rad or m]
 _DIMENSIONS = 6
@@ -75,55 +73,39 @@ class ServoSettings:
     """Whether a file of the workspace gives them."""
 
 
-class Servo:
+class Servo(TwinNode):
     """Follows the streams of messages that a controller sends to moveit_servo.
 
     A topic that the controller itself subscribes to is its own affair, and moves nothing.
     """
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._runtime = runtime
-        self._graph = runtime.graph
-        self._messages = messages
-        self._commands = commands
-        self._twin = commands.twin
-        self._streams = CommandStreams(commands)
-        self._heard: set[str] = set()
-        self._published: set[str] = set()
+    node = "/servo_node"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._streams = CommandStreams(self._commands)
         self._is_paused = False
         self._expected: int | None = None
         self._controlled = np.ones(6)
         self._status = _NO_WARNING
-        self._offer()
-        self._graph.watch(self._on_change)
-
-    def _offer(self) -> None:
         trigger = "std_srvs/Trigger"
-        services: tuple[tuple[str, str, Callable[[Any], dict[str, Any]]], ...] = (
-            ("start_servo", trigger, lambda _: self._pause(False)),
-            ("unpause_servo", trigger, lambda _: self._pause(False)),
-            ("stop_servo", trigger, lambda _: self._pause(True)),
-            ("pause_servo", trigger, lambda _: self._pause(True)),
-            ("pause_servo", "std_srvs/SetBool", lambda request: self._pause(bool(request.data))),
+        for name, kind, handle in (
+            ("start_servo", trigger, lambda *_: self._pause(False)),
+            ("unpause_servo", trigger, lambda *_: self._pause(False)),
+            ("stop_servo", trigger, lambda *_: self._pause(True)),
+            ("pause_servo", trigger, lambda *_: self._pause(True)),
+            ("pause_servo", "std_srvs/SetBool", lambda asked, _: self._pause(bool(asked.data))),
             ("switch_command_type", "moveit_msgs/ServoCommandType", self._switch),
             ("change_control_dimensions", "moveit_msgs/ChangeControlDimensions", self._control),
             ("change_drift_dimensions", "moveit_msgs/ChangeDriftDimensions", self._drift),
-            ("reset_servo_status", "std_srvs/Empty", lambda _: {}),
-        )
-        for name, kind, handle in services:
-            if self._messages.has_service(kind):
-                self._graph.offer(name, kind, self._answering(kind, handle), node=_NODE)
+            ("reset_servo_status", "std_srvs/Empty", lambda *_: None),
+        ):
+            self._offer(name, kind, handle)
+        self._graph.watch(self._on_change)
 
-    def _answering(
-        self, kind: str, handle: Callable[[Any], dict[str, Any]]
-    ) -> Callable[[Any], Any]:
-        def answer(request: Any) -> Any:
-            response = self._messages.response(kind)
-            for name, value in handle(request).items():
-                setattr(response, name, value)
-            return response
-
-        return answer
+    def _conclude(self, answer: Any, result: Any) -> None:
+        if result is not None:
+            answer.success = result
 
     @cached_property
     def settings(self) -> ServoSettings:
@@ -147,31 +129,21 @@ class Servo:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name in _STATUS and name.endswith("/status"):
             self._publish_status(name, type_name)
-        if change != "advertised" or name in self._heard:
+        if change != "advertised":
             return
         last = name.rsplit("/", 1)[-1]
         if type_name == TWIST and last in (
             self.settings.cartesian_command_in_topic,
             "delta_jog_cmds",
         ):
-            self._hear(name, type_name, self._take_twist)
+            self._hear(name, type_name, self._if_commanded(self._take_twist))
         elif type_name == JOG and last in (
             self.settings.joint_command_in_topic,
             "joint_delta_jog_cmds",
         ):
-            self._hear(name, type_name, self._take_jog)
+            self._hear(name, type_name, self._if_commanded(self._take_jog))
         elif type_name == POSE and last == "pose_target_cmds":
-            self._hear(name, type_name, self._take_pose)
-
-    def _hear(self, name: str, type_name: str, take: Callable[[str, Any], None]) -> None:
-        self._heard.add(name)
-
-        def deliver(message: Any, publication: Publication) -> None:
-            others = self._graph.subscriptions(name)
-            if publication.by_controller and not any(each.by_controller for each in others):
-                take(name, message)
-
-        self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+            self._hear(name, type_name, self._if_commanded(self._take_pose))
 
     # What comes
 
@@ -295,42 +267,44 @@ class Servo:
 
     # Its services, and what it says of itself
 
-    def _pause(self, is_paused: bool) -> dict[str, Any]:
+    def _pause(self, is_paused: bool) -> bool:
         self._is_paused = is_paused
         if is_paused:
             self._arm.stop()
-        return {"success": True}
+        return True
 
-    def _switch(self, request: Any) -> dict[str, Any]:
+    def _switch(self, request: Any, answer: Any) -> bool:
+        del answer
         is_known = request.command_type in (_JOINT_JOG, _TWIST, _POSE_GOAL)
         if is_known:
             self._expected = request.command_type
-        return {"success": is_known}
+        return is_known
 
-    def _control(self, request: Any) -> dict[str, Any]:
+    def _control(self, request: Any, answer: Any) -> bool:
+        del answer
         names = [f"control_{axis}_{way}" for way in ("translation", "rotation") for axis in "xyz"]
         self._controlled = np.array([float(getattr(request, name)) for name in names])
-        return {"success": True}
+        return True
 
-    def _drift(self, request: Any) -> dict[str, Any]:
-        del request
+    def _drift(self, request: Any, answer: Any) -> bool:
+        del request, answer
         self._commands.report(
             "not_simulated",
             "servo is let drift in some directions: the arm holds them all the same",
         )
-        return {"success": True}
+        return True
 
     def _publish_status(self, name: str, type_name: str) -> None:
-        if name in self._published or "servo" not in name:
+        if name in self._reported or "servo" not in name:
             return
-        self._published.add(name)
+        self._reported.add(name)
 
         def status() -> Any:
             message = self._messages.new(type_name)
             setattr(message, _STATUS[type_name], self._status)
             return message
 
-        publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
+        publication = self._graph.advertise(name, type_name, node=self.node, by_controller=False)
         TopicStream(self._runtime, publication, _STATUS_HZ, status, yields=True)
 
 

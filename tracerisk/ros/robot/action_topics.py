@@ -14,6 +14,7 @@ from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 
 STATUS_HZ = 5.0
@@ -21,19 +22,16 @@ STATUS_HZ = 5.0
 KEPT_S = 5.0
 """How long the status of a goal is published after its end, as by actionlib's servers [s]."""
 
-_NODE = "/robot_driver"
 _STATUS = "actionlib_msgs/GoalStatusArray"
 _GOAL_ID = "actionlib_msgs/GoalID"
 
 
-class ActionTopics:
+class ActionTopics(TwinNode):
     """Sends what is published on `goal` and `cancel`, and publishes what servers report."""
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._runtime = runtime
-        self._graph = runtime.graph
+        super().__init__(runtime, messages)
         self._actions = runtime.client(Actions)
-        self._messages = messages
         self._clients: dict[str, ActionClientEnd] = {}
         self._publications: dict[str, Publication] = {}
         self._sent_by_topic: set[str] = set()
@@ -51,20 +49,10 @@ class ActionTopics:
         if leaf == "goal" and type_name.endswith("ActionGoal"):
             kind = type_name.removesuffix("ActionGoal")
             self._sent_by_topic.add(action)
-            self._clients[action] = self._actions.client(action, kind, node=_NODE)
-            self._graph.subscribe(
-                name,
-                type_name,
-                lambda message, _: self._send(action, message),
-                node=_NODE,
-                by_controller=False,
-            )
-            self._graph.subscribe(
-                f"{action}/cancel",
-                _GOAL_ID,
-                lambda message, _: self._cancel(action, message),
-                node=_NODE,
-                by_controller=False,
+            self._clients[action] = self._actions.client(action, kind, node=self.node)
+            self._hear(name, type_name, lambda message, _: self._send(action, message))
+            self._hear(
+                f"{action}/cancel", _GOAL_ID, lambda message, _: self._cancel(action, message)
             )
 
     def _send(self, action: str, message: Any) -> None:
@@ -99,7 +87,7 @@ class ActionTopics:
         if goal.state.is_terminal:
             result = goal.result if goal.result is not None else self._messages.part(kind, "Result")
             self._publish(f"{name}/result", f"{kind}ActionResult", goal, "result", result)
-        ended_ns = self._runtime.scheduler.now_ns if goal.state.is_terminal else None
+        ended_ns = self._scheduler.now_ns if goal.state.is_terminal else None
         self._goals.setdefault(name, {})[goal] = ended_ns
         if self._graph.subscriptions(f"{name}/status"):
             self._publish_status(name)
@@ -111,19 +99,18 @@ class ActionTopics:
         if not self._graph.subscriptions(f"{action}/status"):
             return
         self._ticking.add(action)
-        self._tick(action)
+        self._go_on(action)
 
-    def _tick(self, action: str) -> None:
+    def _go_on(self, action: str) -> None:
         if not self._graph.subscriptions(f"{action}/status"):
             self._ticking.discard(action)
             return
         self._publish_status(action)
-        scheduler = self._runtime.scheduler
-        due_ns = scheduler.now_ns + round(1e9 / STATUS_HZ)
-        scheduler.call_at(due_ns, lambda: self._tick(action), background=True)
+        due_ns = self._scheduler.now_ns + round(1e9 / STATUS_HZ)
+        self._scheduler.call_at(due_ns, lambda: self._go_on(action), background=True)
 
     def _publish_status(self, action: str) -> None:
-        now_ns = self._runtime.scheduler.now_ns
+        now_ns = self._scheduler.now_ns
         goals = self._goals[action] = {
             goal: ended_ns
             for goal, ended_ns in self._goals[action].items()
@@ -138,7 +125,7 @@ class ActionTopics:
         if not self._graph.subscriptions(topic):
             return
         message = self._messages.new(kind)
-        self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
+        self._now(message.header)
         message.status = self._status(goal)
         setattr(message, field, part)
         self._publication(topic, kind).publish(message)
@@ -153,6 +140,6 @@ class ActionTopics:
     def _publication(self, topic: str, type_name: str, *, latch: bool = False) -> Publication:
         if topic not in self._publications:
             self._publications[topic] = self._graph.advertise(
-                topic, type_name, node=_NODE, latch=latch
+                topic, type_name, node=self.node, latch=latch
             )
         return self._publications[topic]

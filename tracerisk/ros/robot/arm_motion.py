@@ -13,8 +13,7 @@ import numpy as np
 
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.grippers import gripper_ends
-from tracerisk.ros.robot.motion_profiles import Ramp, ramped
-from tracerisk.ros.robot.velocity_motion import at_velocities
+from tracerisk.ros.robot.motion_profiles import Ramp, at_velocities, ramped
 from tracerisk.ros.transforms.poses import angle_between, compose
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose

@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
-from tracerisk.ros.robot.velocity_motion import VelocityStream
+from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
+    from tracerisk.twin.simulation.twin import Twin
 
 DWELL_NS = 250_000_000
 """How long after the last set-point a stream may still go on [ns]."""
+_SAME = 0.005  # of the rated velocity: no other command
+_OFTEN_S = 0.05  # the same command is renewed no more often
 
 
 @dataclass(slots=True, eq=False)
@@ -22,6 +25,42 @@ class _Stream:
     command: LiveCommand
     place: tuple[Any, ...]
     joints: tuple[str, ...]
+
+
+class VelocityStream:
+    """Velocities that come again and again: each goes on from where the one before has led."""
+
+    def __init__(self, twin: Twin) -> None:
+        self._twin = twin
+        self._last: dict[tuple[str, ...], tuple[int, dict[str, float], dict[str, float]]] = {}
+
+    def next(self, asked: Mapping[str, float], now_ns: int, for_s: float) -> JointTrajectory | None:
+        """Return the way of joints at velocities, which ends after `for_s` without another.
+
+        None where they are at rest, or go on as they do. Who was at rest begins where the joints
+        are: something else may have moved them.
+        """
+        names = tuple(asked)
+        known = self._last.get(names)
+        if not any(asked.values()):
+            self._last.pop(names, None)
+            return None
+        if known is not None and now_ns - known[0] < min(_OFTEN_S, for_s / 4) * 1e9:
+            rated = {name: self._twin.robot.joint(name).velocity_limit for name in names}
+            if all(abs(asked[n] - known[2][n]) < _SAME * rated[n] for n in names):
+                return None
+        start: dict[str, float] = {}
+        if known is not None and 0 < now_ns - known[0] <= for_s * 1e9:
+            passed = (now_ns - known[0]) * 1e-9
+            for name in names:
+                joint = self._twin.robot.joint(name)
+                led = known[1][name] + passed * known[2][name]
+                start[name] = min(max(led, joint.lower), joint.upper)
+        else:
+            at = self._twin.joint_state().positions
+            start = {name: at[name] for name in names}
+        self._last[names] = (now_ns, start, dict(asked))
+        return at_velocities(self._twin, asked, for_s, start)
 
 
 class CommandStreams:

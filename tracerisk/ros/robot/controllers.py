@@ -3,6 +3,7 @@
 Whatever is switched, the twin's joints can be commanded: one driver serves all its interfaces.
 """
 
+# ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
 from functools import cached_property
@@ -10,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.declared_controllers import DeclaredController, DeclaredControllers
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "controller_manager_msgs"
 BROADCASTER = "joint_state_broadcaster"
-_NODE = "/controller_manager"
 _TYPES = {
     "follow_joint_trajectory": "JointTrajectoryController",
     "gripper_command": "GripperActionController",
@@ -35,7 +36,7 @@ def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
     return known | dict(declared.of_robot(joint.name for joint in robot.joints))
 
 
-class ControllerManager:
+class ControllerManager(TwinNode):
     """Answers for the controllers of the twin's robot, under any namespace.
 
     All of the robot's controllers run from the beginning, and those of its joints that files of
@@ -43,9 +44,10 @@ class ControllerManager:
     where the request is strict; others are loaded as they are named.
     """
 
+    node = "/controller_manager"
+
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._messages = messages
-        self._runtime = runtime
+        super().__init__(runtime, messages)
         for name, kind, handle in (
             ("list_controllers", "ListControllers", self._list),
             ("list_controller_types", "ListControllerTypes", self._list_types),
@@ -53,10 +55,13 @@ class ControllerManager:
             ("configure_controller", "ConfigureController", self._configure),
             ("unload_controller", "UnloadController", self._unload),
             ("switch_controller", "SwitchController", self._switch),
-            ("reload_controller_libraries", "ReloadControllerLibraries", self._reload),
+            ("reload_controller_libraries", "ReloadControllerLibraries", lambda *_: True),
         ):
-            if messages.has_service(f"{PACKAGE}/{kind}"):
-                runtime.graph.offer(name, f"{PACKAGE}/{kind}", handle, node=_NODE)
+            self._offer(name, f"{PACKAGE}/{kind}", handle)
+
+    def _conclude(self, answer: Any, result: Any) -> None:
+        if result is not None:
+            answer.ok = result
 
     @cached_property
     def _controllers(self) -> dict[str, DeclaredController]:
@@ -68,16 +73,8 @@ class ControllerManager:
     def _running(self) -> set[str]:
         return {*self._controllers}
 
-    def _response(self, kind: str, *, ok: bool) -> Any:
-        response = self._messages.response(f"{PACKAGE}/{kind}")
-        response.ok = ok
-        return response
-
-    def _list(self, request: Any) -> Any:
-        del request
-        response = self._messages.response(f"{PACKAGE}/ListControllers")
-        response.controller = [self._state(name) for name in self._controllers]
-        return response
+    def _list(self, request: Any, answer: Any) -> None:
+        answer.controller = [self._state(name) for name in self._controllers]
 
     def _state(self, name: str) -> Any:
         controller = self._controllers[name]
@@ -101,40 +98,33 @@ class ControllerManager:
             state.claimed_resources = [resources]
         return state
 
-    def _list_types(self, request: Any) -> Any:
-        del request
-        response = self._messages.response(f"{PACKAGE}/ListControllerTypes")
-        response.types = [f"position_controllers/{kind}" for kind in _TYPES.values()]
-        response.base_classes = ["controller_interface::ControllerBase"] * len(_TYPES)
-        return response
+    def _list_types(self, request: Any, answer: Any) -> None:
+        answer.types = [f"position_controllers/{kind}" for kind in _TYPES.values()]
+        answer.base_classes = ["controller_interface::ControllerBase"] * len(_TYPES)
 
-    def _load(self, request: Any) -> Any:
+    def _load(self, request: Any, answer: Any) -> bool:
         self._controllers.setdefault(request.name, _BROADCASTS)
-        return self._response("LoadController", ok=True)
+        return True
 
-    def _configure(self, request: Any) -> Any:
-        return self._response("ConfigureController", ok=request.name in self._controllers)
+    def _configure(self, request: Any, answer: Any) -> bool:
+        return request.name in self._controllers
 
-    def _unload(self, request: Any) -> Any:
+    def _unload(self, request: Any, answer: Any) -> bool:
         # As the real ones: a controller that runs is not unloaded.
         ok = request.name in self._controllers and request.name not in self._running
         if ok:
             del self._controllers[request.name]
-        return self._response("UnloadController", ok=ok)
+        return ok
 
-    def _switch(self, request: Any) -> Any:
+    def _switch(self, request: Any, answer: Any) -> bool:
         start = _names(request, "activate_controllers", "start_controllers")
         stop = _names(request, "deactivate_controllers", "stop_controllers")
         unknown = [name for name in (*start, *stop) if name not in self._controllers]
-        ok = not unknown or request.strictness <= _BEST_EFFORT
+        ok = bool(not unknown or request.strictness <= _BEST_EFFORT)
         if ok:
             self._running -= set(stop)
             self._running |= {name for name in start if name in self._controllers}
-        return self._response("SwitchController", ok=ok)
-
-    def _reload(self, request: Any) -> Any:
-        del request
-        return self._response("ReloadControllerLibraries", ok=True)
+        return ok
 
 
 def _names(request: Any, *fields: str) -> list[str]:

@@ -1,15 +1,21 @@
-"""Motion profiles that drives make of one goal: speed that rises, stays and falls."""
+"""Motion profiles that drives make: of one goal, and of velocities that they keep."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.physics.motion import JointTrajectory
 
+if TYPE_CHECKING:
+    from tracerisk.twin.simulation.twin import Twin
+
+_RISE_S = 0.02
+_LONGEST_S = 1000.0
 Array = NDArray[np.float64]
 
 
@@ -71,4 +77,47 @@ def ramped(
         np.array(times),
         np.array([[position for position, _ in point] for point in points]),
         np.array([[velocity for _, velocity in point] for point in points]),
+    )
+
+
+def at_velocities(
+    twin: Twin,
+    asked: Mapping[str, float],
+    for_s: float | None = None,
+    start: Mapping[str, float] | None = None,
+) -> JointTrajectory | None:
+    """Return the way of joints at velocities [rad/s], None where they are at rest.
+
+    It begins at `start`, by default where they are.
+
+    It ends when the first of them is at its limit, or after `for_s` where that is less: they come
+    to rest then, as those of a driver that hears no more commands.
+    """
+    names = tuple(asked)
+    joints = [twin.robot.joint(name) for name in names]
+    at = {**twin.joint_state().positions, **(start or {})}
+    here = np.array([at[name] for name in names])
+    speed = np.array(
+        [
+            float(np.clip(asked[joint.name], -joint.velocity_limit, joint.velocity_limit))
+            for joint in joints
+        ]
+    )
+    left = [
+        ((joint.upper if v > 0 else joint.lower) - x) / v
+        for joint, x, v in zip(joints, here, speed, strict=True)
+        if abs(v) > 1e-6
+    ]
+    if not left:
+        return None
+    time = min(min(left), _LONGEST_S if for_s is None else for_s)
+    if time <= 2 * _RISE_S:
+        return None
+    times = np.array([_RISE_S, time - _RISE_S, time])
+    ways = (_RISE_S / 2, time - 1.5 * _RISE_S, time - _RISE_S)
+    return JointTrajectory(
+        names,
+        times,
+        np.vstack([here + speed * way for way in ways]),
+        np.vstack((speed, speed, np.zeros(len(names)))),
     )

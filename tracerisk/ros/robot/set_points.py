@@ -33,15 +33,17 @@ from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
-from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.ros.robot.command_streams import DWELL_NS, CommandStreams
+from tracerisk.ros.robot.commands import LiveCommand
 from tracerisk.ros.robot.grippers import gripper_of
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
     TrajectoryRefusedError,
     fastest_s,
     twin_trajectory,
 )
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -52,10 +54,7 @@ TRAJECTORY = "trajectory_msgs/JointTrajectory"
 GROUP = "std_msgs/Float64MultiArray"
 SINGLE = "std_msgs/Float64"
 JOINT_STATE_TYPE = "sensor_msgs/JointState"
-DWELL_NS = 250_000_000
-"""How long after the last set-point a stream may still go on [ns]."""
 
-_NODE = "/robot_driver"
 _COMMANDS = ("command", "commands")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 _FEEDBACK = "joint_states"
@@ -79,23 +78,20 @@ class _Stream:
     last_ns: int
 
 
-class SetPoints:
+class SetPoints(TwinNode):
     """Listens to the command topics that a controller publishes, and moves the twin.
 
     A topic that the controller itself subscribes to is its own affair, and moves nothing.
     """
 
-    def __init__(self, runtime: Runtime, commands: TwinCommands) -> None:
-        self._graph = runtime.graph
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
         self._declared = runtime.client(DeclaredControllers)
         self._names = runtime.client(JointNames)
         self._rules = runtime.client(TrajectoryRules)
         self._spaces = runtime.client(RobotSpaces)
-        self._commands = commands
-        self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
-        self._velocity_streams = CommandStreams(commands)
-        self._subscribed: set[str] = set()
+        self._velocity_streams = CommandStreams(self._commands)
         self._takers = {
             TRAJECTORY: self._take_trajectory,
             GROUP: self._take_group,
@@ -105,14 +101,13 @@ class SetPoints:
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if change != "advertised" or type_name not in self._takers or name in self._subscribed:
+        if change != "advertised" or type_name not in self._takers or name in self._heard:
             return
         if not is_command_topic(name, type_name):
             if type_name == JOINT_STATE_TYPE and name.endswith(f"/{_FEEDBACK}"):
                 self._note_feedback(name)
             return
-        self._subscribed.add(name)
-        take = self._takers[type_name]
+        take = self._if_commanded(self._takers[type_name])
 
         def deliver(message: Any, publication: Publication) -> None:
             if not publication.by_controller:
@@ -124,11 +119,9 @@ class SetPoints:
             if publication.pace.is_of_loop and self._is_there(message):
                 # A loop that sends one trajectory all the time does so, too, once it is there.
                 return
-            others = self._graph.subscriptions(name)
-            if not any(each.by_controller for each in others):
-                take(name, message)
+            take(message, publication)
 
-        self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+        self._hear(name, type_name, deliver)
 
     def _by_joints(self, topic: str, message: Any) -> Any | None:
         """Return a trajectory by the names of the robot's own joints, None where it moves none."""
@@ -145,7 +138,7 @@ class SetPoints:
             )
 
     def _take_trajectory(self, topic: str, message: Any) -> None:
-        now_ns = self._commands.scheduler.now_ns
+        now_ns = self._scheduler.now_ns
         if not message.points and message.joint_names:
             # An empty trajectory stops the joints.
             known = {joint.name for joint in self._twin.robot.joints}
@@ -322,7 +315,7 @@ class SetPoints:
         if not np.isfinite(target).all():
             self._refuse(topic, "a position is not finite")
             return
-        now_ns = self._commands.scheduler.now_ns
+        now_ns = self._scheduler.now_ns
         stack = self._commands.stack()
         place = call_path(stack)
         stream = self._streams.get(topic)
@@ -351,7 +344,7 @@ class SetPoints:
         stream.last_ns = now_ns
         due_ns = stream.command.keep_until_ns = now_ns + DWELL_NS
         # The watch of the commands looks when the clock stops here.
-        self._commands.scheduler.call_at(due_ns, lambda: None)
+        self._scheduler.call_at(due_ns, lambda: None)
 
     def _towards(
         self,

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change
-from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.state_topics import TopicStream
+from tracerisk.ros.robot.twin_node import TwinNode
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -21,10 +21,8 @@ TYPE = "geometry_msgs/WrenchStamped"
 HZ = 100.0
 """How often a wrench is published while somebody listens."""
 
-_NODE = "/robot_driver"
 
-
-class WrenchTopics:
+class WrenchTopics(TwinNode):
     """Publishes the wrench in a wrist while a controller listens to it.
 
     A wrist's sensor measures weight, inertia and contacts of all that hangs on it, without a tare;
@@ -32,36 +30,32 @@ class WrenchTopics:
     """
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._runtime = runtime
-        self._messages = messages
+        super().__init__(runtime, messages)
         self._sensors = [
             each
             for each in runtime.twin.robot.sensors
             if each.kind == "wrench" or (each.kind == "torque" and each.link is not None)
         ]
-        self._served: set[str] = set()
         if self._sensors:
             runtime.graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if change != "subscribed" or type_name != TYPE or name in self._served:
+        if change != "subscribed" or type_name != TYPE or name in self._reported:
             return
-        graph = self._runtime.graph
         telling = [each for each in self._sensors if each.reports(name)]
-        if not telling or graph.publications(name):
+        if not telling or self._graph.publications(name):
             return
-        self._served.add(name)
-        publication = graph.advertise(name, TYPE, node=_NODE)
-        reading = self._runtime.client(SensorReading)
-        reading.reports(publication, [each.name for each in telling], HZ)
+        self._reported.add(name)
+        publication = self._graph.advertise(name, TYPE, node=self.node)
+        self._reading.reports(publication, [each.name for each in telling], HZ)
         TopicStream(self._runtime, publication, HZ, lambda: self._message(telling[0]))
 
     def _message(self, sensor: Sensor) -> Any:
-        wrench = self._runtime.twin.wrench(sensor)
+        wrench = self._twin.wrench(sensor)
         if wrench is None:
             return None
         message = self._messages.new(TYPE)
-        self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
+        self._now(message.header)
         message.header.frame_id = sensor.link or sensor.part
         force, torque = message.wrench.force, message.wrench.torque
         force.x, force.y, force.z = wrench.force

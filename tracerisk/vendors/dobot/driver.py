@@ -12,9 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import compose, multiply
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
@@ -24,19 +22,15 @@ from tracerisk.vendors.dobot.queue import (
     OK,
     OUT_OF_RANGE,
     WRONG_TYPE,
-    DobotQueue,
     pose_of,
     words_of,
 )
-from tracerisk.vendors.dobot.reports import DobotReports
+from tracerisk.vendors.dobot.reports import PACKAGE, DobotReports, Handler
 from tracerisk.vendors.doosan.motion import DoosanMotion
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
-PACKAGE = "dobot_msgs_v4"
-
-_NODE = "/dobot_bringup_ros2"
 _JOG_M_S, _JOG_RAD_S = 0.25, math.radians(30)  # assumed; ISO 10218-1 allows 250 mm/s by hand
 _NOT_SIMULATED = (
     "Pause",
@@ -64,24 +58,16 @@ _TAKEN = (
     "RequestControl",
 )
 
-Handler = Callable[[Any, Any], int]
 
-
-class DobotDriver:
+class DobotDriver(DobotReports):
     """Answers as the driver of the twin's arm; motions go into the queue of its controller."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._runtime = runtime
-        self._messages = messages
-        self._commands = commands
-        self._arm = ArmMotion(commands)
-        self._queue = DobotQueue(self._arm, commands)
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
         self._arcs = DoosanMotion(self._arm)
-        self._streams = CommandStreams(commands)
+        self._streams = CommandStreams(self._commands)
         for name, handle in self._services().items():
-            kind = f"{PACKAGE}/{name}"
-            if messages.has_service(kind):
-                runtime.graph.offer(f"srv/{name}", kind, self._answering(kind, handle), node=_NODE)
+            self._offer(f"srv/{name}", f"{PACKAGE}/{name}", handle)
 
     def _services(self) -> Mapping[str, Handler]:
         queue = self._queue
@@ -111,18 +97,13 @@ class DobotDriver:
             "StopMoveJog": self._stop,
             "Stop": self._stop,
             "EmergencyStop": self._emergency,
-            **DobotReports(self._runtime, self._messages, self._commands, queue).services(),
+            **super()._services(),
             **{name: partial(self._refuse, name) for name in _NOT_SIMULATED},
             **{name: partial(self._take, name) for name in _TAKEN},
         }
 
-    def _answering(self, kind: str, handle: Handler) -> Callable[[Any], Any]:
-        def answer(request: Any) -> Any:
-            response = self._messages.response(kind)
-            response.res = handle(request, response)
-            return response
-
-        return answer
+    def _conclude(self, answer: Any, result: Any) -> None:
+        answer.res = result
 
     # States
 

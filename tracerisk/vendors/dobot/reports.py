@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.dobot.queue import NOT_EXECUTED, OK, DobotQueue, pose_of, values_of
 
@@ -20,37 +20,24 @@ if TYPE_CHECKING:
 
 PACKAGE = "dobot_msgs_v4"
 
-_NODE = "/dobot_bringup_ros2"
 _HZ = 10.0
 
 Handler = Callable[[Any, Any], int]
 
 
-class DobotReports:
+class DobotReports(TwinNode):
     """Answers what moves nothing, and publishes states while somebody listens."""
 
-    def __init__(
-        self,
-        runtime: Runtime,
-        messages: TwinMessages,
-        commands: TwinCommands,
-        queue: DobotQueue,
-    ) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
-        self._commands = commands
-        self._queue, self._arm = queue, queue.arm
-        self._reading = runtime.client(SensorReading)
+    node = "/dobot_bringup_ros2"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands)
+        self._queue = DobotQueue(self._arm, self._commands)
         self._pins: dict[tuple[str, int], int] = {}
-        self._published: set[str] = set()
-        self._reports: Mapping[str, Callable[[Any], Any]] = {
-            f"{PACKAGE}/ToolVectorActual": self._tool_vector,
-            f"{PACKAGE}/RobotStatus": self._status,
-        }
         self._graph.watch(self._on_change)
 
-    def services(self) -> Mapping[str, Handler]:
-        """Return the handlers by the names of the services."""
+    def _services(self) -> Mapping[str, Handler]:
         queue = self._queue
         return {
             "RobotMode": lambda asked, answer: self._answer(answer, [queue.mode]),
@@ -115,32 +102,20 @@ class DobotReports:
     # Reports
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        is_one = change == "subscribed" and type_name in self._reports
-        if is_one and name not in self._published:
-            self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            self._reading.reports_joints(publication, _HZ)
-            self._schedule(publication)
+        if change == "subscribed" and type_name == f"{PACKAGE}/ToolVectorActual":
+            self._report_on(name, type_name, _HZ, self._tool_vector, JOINTS)
+        elif change == "subscribed" and type_name == f"{PACKAGE}/RobotStatus":
+            self._report_on(name, type_name, _HZ, self._status, JOINTS)
 
-    def _schedule(self, publication: Publication) -> None:
-        due_ns = self._scheduler.now_ns + round(1e9 / _HZ)
-        self._scheduler.call_at(due_ns, lambda: self._report(publication), background=True)
+    def _next_ns(self, period_ns: int, *, is_first: bool) -> int:
+        return self._scheduler.now_ns + period_ns
 
-    def _report(self, publication: Publication) -> None:
-        if not publication.subscriptions:
-            self._published.discard(publication.topic)
-            publication.close()
-            return
-        make = self._reports[publication.type_name]
-        publication.publish(make(self._messages.new(publication.type_name)))
-        self._schedule(publication)
-
-    def _tool_vector(self, message: Any) -> Any:
+    def _tool_vector(self, message: Any, topic: str) -> Any:
         names = ("x", "y", "z", "rx", "ry", "rz")
         for name, value in zip(names, values_of(self._arm.tool_pose()), strict=True):
             setattr(message, name, value)
         return message
 
-    def _status(self, message: Any) -> Any:
+    def _status(self, message: Any, topic: str) -> Any:
         message.is_enable, message.is_connected = self._queue.is_enabled, True
         return message

@@ -9,18 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
-from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of
-from tracerisk.vendors.doosan.reports import DoosanReports
+from tracerisk.vendors.doosan.motion import pose_of
+from tracerisk.vendors.doosan.reports import DoosanReports, Handler
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
@@ -28,44 +25,26 @@ if TYPE_CHECKING:
 
 PACKAGES = ("dsr_msgs2", "dsr_msgs")
 
-_NODE = "/dsr_controller2"
 _TYPES = {
     "robotiq_2f_open": "Robotiq2FOpen",
     "robotiq_2f_close": "Robotiq2FClose",
 }
 _CIRCLE, _AXES = 1, 6
 
-Handler = Callable[[Any, Any], bool]
 
-
-class DoosanController:
+class DoosanController(DoosanReports):
     """Answers as the controller of the twin's arm; a motion waits for the end of the one before."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
-        self._commands = commands
-        self._arm = ArmMotion(commands)
-        self._motion = DoosanMotion(self._arm)
-        self._live: Motion | None = None
-        self._set_points = CommandStreams(commands)
-        self._heard: set[str] = set()
-        self._reports = DoosanReports(
-            self._motion,
-            messages,
-            commands,
-            lambda: self._is_busy,
-            runtime.client(SensorReading),
-        )
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._set_points = CommandStreams(self._commands)
         for package in PACKAGES:
             for space, services in self._services().items():
                 for name, handle in services.items():
                     camel = "".join(part.capitalize() for part in name.split("_"))
                     kind = f"{package}/{_TYPES.get(name, camel)}"
-                    if messages.has_service(kind):
-                        answer = self._answering(kind, handle)
-                        self._graph.offer(f"{space}/{name}", kind, answer, node=_NODE)
-        self._streams = {
+                    self._offer(f"{space}/{name}", kind, handle)
+        self._streams: Mapping[str, Callable[[Any], JointTrajectory | None]] = {
             f"{package}/{kind}": take
             for package in PACKAGES
             for kind, take in (
@@ -78,52 +57,34 @@ class DoosanController:
         self._graph.watch(self._on_change)
 
     def _services(self) -> Mapping[str, Mapping[str, Handler]]:
-        services: dict[str, dict[str, Handler]] = {
-            space: dict(handlers) for space, handlers in self._reports.services().items()
+        services = {**super()._services()}
+        services["motion"] = {
+            **services["motion"],
+            "move_joint": self._moving("movej", self._joint),
+            "move_jointx": self._moving("movejx", self._jointx),
+            "move_line": self._moving("movel", self._line),
+            "move_circle": self._moving("movec", self._circle),
+            "move_spline_joint": self._moving("movesj", self._spline_joint),
+            "move_spline_task": self._moving("movesx", self._spline_task),
+            "move_blending": self._moving("moveb", self._blending),
+            "move_spiral": self._moving("move_spiral", self._spiral),
+            "move_periodic": self._moving("move_periodic", self._periodic),
+            "move_home": self._home,
+            "move_wait": self._wait,
+            "move_stop": self._stop,
+            "jog": self._jog,
         }
-        services.setdefault("motion", {}).update(
-            {
-                "move_joint": self._moving("movej", self._joint),
-                "move_jointx": self._moving("movejx", self._jointx),
-                "move_line": self._moving("movel", self._line),
-                "move_circle": self._moving("movec", self._circle),
-                "move_spline_joint": self._moving("movesj", self._spline_joint),
-                "move_spline_task": self._moving("movesx", self._spline_task),
-                "move_blending": self._moving("moveb", self._blending),
-                "move_spiral": self._moving("move_spiral", self._spiral),
-                "move_periodic": self._moving("move_periodic", self._periodic),
-                "move_home": self._home,
-                "move_wait": self._wait,
-                "move_stop": self._stop,
-                "jog": self._jog,
-            }
-        )
         services["gripper"] = {
             "robotiq_2f_open": lambda asked, _: self._grip(1.0),
             "robotiq_2f_close": lambda asked, _: self._grip(0.0),
         }
         return services
 
-    def _answering(self, kind: str, handle: Handler) -> Callable[[Any], Any]:
-        def answer(request: Any) -> Any:
-            response = self._messages.response(kind)
-            response.success = handle(request, response)
-            return response
-
-        return answer
-
-    def _stack(self) -> tuple[Frame, ...]:
-        return self._commands.stack()
-
     # Motions
-
-    @property
-    def _is_busy(self) -> bool:
-        return self._live is not None and self._live.outcome == "active"
 
     def _moving(self, kind: str, make: Callable[[Any], JointTrajectory]) -> Handler:
         def move(request: Any, answer: Any) -> bool:
-            stack = self._stack()
+            stack = self._commands.stack()
             self._wait(request, answer)
             try:
                 motion = self._arm.start(f"doosan_{kind}", make(request), stack)
@@ -142,7 +103,7 @@ class DoosanController:
 
         return move
 
-    def _report(self, kind: str, message: str, stack: tuple[Frame, ...]) -> None:
+    def _report(self, kind: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         self._commands.report("command_ignored", f"{kind} moved nothing: {message}", stack)
 
     def _joint(self, asked: Any) -> JointTrajectory:
@@ -211,7 +172,7 @@ class DoosanController:
         return poses
 
     def _home(self, request: Any, answer: Any) -> bool:
-        stack = self._stack()
+        stack = self._commands.stack()
         self._wait(request, answer)
         motion = self._arm.start("doosan_home", self._arm.to_joints([0.0] * _AXES), stack)
         self._live = motion
@@ -227,7 +188,7 @@ class DoosanController:
         return True
 
     def _jog(self, request: Any, answer: Any) -> bool:
-        stack, axis = self._stack(), request.jog_axis
+        stack, axis = self._commands.stack(), request.jog_axis
         share = request.speed / 100.0
         if not 0 <= axis < 2 * _AXES:
             self._report("jog", f"axis {axis}; allowed: 0 to 11", stack)
@@ -260,7 +221,7 @@ class DoosanController:
         )
 
     def _grip(self, opened: float) -> bool:
-        stack = self._stack()
+        stack = self._commands.stack()
         try:
             self._arm.move_gripper(opened, stack)
         except PlanningError as error:
@@ -271,25 +232,26 @@ class DoosanController:
     # Streams
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if change != "advertised" or type_name not in self._streams or name in self._heard:
+        if change == "advertised" and type_name in self._streams:
+            self._hear(name, type_name, partial(self._take, self._streams[type_name]))
+
+    def _take(
+        self,
+        make: Callable[[Any], JointTrajectory | None],
+        message: Any,
+        publication: Publication,
+    ) -> None:
+        try:
+            trajectory = make(message)
+        except PlanningError as error:
+            self._report(publication.topic, error.message)
             return
-        self._heard.add(name)
-        take = self._streams[type_name]
-
-        def deliver(message: Any, publication: Publication) -> None:
-            del publication
-            stack = self._stack()
-            try:
-                trajectory = take(message)
-            except PlanningError as error:
-                self._report(name, error.message, stack)
-                return
-            if trajectory is None:
-                self._arm.stop()
-            else:
-                self._set_points.follow(name, "doosan_stream", trajectory, is_set_point=True)
-
-        self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+        if trajectory is None:
+            self._arm.stop()
+        else:
+            self._set_points.follow(
+                publication.topic, "doosan_stream", trajectory, is_set_point=True
+            )
 
     def _servo_joints(self, asked: Any) -> JointTrajectory:
         speeds, rises = list(asked.vel), list(asked.acc)

@@ -4,14 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import ORIGIN, compose
+from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of, rows_of, values_of
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
 
 _STANDBY, _MOVING = 1, 2
 _IDLE, _BUSY = 0, 2
@@ -19,28 +23,22 @@ _IDLE, _BUSY = 0, 2
 Handler = Callable[[Any, Any], bool]
 
 
-class DoosanReports:
+class DoosanReports(TwinNode):
     """Answers what moves nothing."""
 
-    def __init__(
-        self,
-        motion: DoosanMotion,
-        messages: TwinMessages,
-        commands: TwinCommands,
-        is_busy: Callable[[], bool],
-        reading: SensorReading,
-    ) -> None:
-        self._motion = motion
-        self._messages = messages
-        self._commands = commands
-        self._is_busy = is_busy
-        self._reading = reading
+    node = "/dsr_controller2"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands)
+        self._motion = DoosanMotion(self._arm)
+        self._live: Motion | None = None
         self._tcps: dict[str, Pose] = {"": ORIGIN}
         self._tools: set[str] = {""}
         self._current = {"tcp": "", "tool": ""}
         self._pins: dict[tuple[str, int], float] = {}
 
-    def services(self) -> Mapping[str, Mapping[str, Handler]]:
+    def _services(self) -> Mapping[str, Mapping[str, Handler]]:
         """Return the handlers by folder and name."""
         return {
             "system": {
@@ -91,15 +89,22 @@ class DoosanReports:
             },
         }
 
+    def _conclude(self, answer: Any, result: Any) -> None:
+        answer.success = result
+
     # Modes and states
 
+    @property
+    def _is_busy(self) -> bool:
+        return self._live is not None and self._live.outcome == "active"
+
     def _state(self, request: Any, answer: Any) -> bool:
-        self._commands.scheduler.touch()
-        return _filled(answer, robot_state=_MOVING if self._is_busy() else _STANDBY)
+        self._scheduler.touch()
+        return _filled(answer, robot_state=_MOVING if self._is_busy else _STANDBY)
 
     def _check(self, request: Any, answer: Any) -> bool:
-        self._commands.scheduler.touch()
-        return _filled(answer, status=_BUSY if self._is_busy() else _IDLE)
+        self._scheduler.touch()
+        return _filled(answer, status=_BUSY if self._is_busy else _IDLE)
 
     def _share(self, request: Any, answer: Any) -> bool:
         if not 1 <= request.speed <= 100:
@@ -110,14 +115,14 @@ class DoosanReports:
     # Where it is
 
     def _pose(self, request: Any, answer: Any) -> bool:
-        self._commands.scheduler.touch()
+        self._scheduler.touch()
         self._reading.asked("encoder")
         is_joint = request.space_type == 0
         found = self._motion.positions() if is_joint else values_of(self._motion.here())
         return _filled(answer, pos=found)
 
     def _posx(self, request: Any, answer: Any) -> bool:
-        self._commands.scheduler.touch()
+        self._scheduler.touch()
         self._reading.asked("encoder")
         row = self._messages.new("std_msgs/Float64MultiArray")
         row.data = [*values_of(self._motion.here()), float(self._motion.solution_space())]

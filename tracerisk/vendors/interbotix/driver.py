@@ -5,6 +5,7 @@ states are published too, with the gripper's servo among them. Source of the beh
 Interbotix/interbotix_ros_core, interbotix_xs_sdk and interbotix_xs_msgs.
 """
 
+# ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -14,12 +15,11 @@ import numpy as np
 
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
-from tracerisk.ros.robot.velocity_motion import at_velocities
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.interbotix.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
 from tracerisk.vendors.interbotix.motion import InterbotixMotion
@@ -32,7 +32,6 @@ PACKAGE = "interbotix_xs_msgs"
 GRIPPER = "gripper"
 """The name of the servo that drives the fingers; arms of the series have one."""
 
-_NODE = "/xs_sdk"
 _HZ = 100.0  # joint_state_publisher.update_rate of interbotix_xsarm_control/config
 _ALL = "all"
 _GAINS = {
@@ -46,16 +45,13 @@ _GAINS = {
 }
 
 
-class InterbotixDriver:
+class InterbotixDriver(TwinNode):
     """Answers as the xs_sdk node of the twin's arm."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._graph = runtime.graph
-        self._scheduler = runtime.scheduler
-        self._reading = runtime.client(SensorReading)
-        self._messages = messages
-        self._commands = commands
-        self._twin = commands.twin
+    node = "/xs_sdk"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
         robot = self._twin.robot
         self._gripper: Gripper | None = next(iter(robot.grippers), None)
         # A description may have a joint for the servo of the gripper, which only turns a picture.
@@ -73,11 +69,10 @@ class InterbotixDriver:
         if self._gripper is not None:
             self._servos[GRIPPER] = Servo("pwm", "velocity", True, dict.fromkeys(SETTINGS, 0))
         self._linkage = linkage_of(robot.name)
-        self._streams = CommandStreams(commands)
+        self._streams = CommandStreams(self._commands)
         self._motion = InterbotixMotion(self._twin)
         self._publications: dict[str, Publication] = {}
         self._ticked: dict[str, int] = {}
-        self._subscribed: set[str] = set()
         for name, kind, handle in (
             ("get_robot_info", "RobotInfo", self._robot_info),
             ("set_operating_modes", "OperatingModes", self._set_modes),
@@ -87,7 +82,7 @@ class InterbotixDriver:
             ("torque_enable", "TorqueEnable", self._torque),
             ("reboot_motors", "Reboot", self._reboot),
         ):
-            self._graph.offer(name, f"{PACKAGE}/{kind}", handle, node=_NODE)
+            self._offer(name, f"{PACKAGE}/{kind}", handle)
         self._takers = {
             f"{PACKAGE}/JointGroupCommand": self._take_group,
             f"{PACKAGE}/JointSingleCommand": self._take_single,
@@ -100,49 +95,43 @@ class InterbotixDriver:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "served" and type_name.startswith(f"{PACKAGE}/"):
             self._publish_states(name.rsplit("/", 1)[0] + "/joint_states")
-        elif change == "advertised" and type_name in self._takers and name not in self._subscribed:
-            self._subscribed.add(name)
+        elif change == "advertised" and type_name in self._takers:
             take = self._takers[type_name]
-
-            def deliver(message: Any, publication: Publication) -> None:
-                del publication
-                take(name, message)
-
-            self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+            self._hear(name, type_name, lambda message, _: take(name, message))
         elif change == "subscribed" and type_name == JOINT_STATE_TYPE:
             spaces = [topic.rsplit("/", 1)[0] for topic in self._publications]
             if any(space and name.startswith(space + "/") for space in spaces):
                 # Robots of several drivers publish below their namespace.
                 self._publish_states(name)
             if name in self._publications:
-                self._schedule(name)
+                self._go_on(name)
 
     def _publish_states(self, topic: str) -> None:
         # The twin's own joint states need no second publisher.
         if topic not in self._publications and topic != "/joint_states":
             advertised = self._graph.advertise(
-                topic, JOINT_STATE_TYPE, node=_NODE, by_controller=False
+                topic, JOINT_STATE_TYPE, node=self.node, by_controller=False
             )
             self._publications[topic] = advertised
             self._reading.reports_joints(advertised, _HZ)
-            self._schedule(topic)
+            self._go_on(topic)
 
-    def _schedule(self, topic: str) -> None:
+    def _go_on(self, topic: str) -> None:
         period_ns = round(1e9 / _HZ)
         due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
-        self._scheduler.call_at(due_ns, lambda: self._tick(topic, due_ns), background=True)
+        self._scheduler.call_at(due_ns, lambda: self._publish(topic, due_ns), background=True)
 
-    def _tick(self, topic: str, due_ns: int) -> None:
+    def _publish(self, topic: str, due_ns: int) -> None:
         publication = self._publications[topic]
         if publication.subscriptions and self._ticked.get(topic, -1) < due_ns:
             self._ticked[topic] = due_ns
             publication.publish(self._joint_state())
-            self._schedule(topic)
+            self._go_on(topic)
 
     def _joint_state(self) -> Any:
         state = self._twin.joint_state()
         message = self._messages.new(JOINT_STATE_TYPE)
-        self._messages.stamp(message.header, self._scheduler.now_ns)
+        self._now(message.header)
         message.name = [each for each in self._joint_order() if each not in state.absent]
         values = {
             name: (state.position[i], state.velocity[i], state.effort[i])
@@ -186,12 +175,8 @@ class InterbotixDriver:
         self._commands.report("service_refused", text)
         return ServiceFailedError(text)
 
-    def _response(self, kind: str) -> Any:
-        return self._messages.response(f"{PACKAGE}/{kind}")
-
-    def _robot_info(self, request: Any) -> Any:
+    def _robot_info(self, request: Any, answer: Any) -> None:
         names = self._named(request)
-        answer = self._response("RobotInfo")
         order = self._joint_order()
         first = self._servos[names[0]]
         answer.mode, answer.profile_type = first.mode, first.profile_type
@@ -207,7 +192,6 @@ class InterbotixDriver:
         answer.joint_state_indices = [order.index(name) for name in shown]
         answer.num_joints = len(names)
         answer.name = list(self._groups) if request.name == _ALL else [request.name]
-        return answer
 
     def _shown(self, servo: str) -> str:
         return self._gripper.joints[0] if servo == GRIPPER and self._gripper else servo
@@ -221,7 +205,7 @@ class InterbotixDriver:
                     asleep.update(state)
         return asleep
 
-    def _set_modes(self, request: Any) -> Any:
+    def _set_modes(self, request: Any, answer: Any) -> None:
         names = self._named(request)
         if request.mode not in MODES:
             raise self._refused(f"operating mode '{request.mode}'; {one_of(MODES)}", request)
@@ -231,15 +215,13 @@ class InterbotixDriver:
             servo.profile_type = request.profile_type or servo.profile_type
             servo.registers["Profile_Velocity"] = request.profile_velocity
             servo.registers["Profile_Acceleration"] = request.profile_acceleration
-        return self._response("OperatingModes")
 
-    def _set_gains(self, request: Any) -> Any:
+    def _set_gains(self, request: Any, answer: Any) -> None:
         for name in self._named(request):
             for field, register in _GAINS.items():
                 self._servos[name].registers[register] = getattr(request, field)
-        return self._response("MotorGains")
 
-    def _set_registers(self, request: Any) -> Any:
+    def _set_registers(self, request: Any, answer: Any) -> None:
         names = self._named(request)
         if request.reg not in SETTINGS:
             raise self._refused(
@@ -247,11 +229,9 @@ class InterbotixDriver:
             )
         for name in names:
             self._servos[name].registers[request.reg] = request.value
-        return self._response("RegisterValues")
 
-    def _get_registers(self, request: Any) -> Any:
+    def _get_registers(self, request: Any, answer: Any) -> None:
         names = self._named(request)
-        answer = self._response("RegisterValues")
         if request.reg == "Torque_Enable":
             answer.values = [int(self._servos[name].torque) for name in names]
         elif request.reg == "Hardware_Error_Status":
@@ -260,9 +240,8 @@ class InterbotixDriver:
             answer.values = [self._servos[name].registers[request.reg] for name in names]
         else:
             raise self._refused(f"register '{request.reg}' is not simulated", request)
-        return answer
 
-    def _torque(self, request: Any) -> Any:
+    def _torque(self, request: Any, answer: Any) -> None:
         for name in self._named(request):
             self._servos[name].torque = request.enable
         if not request.enable:
@@ -271,15 +250,13 @@ class InterbotixDriver:
                 f"'{request.name}' was torqued off: the twin's joints stay where they are, and "
                 "take no commands until they are torqued on",
             )
-        return self._response("TorqueEnable")
 
-    def _reboot(self, request: Any) -> Any:
+    def _reboot(self, request: Any, answer: Any) -> None:
         names = self._named(request)
         # No servo of the twin is in an error state: a smart reboot finds none.
         if not request.smart_reboot:
             for name in names:
                 self._servos[name].torque = request.enable
-        return self._response("Reboot")
 
     # Commands
 

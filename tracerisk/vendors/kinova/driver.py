@@ -4,7 +4,7 @@ Source of names and behaviour: Kinovarobotics/ros_kortex, kortex_driver (readme,
 kortex_arm_simulation.cpp, the driver's own simulated arm).
 """
 
-# ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
+# ruff: noqa: ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.robot.arm_motion import ArmMotion
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import PlanningError
-from tracerisk.vendors.kinova.actions import KortexArm, pose_of
+from tracerisk.vendors.kinova.actions import pose_of
 from tracerisk.vendors.kinova.player import DEFAULTS, REACH_ANGLES, REACH_POSE, KortexPlayer
 from tracerisk.vendors.kinova.reports import KortexReports, joint_angles
 
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
 PACKAGE = "kortex_driver"
 FOLLOW_CARTESIAN = f"{PACKAGE}/FollowCartesianTrajectory"
 
-_NODE = "/kortex_driver"
 _FIRST_CREATED = 10000
 _SINGLE_LEVEL = 2  # ServoingMode
 _IN_FAULT, _SERVOING_READY = 4, 7  # ArmState
@@ -54,34 +51,24 @@ _VELOCITY_TOPICS = {
 Handler = Callable[[Any, Any], None]
 
 
-class KortexDriver:
+class KortexDriver(KortexReports):
     """Answers as the driver of the twin's arm, in any namespace."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
-        self._commands = commands
-        self._arm = ArmMotion(commands, ("tool_frame",))
-        self._kortex = KortexArm(self._arm)
-        self._reports = KortexReports(runtime, messages, self._kortex)
-        self._player = KortexPlayer(self._kortex, messages, commands, self._notify)
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._player = KortexPlayer(self._kortex, messages, self._commands, self._notify)
         self._topics: dict[str, Publication] = {}
-        self._heard: set[str] = set()
         if not messages.has_service(f"{PACKAGE}/ExecuteAction"):
             return
         for space, services in (("base", self._base()), ("control_config", self._config())):
             for name, handle in services.items():
                 kind = _TYPES.get(name, "".join(part.capitalize() for part in name.split("_")))
-                full = f"{PACKAGE}/{kind}"
-                if messages.has_service(full):
-                    answer = self._answering(full, handle)
-                    self._graph.offer(f"{space}/{name}", full, answer, node=_NODE)
-        for name, value in self._parameters().items():
-            self._graph.parameters.offer(name, partial(self._parameter, value))
-        self._graph.watch(self._on_change)
+                self._offer(f"{space}/{name}", f"{PACKAGE}/{kind}", handle)
+        self._offer_parameters(PACKAGE, self._parameters())
+        self._graph.watch(self._on_topic)
 
     def _base(self) -> Mapping[str, Handler]:
-        player, kortex, reports = self._player, self._kortex, self._reports
+        player, kortex = self._player, self._kortex
         return {
             "clear_faults": lambda asked, _: player.do("clear_faults", asked, 0),
             "read_action": self._read_action,
@@ -96,9 +83,9 @@ class KortexDriver:
             "stop_action": lambda asked, _: player.stop(),
             "stop": lambda asked, _: player.stop(),
             "apply_emergency_stop": lambda asked, _: player.do("apply_emergency_stop", asked, 0),
-            "play_joint_trajectory": self._doing("reach_joint_angles"),
-            "play_cartesian_trajectory": self._doing("reach_pose"),
-            "execute_waypoint_trajectory": self._doing("execute_waypoint_list"),
+            "play_joint_trajectory": partial(self._do, "reach_joint_angles"),
+            "play_cartesian_trajectory": partial(self._do, "reach_pose"),
+            "execute_waypoint_trajectory": partial(self._do, "execute_waypoint_list"),
             "play_selected_joint_trajectory": lambda asked, _: player.play(
                 partial(kortex.reach_angle, asked.input), REACH_ANGLES
             ),
@@ -108,24 +95,24 @@ class KortexDriver:
             "play_cartesian_trajectory_orientation": lambda asked, _: player.play(
                 partial(kortex.reach_orientation, asked.input), REACH_POSE
             ),
-            "send_joint_speeds_command": self._doing("send_joint_speeds"),
-            "send_joint_speeds_joystick_command": self._doing("send_joint_speeds"),
-            "send_twist_command": self._doing("send_twist_command"),
-            "send_twist_joystick_command": self._doing("send_twist_command"),
-            "send_gripper_command": self._doing("send_gripper_command"),
+            "send_joint_speeds_command": partial(self._do, "send_joint_speeds"),
+            "send_joint_speeds_joystick_command": partial(self._do, "send_joint_speeds"),
+            "send_twist_command": partial(self._do, "send_twist_command"),
+            "send_twist_joystick_command": partial(self._do, "send_twist_command"),
+            "send_gripper_command": partial(self._do, "send_gripper_command"),
             "validate_waypoint_list": self._validate,
             "activate_publishing_of_action_topic": lambda asked, answer: None,
-            "get_product_configuration": reports.product,
-            "get_actuator_count": reports.count,
-            "get_measured_joint_angles": reports.measured_angles,
-            "get_measured_cartesian_pose": reports.measured_pose,
-            "get_measured_gripper_movement": reports.measured_gripper,
-            "compute_forward_kinematics": reports.forward,
+            "get_product_configuration": self._product,
+            "get_actuator_count": self._count,
+            "get_measured_joint_angles": self._measured_angles,
+            "get_measured_cartesian_pose": self._measured_pose,
+            "get_measured_gripper_movement": self._measured_gripper,
+            "compute_forward_kinematics": self._forward,
             "compute_inverse_kinematics": self._inverse,
             "get_arm_state": self._arm_state,
             "get_servoing_mode": self._servoing_mode,
             "set_servoing_mode": self._set_servoing_mode,
-            **{name: self._refusing(name) for name in _NOT_SIMULATED},
+            **{name: partial(self._refuse, name) for name in _NOT_SIMULATED},
         }
 
     def _config(self) -> Mapping[str, Handler]:
@@ -145,48 +132,27 @@ class KortexDriver:
             "is_initialized": True,
         }
 
-    def _parameter(self, value: Any) -> Any:
-        return value if self._messages.is_used(PACKAGE) else None
+    def _do(self, kind: str, request: Any, answer: Any) -> None:
+        self._player.do(kind, request.input, 0)
 
-    def _answering(self, kind: str, handle: Callable[[Any, Any], None]) -> Callable[[Any], Any]:
-        def answer(request: Any) -> Any:
-            response = self._messages.response(kind)
-            handle(request, response)
-            return response
-
-        return answer
-
-    def _doing(self, kind: str) -> Callable[[Any, Any], None]:
-        """Return the handler of a service that is an action of one kind."""
-
-        def do(request: Any, answer: Any) -> None:
-            self._player.do(kind, request.input, 0)
-
-        return do
-
-    def _refusing(self, name: str) -> Callable[[Any, Any], None]:
-        def refuse(request: Any, answer: Any) -> None:
-            raise self._player.refused(f"service {name} is not simulated: nothing moved")
-
-        return refuse
+    def _refuse(self, name: str, request: Any, answer: Any) -> None:
+        raise self._player.refused(f"service {name} is not simulated: nothing moved")
 
     # Topics
 
-    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+    def _on_topic(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == f"{PACKAGE}/ActionNotification":
             if name not in self._topics:
                 self._topics[name] = self._graph.advertise(
-                    name, type_name, node=_NODE, by_controller=False
+                    name, type_name, node=self.node, by_controller=False
                 )
-        elif change == "advertised" and type_name in _VELOCITY_TOPICS and name not in self._heard:
-            self._heard.add(name)
+        elif change == "advertised" and type_name in _VELOCITY_TOPICS:
             kind = _VELOCITY_TOPICS[type_name]
-
-            def deliver(message: Any, publication: Publication) -> None:
-                del publication
-                self._player.do(kind, message, 0, is_answered=False)
-
-            self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+            self._hear(
+                name,
+                type_name,
+                lambda message, _: self._player.do(kind, message, 0, is_answered=False),
+            )
 
     def _notify(self, event: int, kind: int, identifier: int, detail: int) -> None:
         for publication in self._topics.values():

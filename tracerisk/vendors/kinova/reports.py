@@ -7,65 +7,58 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.graph import Change, ServiceFailedError
+from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.vendors.kinova.actions import KortexArm, write_pose
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
-_NODE = "/kortex_driver"
 _FEEDBACK = "kortex_driver/BaseCyclic_Feedback"
 _HZ = 40.0  # cyclic_data_publish_rate of kortex_driver.launch
 _L53, _L31 = 1, 2  # ModelId of the Gen3 and of the Gen3 lite
 
 
-class KortexReports:
+class KortexReports(TwinNode):
     """Answers questions, and publishes the feedback while somebody listens to it."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, kortex: KortexArm) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
-        self._kortex = kortex
-        self._arm = kortex.arm
-        self._reading = runtime.client(SensorReading)
-        self._published: set[str] = set()
+    node = "/kortex_driver"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands, ("tool_frame",))
+        self._kortex = KortexArm(self._arm)
         self._graph.watch(self._on_change)
 
     # Answers
 
-    def product(self, request: Any, answer: Any) -> None:
-        """Report the model and the number of joints."""
+    def _product(self, request: Any, answer: Any) -> None:
         is_lite = "lite" in self._arm.twin.robot.name
         answer.output.model = _L31 if is_lite else _L53
         answer.output.degree_of_freedom = len(self._arm.joints)
 
-    def count(self, request: Any, answer: Any) -> None:
-        """Report the number of joints."""
+    def _count(self, request: Any, answer: Any) -> None:
         answer.output.count = len(self._arm.joints)
 
-    def measured_angles(self, request: Any, answer: Any) -> None:
-        """Report where the joints are."""
+    def _measured_angles(self, request: Any, answer: Any) -> None:
         self._scheduler.touch()
         self._reading.asked("encoder")
         answer.output.joint_angles = joint_angles(self._messages, self._arm.positions())
 
-    def measured_pose(self, request: Any, answer: Any) -> None:
-        """Report where the tool is."""
+    def _measured_pose(self, request: Any, answer: Any) -> None:
         self._scheduler.touch()
         self._reading.asked("encoder")
         write_pose(answer.output, self._arm.tool_pose())
 
-    def measured_gripper(self, request: Any, answer: Any) -> None:
-        """Report how far the gripper is closed, in its mode of position."""
+    def _measured_gripper(self, request: Any, answer: Any) -> None:
         self._scheduler.touch()
         finger = self._messages.new("kortex_driver/Finger")
         finger.finger_identifier, finger.value = 1, 1.0 - self._arm.grip()
         answer.output.finger = [finger]
 
-    def forward(self, request: Any, answer: Any) -> None:
-        """Report where the tool is at joint angles."""
+    def _forward(self, request: Any, answer: Any) -> None:
         angles = [each.value for each in request.input.joint_angles]
         if len(angles) != len(self._arm.joints):
             raise ServiceFailedError(
@@ -76,27 +69,10 @@ class KortexReports:
     # Feedback
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if change == "subscribed" and type_name == _FEEDBACK and name not in self._published:
-            self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            self._reading.reports_joints(publication, _HZ)
-            self._schedule(publication)
+        if change == "subscribed" and type_name == _FEEDBACK:
+            self._report_on(name, type_name, _HZ, self._feedback, JOINTS)
 
-    def _schedule(self, publication: Publication) -> None:
-        period_ns = round(1e9 / _HZ)
-        due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
-        self._scheduler.call_at(due_ns, lambda: self._report(publication), background=True)
-
-    def _report(self, publication: Publication) -> None:
-        if not publication.subscriptions:
-            self._published.discard(publication.topic)
-            publication.close()
-            return
-        publication.publish(self._feedback())
-        self._schedule(publication)
-
-    def _feedback(self) -> Any:
-        message = self._messages.new(_FEEDBACK)
+    def _feedback(self, message: Any, topic: str) -> Any:
         x, y, z = (pose := self._arm.tool_pose()).position
         turns = write_pose(self._messages.new("kortex_driver/Pose"), pose)
         for prefix in ("tool_pose", "commanded_tool_pose"):

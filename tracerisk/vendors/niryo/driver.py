@@ -4,28 +4,26 @@ Source of names and behaviour: NiryoRobotics/ned_ros; the names are fixed there.
 Python wrapper are assumed.
 """
 
-# ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
+# ruff: noqa: ARG001, ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.robot.arm_motion import ArmMotion
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.niryo.actions import STATUS_OF, NiryoActions
 from tracerisk.vendors.niryo.motion import NiryoMotion
-from tracerisk.vendors.niryo.places import Handler, NiryoPlaces
+from tracerisk.vendors.niryo.places import Handler, NiryoPlaces, filled
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.trace import SensorKind
 
-_NODE = "/niryo_robot_arm_commander"
 _MESSAGES = "niryo_robot_msgs"
 _STATE = f"{_MESSAGES}/RobotState"  # the pose of the tool
 _HZ = 10.0
@@ -34,31 +32,25 @@ _PIN_ERROR, _NO_INVERSE, _NO_FORWARD = -114, -232, -233
 _GRIPPER_1 = 11
 
 
-class NiryoRobot:
+class NiryoRobot(NiryoPlaces):
     """Answers as the nodes of a Niryo arm."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._reading = runtime.client(SensorReading)
-        self._messages = messages
-        self._commands = commands
-        self._arm = ArmMotion(commands, ("tool_link",))
+    node = "/niryo_robot_arm_commander"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands, ("tool_link",))
         self._motion = NiryoMotion(self._arm)
-        self._places = NiryoPlaces(runtime, messages)
-        self.actions = NiryoActions(self._arm, self._motion, messages, commands)
+        self.actions = NiryoActions(self._arm, self._motion, messages, self._commands)
         self._is_learning = False
         self._home: list[float] | None = None
         self._pins: dict[str, float] = {}
-        self._published: set[str] = set()
         if not messages.has_service(f"{_MESSAGES}/Trigger"):
             return
         for space, services in self._services().items():
             for name, (kind, handle) in services.items():
-                if messages.has_service(kind):
-                    answer = self._answering(kind, handle)
-                    self._graph.offer(f"{space}/{name}", kind, answer, node=_NODE)
-        for name, value in self._parameters().items():
-            self._graph.parameters.offer(name, partial(self._parameter, value))
+                self._offer(f"{space}/{name}", kind, handle)
+        self._offer_parameters(_MESSAGES, self._parameters())
         self._topics: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
             "/niryo_robot/robot_state": (_STATE, self._state),
             "/niryo_robot/learning_mode/state": (
@@ -80,11 +72,11 @@ class NiryoRobot:
             "/niryo_robot_tools_commander/tcp": ("niryo_robot_tools_commander/TCP", self._tcp),
             "/niryo_robot_poses_handlers/pose_list": (
                 f"{_MESSAGES}/BasicObjectArray",
-                lambda message: self._places.pose_list(),
+                lambda message: self._listed(self._poses, message),
             ),
             "/niryo_robot_poses_handlers/dynamic_frame_list": (
                 f"{_MESSAGES}/BasicObjectArray",
-                lambda message: self._places.frame_list(),
+                lambda message: self._listed(self._frames, message),
             ),
         }
         self._graph.watch(self._on_change)
@@ -128,7 +120,7 @@ class NiryoRobot:
             },
             "tools": {"reboot": (trigger, _nothing)},
             "niryo_robot_hardware_interface": {"reboot_motors": (trigger, _nothing)},
-            "niryo_robot_poses_handlers": self._places.services,
+            "niryo_robot_poses_handlers": self._services_of_places(),
             pins: {
                 "set_digital_io_mode": (f"{pins}/SetIOMode", _nothing),
                 "set_digital_io": (f"{pins}/SetDigitalIO", self._set_pin),
@@ -165,44 +157,24 @@ class NiryoRobot:
             **{f"/niryo_robot_{node}/initialized": True for node in nodes},
         }
 
-    def _parameter(self, value: Any) -> Any:
-        return value if self._messages.is_used(_MESSAGES) else None
-
-    def _answering(self, kind: str, handle: Handler) -> Callable[[Any], Any]:
-        def answer(request: Any) -> Any:
-            response = self._messages.response(kind)
-            status, message = handle(request, response)
-            for name, value in (("status", status), ("message", message)):
-                if name in response.__slots__:
-                    setattr(response, name, value)
-            return response
-
-        return answer
+    def _conclude(self, answer: Any, result: Any) -> None:
+        for name, value in zip(("status", "message"), result, strict=True):
+            if name in answer.__slots__:
+                setattr(answer, name, value)
 
     # Topics
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        is_one = change == "subscribed" and self._topics.get(name, ("",))[0] == type_name
-        if is_one and name not in self._published:
-            self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            if type_name == _STATE:
-                self._reading.reports(publication, self._reading.named("encoder"), _HZ)
-            soon_ns = self._scheduler.now_ns + 1_000_000
-            self._scheduler.call_at(soon_ns, lambda: self._publish(publication), background=True)
+        kind, make = self._topics.get(name, ("", None))
+        if change == "subscribed" and kind == type_name and make is not None:
+            sensors: tuple[SensorKind, ...] = ("encoder",) if kind == _STATE else ()
+            self._report_on(name, kind, _HZ, lambda message, _: make(message), sensors)
 
-    def _publish(self, publication: Publication) -> None:
-        if not publication.subscriptions:
-            self._published.discard(publication.topic)
-            publication.close()
-            return
-        type_name, make = self._topics[publication.topic]
-        publication.publish(make(self._messages.new(type_name)))
-        due_ns = self._scheduler.now_ns + round(1e9 / _HZ)
-        self._scheduler.call_at(due_ns, lambda: self._publish(publication), background=True)
+    def _next_ns(self, period_ns: int, *, is_first: bool) -> int:
+        return self._scheduler.now_ns + (1_000_000 if is_first else period_ns)
 
     def _state(self, message: Any) -> Any:
-        return _filled(message, self._motion.here())
+        return filled(message, self._motion.here())
 
     def _hardware(self, message: Any) -> Any:
         message.hardware_version = str(self._parameters()["/niryo_robot/hardware_version"])
@@ -212,7 +184,7 @@ class NiryoRobot:
 
     def _tcp(self, message: Any) -> Any:
         message.enabled = self._motion.is_tcp_on
-        return _filled(message, self._motion.tcp)
+        return filled(message, self._motion.tcp)
 
     @property
     def _tool_id(self) -> int:
@@ -280,7 +252,7 @@ class NiryoRobot:
             self._arm.check(list(request.joints))
         except PlanningError as error:
             return _NO_FORWARD, error.message
-        _filled(answer.pose, self._motion.of_joints(list(request.joints)))
+        filled(answer.pose, self._motion.of_joints(list(request.joints)))
         return _SUCCESS, "Success"
 
     def _inverse(self, request: Any, answer: Any) -> tuple[int, str]:
@@ -334,12 +306,4 @@ def _nothing(request: Any, answer: Any) -> tuple[int, str]:
 def _with(message: Any, **values: Any) -> Any:
     for name, value in values.items():
         setattr(message, name, value)
-    return message
-
-
-def _filled(message: Any, pose: Pose) -> Any:
-    message.position.x, message.position.y, message.position.z = pose.position
-    turn, rpy = message.orientation, message.rpy
-    turn.x, turn.y, turn.z, turn.w = pose.orientation
-    rpy.roll, rpy.pitch, rpy.yaw = rpy_from_quaternion(pose.orientation)
     return message

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import rpy_from_quaternion
 from tracerisk.twin.physics.motion import Pose
@@ -30,19 +32,16 @@ _SAVE, _SAVE_WITH_POINTS, _EDIT, _DELETE = 1, 2, 3, -1
 Handler = Callable[[Any, Any], tuple[int, str]]
 
 
-class NiryoPlaces:
+class NiryoPlaces(TwinNode):
     """Keeps poses and dynamic frames; a frame is published from `world` on /tf_static."""
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages = messages
+        super().__init__(runtime, messages)
         self._poses: dict[str, Any] = {}
         self._frames: dict[str, Any] = {}
         self._transforms: Any = None
 
-    @property
-    def services(self) -> Mapping[str, tuple[str, Handler]]:
-        """What it answers: the type and the handler of each service."""
+    def _services_of_places(self) -> Mapping[str, tuple[str, Handler]]:
         return {
             "manage_pose": (f"{PACKAGE}/ManagePose", self._manage_pose),
             "get_pose": (f"{PACKAGE}/GetPose", self._get_pose),
@@ -50,16 +49,7 @@ class NiryoPlaces:
             "get_dynamic_frame": (f"{PACKAGE}/GetDynamicFrame", self._get_frame),
         }
 
-    def pose_list(self) -> Any:
-        """Return the message that lists the poses."""
-        return self._listed(self._poses)
-
-    def frame_list(self) -> Any:
-        """Return the message that lists the frames."""
-        return self._listed(self._frames)
-
-    def _listed(self, known: Mapping[str, Any]) -> Any:
-        message = self._messages.new("niryo_robot_msgs/BasicObjectArray")
+    def _listed(self, known: Mapping[str, Any], message: Any) -> Any:
         for name, each in sorted(known.items()):
             entry = self._messages.new("niryo_robot_msgs/BasicObject")
             entry.name, entry.description = name, each.description
@@ -113,12 +103,7 @@ class NiryoPlaces:
         pose = _frame(origin, x, y)
         if pose is None:
             return _FRAME_CREATION_FAILED, "the points of the frame lie on one line"
-        frame.position.x, frame.position.y, frame.position.z = pose.position
-        turn = frame.orientation
-        turn.x, turn.y, turn.z, turn.w = pose.orientation
-        rpy = rpy_from_quaternion(pose.orientation)
-        frame.rpy.roll, frame.rpy.pitch, frame.rpy.yaw = rpy
-        self._frames[frame.name] = frame
+        self._frames[frame.name] = filled(frame, pose)
         self._publish()
         return _SUCCESS, f"Created dynamic frame '{frame.name}'"
 
@@ -143,6 +128,14 @@ class NiryoPlaces:
             transform.transform.rotation = frame.orientation
             message.transforms.append(transform)
         self._transforms.publish(message)
+
+
+def filled(message: Any, pose: Pose) -> Any:
+    """Write a pose into a message that has its turns twice."""
+    set_pose(message, pose)
+    rpy = message.rpy
+    rpy.roll, rpy.pitch, rpy.yaw = rpy_from_quaternion(pose.orientation)
+    return message
 
 
 def _unknown(kind: str, name: str, known: Mapping[str, Any]) -> str:

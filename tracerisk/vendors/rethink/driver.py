@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import RobotError, one_of
-from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.robots.robot import Gripper
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 _CORE = "baxter_core_msgs"
-_NODE = "/realtime_loop"
 _POSITION, _VELOCITY, _TORQUE, _RAW = 1, 2, 3, 4  # JointCommand.mode
 _HZ = 100.0
 _SPEED = 0.3  # the fraction of the rated speed, before set_speed_ratio
@@ -44,30 +43,21 @@ _NUMBERS = ("position", "moving_force")
 _OF_JOINTS = ("sensor_msgs/JointState", f"{_CORE}/EndpointState", f"{_CORE}/HeadState")
 
 
-class BaxterDriver:
+class BaxterDriver(TwinNode):
     """Takes a Baxter's commands and reports its state; the robot is enabled when the run begins."""
 
-    def __init__(
-        self,
-        runtime: Runtime,
-        messages: TwinMessages,
-        commands: TwinCommands,
-        set_points: SetPoints,
-    ) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._reading = runtime.client(SensorReading)
-        self._messages, self._commands = messages, commands
-        self._twin = commands.twin
+    node = "/realtime_loop"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages, set_points: SetPoints) -> None:
+        super().__init__(runtime, messages)
         self._set_points = set_points
-        self._streams = CommandStreams(commands)
+        self._streams = CommandStreams(self._commands)
         self._enabled, self._stopped = True, False
         self._speed: dict[str, float] = {}
         self._timeout_s: dict[str, float] = {}
         self._grips: dict[str, tuple[str, str, int]] = {}
         self._calibrated: dict[str, bool] = {}
         self._forces: dict[str, float] = {}
-        self._ticking: set[str] = set()
-        self._subscribed: set[str] = set()
         self._takers: dict[str, Callable[[str, Any], None]] = {
             f"{_CORE}/JointCommand": self._take_joints,
             f"{_CORE}/EndEffectorCommand": self._take_gripper,
@@ -76,7 +66,7 @@ class BaxterDriver:
             "std_msgs/Bool": self._take_enable,
             "std_msgs/Empty": self._take_empty,
         }
-        self._tellers: dict[str, Callable[[str], Any]] = {
+        self._tellers: dict[str, Callable[[Any, str], Any]] = {
             f"{_CORE}/AssemblyState": self._assembly,
             f"{_CORE}/EndpointState": self._endpoint,
             f"{_CORE}/EndEffectorState": self._gripper_state,
@@ -90,7 +80,7 @@ class BaxterDriver:
                     f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
                     f"{_CORE}/SolvePositionIK",
                     partial(self._solve, f"{side}_arm"),
-                    node=_NODE,
+                    node=self.node,
                     is_callback=False,
                 )
         self._graph.watch(self._on_change)
@@ -98,36 +88,12 @@ class BaxterDriver:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if not name.startswith("/robot/"):
             return
-        if change == "advertised" and type_name in self._takers and name not in self._subscribed:
-            self._subscribed.add(name)
+        if change == "advertised" and type_name in self._takers:
             take = self._takers[type_name]
-            self._graph.subscribe(
-                name,
-                type_name,
-                lambda message, _: take(name, message),
-                node=_NODE,
-                by_controller=False,
-            )
-        elif change == "subscribed" and type_name in self._tellers and name not in self._ticking:
-            self._ticking.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            if type_name in _OF_JOINTS:
-                self._reading.reports_joints(publication, _HZ)
-            self._schedule(publication, self._tellers[type_name])
-
-    def _schedule(self, publication: Publication, make: Callable[[str], Any]) -> None:
-        period_ns = round(1e9 / _HZ)
-        due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
-        self._scheduler.call_at(due_ns, lambda: self._tick(publication, make), background=True)
-
-    def _tick(self, publication: Publication, make: Callable[[str], Any]) -> None:
-        message = make(publication.topic) if publication.subscriptions else None
-        if message is None:
-            self._ticking.discard(publication.topic)
-            publication.close()
-            return
-        publication.publish(message)
-        self._schedule(publication, make)
+            self._hear(name, type_name, lambda message, _: take(name, message))
+        elif change == "subscribed" and type_name in self._tellers:
+            sensors = JOINTS if type_name in _OF_JOINTS else ()
+            self._report_on(name, type_name, _HZ, self._tellers[type_name], sensors)
 
     # Commands
 
@@ -229,14 +195,12 @@ class BaxterDriver:
 
     # States
 
-    def _assembly(self, topic: str) -> Any:
-        message = self._messages.new(f"{_CORE}/AssemblyState")
+    def _assembly(self, message: Any, topic: str) -> Any:
         message.ready, message.enabled, message.stopped = True, self._enabled, self._stopped
         return message
 
-    def _joint_states(self, topic: str) -> Any:
-        message = self._messages.new("sensor_msgs/JointState")
-        self._messages.stamp(message.header, self._scheduler.now_ns)
+    def _joint_states(self, message: Any, topic: str) -> Any:
+        self._now(message.header)
         state = self._twin.joint_state()
         present = [i for i, name in enumerate(state.names) if name not in state.absent]
         message.name = [state.names[i] for i in present]
@@ -245,7 +209,7 @@ class BaxterDriver:
         message.effort = [state.effort[i] for i in present]
         return message
 
-    def _endpoint(self, topic: str) -> Any:
+    def _endpoint(self, message: Any, topic: str) -> Any:
         robot, side = self._twin.robot, _side(topic)
         group = robot.groups.get(f"{side}_arm")
         link = f"{side}_gripper" if f"{side}_gripper" in robot.link_names else None
@@ -261,19 +225,15 @@ class BaxterDriver:
             },
             link,
         )
-        message = self._messages.new(f"{_CORE}/EndpointState")
-        self._messages.stamp(message.header, self._scheduler.now_ns)
-        place, turn = message.pose.position, message.pose.orientation
-        place.x, place.y, place.z = here.position
-        turn.x, turn.y, turn.z, turn.w = here.orientation
+        self._now(message.header)
+        set_pose(message.pose, here)
         linear = message.twist.linear
         linear.x, linear.y, linear.z = (
             (b - a) / _LOOK_S for a, b in zip(here.position, soon.position, strict=True)
         )
         return message
 
-    def _gripper_properties(self, topic: str) -> Any:
-        message = self._messages.new(f"{_CORE}/EndEffectorProperties")
+    def _gripper_properties(self, message: Any, topic: str) -> Any:
         if self._gripper(topic) is not None:
             message.id, message.ui_type = 65538, _ELECTRIC
             message.manufacturer, message.product = "Rethink Research Robot", "Electric Gripper"
@@ -282,9 +242,8 @@ class BaxterDriver:
                 setattr(message, field, True)
         return message
 
-    def _gripper_state(self, topic: str) -> Any:
+    def _gripper_state(self, message: Any, topic: str) -> Any:
         gripper, side = self._gripper(topic), _side(topic)
-        message = self._messages.new(f"{_CORE}/EndEffectorState")
         set_time(message.timestamp, EPOCH_NS + self._scheduler.now_ns)
         if gripper is None:
             return message
@@ -308,12 +267,11 @@ class BaxterDriver:
         message.command_sequence = sequence
         return message
 
-    def _head(self, topic: str) -> Any:
+    def _head(self, message: Any, topic: str) -> Any:
         state = self._twin.joint_state()
         if "head_pan" not in state.names:
             return None
         index = state.names.index("head_pan")
-        message = self._messages.new(f"{_CORE}/HeadState")
         message.pan, message.isTurning = state.position[index], abs(state.velocity[index]) > 0.01
         message.isPanEnabled = True
         return message

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 Value = bool | float
 
 _CORE = "intera_core_msgs"
-_NODE = "/io_manager"
 _PERIOD_NS = 50_000_000
 _KEPT = 20  # commands that a state acknowledges
 _TOPIC = re.compile(r"^/io/(\w+)(?:/(\w+))?/(config|state|command)$")
@@ -55,13 +54,14 @@ _OF_GRIPPER: Mapping[str, Value] = {
 }  # fmt: skip
 
 
-class IoDevices:
+class IoDevices(TwinNode):
     """Publishes the devices and takes what is set; only the gripper moves anything."""
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-        self._graph, self._scheduler = runtime.graph, runtime.scheduler
-        self._messages, self._commands, self._twin = messages, commands, commands.twin
-        self._streams = CommandStreams(commands)
+    node = "/io_manager"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._streams = CommandStreams(self._commands)
         self._gripper = next(iter(self._twin.robot.grippers), None)
         self._values = {key: dict(signals) for key, signals in _DEVICES.items()}
         if self._gripper is not None:
@@ -84,19 +84,23 @@ class IoDevices:
                 name,
                 type_name,
                 lambda message, sender: self._take(key, message, sender),
-                node=_NODE,
+                node=self.node,
                 by_controller=False,
             )
             subscription.hears_scenario = key != _GRIPPER
         elif change == "subscribed" and kind != "command":
             self._open.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
-            self._tick(publication, key, kind)
+            publication = self._graph.advertise(
+                name, type_name, node=self.node, by_controller=False
+            )
+            self._go_on(publication, key, kind)
 
-    def _tick(self, publication: Publication, key: tuple[str, str], kind: str) -> None:
+    def _go_on(self, publication: Publication, key: tuple[str, str], kind: str) -> None:
         publication.publish(self._message(key, kind))
         due_ns = (self._scheduler.now_ns // _PERIOD_NS + 1) * _PERIOD_NS
-        self._scheduler.call_at(due_ns, lambda: self._tick(publication, key, kind), background=True)
+        self._scheduler.call_at(
+            due_ns, lambda: self._go_on(publication, key, kind), background=True
+        )
 
     # What is set
 

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import compose, inverse, multiply, rotate
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
@@ -30,7 +32,6 @@ if TYPE_CHECKING:
 
 _TYPE = "std_msgs/String"
 _TOPICS = ("script_command", "URScript")
-_NODE = "/ur_hardware_interface"
 _LAST_JOINT = "wrist_3_joint"
 _BASE = "base"
 _OUTPUTS = (
@@ -42,34 +43,25 @@ _OUTPUTS = (
 _NOWHERE = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
-class ScriptTopics:
+class ScriptTopics(TwinNode):
     """Listens to topics of programs where the robot is a UR arm."""
 
-    def __init__(self, runtime: Runtime) -> None:
-        self._commands = runtime.client(TwinCommands)
-        self._graph = runtime.graph
+    node = "/ur_hardware_interface"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
         self._running: _Program | None = None
-        self._taken: set[str] = set()
-        robot = runtime.twin.robot
-        if any(joint.name.endswith(_LAST_JOINT) for joint in robot.arm_joints):
+        if any(joint.name.endswith(_LAST_JOINT) for joint in self._twin.robot.arm_joints):
             self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        is_taken = name in self._taken or name.rsplit("/", 1)[-1] not in _TOPICS
-        if change != "advertised" or type_name != _TYPE or is_taken:
-            return
-        self._taken.add(name)
-        self._graph.subscribe(
-            name,
-            type_name,
-            lambda message, publication: self._take(name, message, publication),
-            node=_NODE,
-            by_controller=False,
-        )
+        if change == "advertised" and type_name == _TYPE and name.rsplit("/", 1)[-1] in _TOPICS:
+            self._hear(name, type_name, self._take)
 
-    def _take(self, topic: str, message: Any, publication: Publication) -> None:
+    def _take(self, message: Any, publication: Publication) -> None:
         if not publication.by_controller:
             return
+        topic = publication.topic
         before, self._running = self._running, _Program(self._commands, topic, str(message.data))
         if before is not None:
             before.is_over = True
