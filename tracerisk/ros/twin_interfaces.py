@@ -12,12 +12,8 @@ from typing import Any
 from tracerisk.ros.gazebo.services import GazeboServices
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
-from tracerisk.ros.graph.joint_names import JointNames
-from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
-from tracerisk.ros.moveit.scene_services import SceneInterfaces
 from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
@@ -45,23 +41,16 @@ class TwinInterfaces:
         self._actions = runtime.client(Actions)
         commands = runtime.client(TwinCommands)
         messages = self.messages = TwinMessages(interfaces)
-        follow = FollowServer(
-            commands,
-            messages,
-            runtime.client(JointNames),
-            runtime.client(TrajectoryRules),
-            runtime.client(RobotSpaces),
-        )
+        follow = FollowServer(runtime, messages)
         self._types: dict[str, tuple[Handler, Handler]] = {
             FOLLOW: (follow.on_goal, follow.on_cancel)
         }
         if runtime.twin.robot.grippers:
-            gripper = GripperServer(commands, messages)
+            gripper = GripperServer(runtime, messages)
             for name, handler in gripper.handlers.items():
-                self._types[name] = (handler, gripper.on_cancel)
+                self._types[name] = (handler, commands.cancel)
         if runtime.recorder is not None:
             moveit = MoveItInterfaces(runtime, messages)
-            SceneInterfaces(runtime, messages)
             Servo(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)

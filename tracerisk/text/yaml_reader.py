@@ -122,6 +122,10 @@ class YamlMap:
         """Return the mapping at `key`, `None` where the key is absent."""
         return self.map(key) if key in self._node else None
 
+    def section(self, key: str) -> YamlMap:
+        """Return the mapping at `key`, an empty one where the key is absent."""
+        return self.optional_map(key) or YamlMap({}, self._file, self.name_of(key), self._error)
+
     def items_as_maps(self) -> Iterator[tuple[str, YamlMap]]:
         """Yield each key with the mapping it holds."""
         for key in self._node:
@@ -218,6 +222,15 @@ class YamlMap:
         if length is not None and len(value) != length:
             self.fail(key, f"expected {length} numbers, found {len(value)}")
         return [float(entry) for entry in value]
+
+    def triple(
+        self, key: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ) -> tuple[float, float, float]:
+        """Return the three numbers at `key`, the default where it is absent."""
+        if key not in self._node:
+            return default
+        x, y, z = self.numbers(key, length=3)
+        return x, y, z
 
     def _fail_entry(self, key: str, index: int, message: str) -> NoReturn:
         raise self._error(

@@ -207,8 +207,7 @@ class DescribedDriver(TwinNode):
         if case.stop:
             self._queue.stop()
             self._grips.stop()
-            self._commands.twin.stop(self._arm(interface).motion.joints)
-            self._commands.poll()
+            self._commands.rest(self._arm(interface).motion.joints)
         if not case.effect:
             return Result(), []
         arm = self._arm(interface)
@@ -291,12 +290,7 @@ class DescribedDriver(TwinNode):
         outputs = interface.response if case is None or case.response is None else case.response
         made = self._messages.part(goal.client.type_name, "Result")
         filled = self._arm(interface).answers.fill(made, outputs, result, goal.message)
-        if result.outcome == "succeeded":
-            goal.succeed(filled, result.message)
-        elif result.outcome == "preempted":
-            goal.cancel(filled, result.message)
-        else:
-            goal.abort(filled, result.message)
+        goal.end(result.outcome, filled, result.message)
 
     def _on_cancel(self, goal: ActionGoal) -> None:
         goal.accept_cancel()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -29,16 +29,14 @@ _MOTIONS = "motions"  # the parameters of play_motion: motions/NAME/{joints, poi
 Make = Callable[[], JointTrajectory | None]
 
 
+@dataclass(eq=False)
 class DescribedMotions:
     """Makes motions of the arm and of the gripper; numbers are read when the message comes."""
 
-    def __init__(
-        self, driver: Driver, arm: ArmMotion, state: Mapping[str, Any], runtime: Runtime
-    ) -> None:
-        self._driver = driver
-        self._arm = arm
-        self._state = state
-        self._runtime = runtime
+    _driver: Driver
+    _arm: ArmMotion
+    _state: Mapping[str, Any]
+    _runtime: Runtime
 
     # What is asked for
 

@@ -98,9 +98,8 @@ class _Reader:
     def __init__(self, top: YamlMap, file: str) -> None:
         self._top = top
         self._file = file
-        self._state = top.optional_map("state")
-        parameters = top.optional_map("parameters")
-        self._known = (*(self._state or ()), *(parameters or ()), *OF_ALL)
+        self._state = top.section("state")
+        self._known = (*self._state, *top.section("parameters"), *OF_ALL)
         self._values = ValueReader(self._known)
 
     def driver(self, origin: Origin) -> Driver:
@@ -110,18 +109,18 @@ class _Reader:
         top.optional_string("source")
         packages = _strings(top, "packages")
         state = self._state
-        for key in state or ():
+        for key in state:
             if key in (*REFERENCES, *OF_ALL, "request"):
-                assert state is not None
                 state.fail(key, "is a name that answers have already; give another")
         interfaces = [
             self._interface(kind, name, entry, packages)
             for kind in OF_KIND
-            for name, entry in _entries(top, kind)
+            for name, entry in top.section(kind).items_as_maps()
         ]
         if not interfaces and not {*ALONE} & {*top}:
             top.fail("driver", f"it serves nothing; describe some: {', '.join(OF_KIND)}")
         closed, opened, gripper = _gripper(top)
+        frames = top.section("frames")
         return Driver(
             name=name,
             file=self._file,
@@ -140,11 +139,11 @@ class _Reader:
             codes=_codes(top, "codes"),
             errors=_codes(top, "errors"),
             error_disables=top.boolean("error_disables", default=False),
-            state={} if state is None else {key: plain_value(state, key) for key in state},
+            state={key: plain_value(state, key) for key in state},
             parameters=self._values.outputs(top, "parameters") or {},
             interfaces=tuple(interfaces),
             definitions=_definitions(top),
-            frames=_frames(top),
+            frames={name: frames.string(name) for name in frames},
             joints=_joints(top),
             of_joints=_strings(top, "of_joints"),
             stop_at_limits=_rule(top, "past_limit", "stop"),
@@ -210,21 +209,18 @@ class _Reader:
                     entry.fail(key, "a message on a topic gets no answer; leave it out")
         if kind == "actions" and "timeout" in entry:
             entry.fail("timeout", "the goal of an action ends with its motion; leave it out")
-        set_ = entry.optional_map("set")
-        if set_ is not None:
-            for key in set_:
-                allowed = (*(self._state or ()), "enabled")
-                if key not in allowed:
-                    set_.fail(key, f"is not in 'state'; {one_of(allowed, key)}")
-        when = entry.optional_map("when")
+        set_, allowed = entry.section("set"), (*self._state, "enabled")
+        for key in set_:
+            if key not in allowed:
+                set_.fail(key, f"is not in 'state'; {one_of(allowed, key)}")
         return Case(
             location=entry.location,
-            when=() if when is None else self._conditions(when),
+            when=self._conditions(entry.section("when")),
             effect=effect,
             roles=self._roles(entry.map(effect), effect) if effect else {},
             stop=entry.boolean("stop", default=False),
             clear=entry.boolean("clear", default=False),
-            set={} if set_ is None else {key: self._values.value(set_, key) for key in set_},
+            set={key: self._values.value(set_, key) for key in set_},
             note=entry.string("note", default=""),
             refuse=entry.string("refuse", default=""),
             wait=self._values.value(entry, "wait") if "wait" in entry else None,
@@ -261,11 +257,6 @@ class _Reader:
         return {key: self._values.value(entry, key, is_word=key in WORDS) for key in entry}
 
 
-def _entries(top: YamlMap, kind: str) -> list[tuple[str, YamlMap]]:
-    entries = top.optional_map(kind)
-    return [] if entries is None else list(entries.items_as_maps())
-
-
 def _strings(entry: YamlMap, key: str) -> tuple[str, ...]:
     """Return a string or a list of strings."""
     if isinstance(entry.get(key), str):
@@ -300,9 +291,7 @@ def _choice(entry: YamlMap, key: str, allowed: tuple[Any, ...], default: Any) ->
 
 
 def _units(top: YamlMap) -> Units:
-    units = top.optional_map("units")
-    if units is None:
-        return Units()
+    units = top.section("units")
     allowed = {
         "angle": ("rad", "deg"),
         "length": ("m", "cm", "mm"),
@@ -319,9 +308,7 @@ def _units(top: YamlMap) -> Units:
 
 
 def _gripper(top: YamlMap) -> tuple[float, float, str | None]:
-    gripper = top.optional_map("gripper")
-    if gripper is None:
-        return 0.0, 1.0, None
+    gripper = top.section("gripper")
     gripper.forbid_unknown(GRIPPER)
     closed = gripper.number("closed", default=0.0)
     opened = gripper.number("open", default=1.0)
@@ -331,9 +318,7 @@ def _gripper(top: YamlMap) -> tuple[float, float, str | None]:
 
 
 def _codes(top: YamlMap, key: str) -> dict[str, Any]:
-    codes = top.optional_map(key)
-    if codes is None:
-        return {}
+    codes = top.section(key)
     codes.forbid_unknown(OUTCOMES)
     if key == "errors":
         return {name: codes.integer(name) for name in codes}
@@ -349,15 +334,9 @@ def _node(top: YamlMap) -> str:
     return node if node.startswith("/") else f"/{node}"
 
 
-def _frames(top: YamlMap) -> dict[str, str]:
-    frames = top.optional_map("frames")
-    return {} if frames is None else {name: frames.string(name) for name in frames}
-
-
 def _joints(top: YamlMap) -> dict[str, NamedJoints]:
-    joints = top.optional_map("joints")
     found: dict[str, NamedJoints] = {}
-    for name, entry in () if joints is None else joints.items_as_maps():
+    for name, entry in top.section("joints").items_as_maps():
         entry.forbid_unknown(NAMED_JOINTS)
         if ("moves" in entry) == ("note" in entry):
             raise DriverError(f"joints.{name}: give it either 'moves' or 'note'", entry.location)
@@ -375,18 +354,14 @@ def _joints(top: YamlMap) -> dict[str, NamedJoints]:
 
 
 def _rule(top: YamlMap, key: str, wanted: str) -> bool:
-    rules = top.optional_map("trajectories")
-    if rules is None:
-        return False
+    rules = top.section("trajectories")
     rules.forbid_unknown(TRAJECTORIES)
     allowed = TRAJECTORIES[key]
     return bool(_choice(rules, key, allowed, allowed[0]) == wanted)
 
 
 def _definitions(top: YamlMap) -> dict[str, str]:
-    given = top.optional_map("definitions")
-    if given is None:
-        return {}
+    given = top.section("definitions")
     for name in given:
         if not _DEFINITION.fullmatch(name):
             given.fail(name, "is not an interface; write 'package/srv/Name' (or msg, action)")

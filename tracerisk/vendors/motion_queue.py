@@ -101,8 +101,7 @@ class MotionQueue:
             self._waiting.remove(job)
             self._end(job, "preempted", "another took its place")
         elif job.motion is not None and job.motion.outcome == "active":
-            self._commands.twin.stop(job.motion.joints)
-            self._commands.poll()
+            self._commands.rest(job.motion.joints)
 
     def stop(self) -> None:
         """Drop all that waits and bring what moves to rest."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import one_of
@@ -19,24 +20,18 @@ Goal = Sequence[float] | Mapping[str, float]
 """Positions or velocities: of all joints in their order, or of some by their names."""
 
 
+@dataclass(eq=False)
 class Request:
-    """The values of one message; what cannot be read is a PlanningError of a bad request."""
+    """The values of one message; what cannot be read is a PlanningError of a bad request.
 
-    def __init__(
-        self,
-        message: Any,
-        state: Mapping[str, Any],
-        conventions: Conventions,
-        on_large: Callable[[Dimension], None] = lambda _: None,
-    ) -> None:
-        """`on_large` is called where a number is larger than one in its unit is ever meant to be.
+    `_on_large` is called where a number is larger than one in its unit is ever meant to be: an
+    angle of more than a turn in radians, or a length of more than 10 m.
+    """
 
-        That is an angle of more than a turn in radians, or a length of more than 10 m.
-        """
-        self.message = message
-        self._on_large = on_large
-        self._state = state
-        self._conventions = conventions
+    message: Any
+    _state: Mapping[str, Any]
+    _conventions: Conventions
+    _on_large: Callable[[Dimension], None] = lambda _: None
 
     def meets(self, case: Case) -> bool:
         """Return whether the message holds what a case is for."""

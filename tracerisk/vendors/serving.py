@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.vendors.described_driver import DescribedDriver
 from tracerisk.vendors.described_parts import lacking_joint
@@ -51,11 +52,12 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     DobotDriver(runtime, messages)
     ScriptTopics(runtime, messages)
     DoosanController(runtime, messages)
-    niryo = NiryoRobot(runtime, messages).actions
+    niryo = NiryoRobot(runtime, messages)
+    commands = runtime.client(TwinCommands)
     twin.take(
         {
             FOLLOW_CARTESIAN: (kortex.follow_cartesian, kortex.on_cancel),
-            ROBOT_MOVE: (niryo.move, niryo.on_cancel),
-            TOOL: (niryo.use_tool, niryo.on_cancel),
+            ROBOT_MOVE: (niryo.move, commands.cancel),
+            TOOL: (niryo.use_tool, commands.cancel),
         }
     )

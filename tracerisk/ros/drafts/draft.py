@@ -214,24 +214,36 @@ def _is_last(need: Need) -> bool:
 def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
     need, place = missed.need, missed.location
     try:
-        key, value, words = _ENTRIES[need.kind](missed, interfaces, values)
+        value, words = _ENTRIES[need.kind](_Lack(need, place, interfaces, values))
     except InputError:
         name = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
-        key, value = need.name, {name.get(need.kind, "name"): need.name}
+        value = {name.get(need.kind, "name"): need.name}
         words = "its type is not known"
+    key = _parameter_key(need, place) if need.kind == "parameter" else need.name
     return Draft(need, key, value, words, place)
 
 
-_Made = tuple[str, Any, str]
+@dataclass(frozen=True, slots=True)
+class _Lack:
+    """What is missed where, and what an entry for it is made with."""
+
+    need: Need
+    place: Location | None
+    interfaces: Any
+    values: UsableValues
 
 
-def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
+_Made = tuple[Any, str]
+"""The value of an entry, `None` where no scenario can give one, and where it is from."""
+
+
+def _topic(lack: _Lack) -> _Made:
+    need = lack.need
     if need.type_name == "*":
         unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
-        return need.name, unknown, "its type is not known"
-    made = interfaces.message(need.type_name)
-    compared = compared_in_callback(missed.location)
+        return unknown, "its type is not known"
+    made, values = lack.interfaces.message(need.type_name), lack.values
+    compared = compared_in_callback(lack.place)
     message = values.fields(made, compared, need.name)
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several: tuple[str | bool, ...] = ()
@@ -246,21 +258,21 @@ def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         held = [{**message, "buttons": each} for each in (message["buttons"], *alone)]
         timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
         entry = {**entry, "messages": held, **timing}
-        return need.name, entry, "the sticks moved, without a button and then with each"
+        return entry, "the sticks moved, without a button and then with each"
     if len(several) > 1:
         commands = [{"data": each} for each in several]
         timing = {"at": 1.0, "rate": 1 / _EACH_S, "count": len(commands)}
         entry = {**entry, "messages": commands, **timing}
-        return need.name, entry, "the values that the code knows, in turn"
+        return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         words = _typed_text(need.type_name, compared.values, values)
-        seen = seen_in_pictures(missed.location) if need.type_name in PICTURES else None
+        seen = seen_in_pictures(lack.place) if need.type_name in PICTURES else None
         if seen is not None:
             parts = [field.name for field in fields_of(made)]
             message = picture(need.type_name, parts, values.robot.base_link, need.name, seen)
-        return need.name, {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
+        return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
     entry = {**entry, "after": 1.0, "message": message}
-    return need.name, entry, _typed_text(need.type_name, compared.values, values)
+    return entry, _typed_text(need.type_name, compared.values, values)
 
 
 def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
@@ -272,50 +284,46 @@ def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
     return "as the code compares it" if compared else "a value of its type"
 
 
-def _service(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
+def _service(lack: _Lack) -> _Made:
+    need, interfaces, values = lack.need, lack.interfaces, lack.values
     if not need.type_name:
-        return need.name, {"name": need.name, "reply": {}}, "its type is not known"
+        return {"name": need.name, "reply": {}}, "its type is not known"
     request, response = service_parts(interfaces, need.type_name)
-    compared = compared_in_file(missed.location)
+    compared = compared_in_file(lack.place)
     reply = values.fields(response, compared)
     asked = Asked("services", need.name, need.type_name, request)
-    guess = _guess(asked, reply, interfaces, values)
+    guess = _guess(asked, reply, lack)
     if guess is not None:
-        return need.name, guess.entry, guess.words
+        return guess.entry, guess.words
     entry = {"name": need.name, "type": need.type_name, "reply": reply}
-    return need.name, entry, "a reply that says it went well"
+    return entry, "a reply that says it went well"
 
 
-def _action(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
+def _action(lack: _Lack) -> _Made:
+    need, interfaces, values = lack.need, lack.interfaces, lack.values
     goal = goal_class(interfaces, need.type_name)
     result = values.fields(action_parts(interfaces, need.type_name)[0])
-    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, interfaces, values)
+    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, lack)
     if guess is not None:
-        return need.name, guess.entry, guess.words
+        return guess.entry, guess.words
     if _moves_robot(need, goal):
-        words = "moves the robot: a driver has to serve it, no scenario can"
-        return need.name, None, words
+        return None, "moves the robot: a driver has to serve it, no scenario can"
     entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
-    return need.name, entry, "a goal that succeeds"
+    return entry, "a goal that succeeds"
 
 
-def _command(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
-    asked = Asked(
-        "subscribed_topics", need.name, need.type_name, interfaces.message(need.type_name)
-    )
-    guess = _guess(asked, {}, interfaces, values)
+def _command(lack: _Lack) -> _Made:
+    need = lack.need
+    message = lack.interfaces.message(need.type_name)
+    guess = _guess(Asked("subscribed_topics", need.name, need.type_name, message), {}, lack)
     if guess is None:
-        return need.name, None, "nobody receives it"
-    return need.name, guess.entry, guess.words
+        return None, "nobody receives it"
+    return guess.entry, guess.words
 
 
-def _guess(
-    asked: Asked, reply: Mapping[str, Any], interfaces: Any, values: UsableValues
-) -> Guess | None:
+def _guess(asked: Asked, reply: Mapping[str, Any], lack: _Lack) -> Guess | None:
     """Return a driver for what the workspace has messages of its own for, or a gripper's switch."""
+    interfaces, values = lack.interfaces, lack.values
     package = asked.type_name.partition("/")[0]
     if package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
         return None
@@ -345,30 +353,28 @@ def _holds_joints(message_class: Any, depth: int) -> bool:
     )
 
 
-def _call(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
+def _call(lack: _Lack) -> _Made:
+    need = lack.need
     if need.type_name == _TRANSITION:
         sent = {"transition": _BROUGHT_UP[0]}
         entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
-        return need.name, entry, "as who brings up a lifecycle node: configured, then activated"
-    request = service_parts(interfaces, need.type_name)[0]
-    sent = values.fields(request, compared_in_callback(missed.location), need.name)
+        return entry, "as who brings up a lifecycle node: configured, then activated"
+    request = service_parts(lack.interfaces, need.type_name)[0]
+    sent = lack.values.fields(request, compared_in_callback(lack.place), need.name)
     entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
-    return need.name, entry, "one call, in its turn"
+    return entry, "one call, in its turn"
 
 
-def _sent_goal(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    need = missed.need
-    goal = goal_class(interfaces, need.type_name)
-    compared = compared_in_callback(missed.location)
-    sent = values.fields(goal, compared, need.name)
+def _sent_goal(lack: _Lack) -> _Made:
+    need = lack.need
+    goal = goal_class(lack.interfaces, need.type_name)
+    sent = lack.values.fields(goal, compared_in_callback(lack.place), need.name)
     entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
-    return need.name, entry, "one goal, in its turn"
+    return entry, "one goal, in its turn"
 
 
-def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces
-    need, pose = missed.need, values.pose
+def _frame(lack: _Lack) -> _Made:
+    need, values, pose = lack.need, lack.values, lack.values.pose
     is_foot = _FOOT.search(need.name) is not None
     if is_foot:
         pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
@@ -379,53 +385,48 @@ def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         "rpy": [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)],
     }
     name = values.robot.name
-    return need.name, entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
+    return entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
 
 
-def _object(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces
-    need = missed.need
+def _object(lack: _Lack) -> _Made:
+    need, values = lack.need, lack.values
     entry: dict[str, Any] = {"name": need.name, "box": list(BOX)}
     if need.type_name == "attached" and values.hand is not None:
         entry["xyz"], entry["attached"] = list(values.hand[1]), values.hand[0]
-        return need.name, entry, f"a box in the hand of {values.robot.name}"
+        return entry, f"a box in the hand of {values.robot.name}"
     entry |= {"xyz": list(values.pose.position), "known": True}
-    return need.name, entry, f"a box that {values.robot.name} reaches"
+    return entry, f"a box that {values.robot.name} reaches"
 
 
-def _start(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces
-    start = dict(values.start) or None
-    return missed.need.name, start, f"a posture of {values.robot.name} with room around its tool"
+def _start(lack: _Lack) -> _Made:
+    start = dict(lack.values.start) or None
+    return start, f"a posture of {lack.values.robot.name} with room around its tool"
 
 
-def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces
-    need = missed.need
+def _answer(lack: _Lack) -> _Made:
+    need = lack.need
     if need.name == KEYS:
-        keys = list(known_keys(missed.location))
+        keys = list(known_keys(lack.place))
         words = "each key that the code knows" if keys else "the code names no key"
-        return need.name, keys or None, words
-    answers = known_answers(missed.location, values)
+        return keys or None, words
+    answers = known_answers(lack.place, lack.values)
     if not answers:
         answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
-        return need.name, list(answers), f"an answer to {need.name}"
-    return need.name, list(answers), f"as the code compares the answer to {need.name}"
+        return list(answers), f"an answer to {need.name}"
+    return list(answers), f"as the code compares the answer to {need.name}"
 
 
-def _parameter(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces
-    need, place = missed.need, missed.location
+def _parameter_key(need: Need, place: Location | None) -> str:
     key = need.name
     written = next((name for call in _READS if (name := written_name(place, call))), "")
     if written.startswith("~") or _ANONYMOUS.match(key):
         # Private to the node, whose own name may be another each time.
         key = f"~{_ANONYMOUS.sub('', key)}" if not written.startswith("~") else written
-    value, words = _parameter_value(need, missed.location, values)
-    return key, value, words
+    return key
 
 
-def _parameter_value(need: Need, place: Location | None, values: UsableValues) -> tuple[Any, str]:
+def _parameter(lack: _Lack) -> _Made:
+    need, place, values = lack.need, lack.place, lack.values
     last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
     literals = next((found for call in _READS if (found := compared_results(place, call))), ())
     kind = need.type_name or next((use for call in _READS if (use := used_as(place, call))), "")

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -68,6 +69,24 @@ _LEFT_EMPTY = frozenset(
 )
 
 
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a field is: below which names, how deep, and of which topic or service.
+
+    `compared` is what the code compares the fields with.
+    """
+
+    compared: Compared
+    name: str
+    path: tuple[str, ...] = ()
+    depth: int = 1
+
+    @property
+    def numbers(self) -> Sequence[float]:
+        """The numbers with which the code compares the field."""
+        return self.compared.numbers(self.path)
+
+
 class UsableValues:
     """The values for one robot.
 
@@ -98,7 +117,7 @@ class UsableValues:
 
         `compared` is what the code compares them with, `name` that of their topic or service.
         """
-        return self._fields(message_class, compared or Compared(), name, (), 1)
+        return self._fields(message_class, _Place(compared or Compared(), name))
 
     # What is of the robot
 
@@ -239,26 +258,19 @@ class UsableValues:
 
     # Messages
 
-    def _fields(
-        self,
-        message_class: Any,
-        compared: Compared,
-        name: str,
-        path: tuple[str, ...],
-        depth: int,
-    ) -> dict[str, Any]:
-        whole = self._whole(message_class, name)
+    def _fields(self, message_class: Any, place: _Place) -> dict[str, Any]:
+        whole = self._whole(message_class, place.name)
         if whole is not None:
             return whole
         found: dict[str, Any] = {}
         for field in fields_of(message_class):
-            is_deep = depth >= _DEEPEST and not field.is_array
+            is_deep = place.depth >= _DEEPEST and not field.is_array
             if is_deep and field.message is not None and not _is_geometry(field.message):
                 continue
             if field.message is not None and type_of(field.message) in _LEFT_EMPTY:
                 continue
-            inner = (*path, field.name)
-            found[field.name] = self._field(message_class, field, compared, name, inner, depth)
+            inner = replace(place, path=(*place.path, field.name))
+            found[field.name] = self._field(message_class, field, inner)
         return found
 
     def _whole(self, message_class: Any, name: str) -> dict[str, Any] | None:
@@ -310,19 +322,11 @@ class UsableValues:
             }
         return None
 
-    def _field(
-        self,
-        owner: Any,
-        field: MessageField,
-        compared: Compared,
-        name: str,
-        path: tuple[str, ...],
-        depth: int,
-    ) -> Any:
+    def _field(self, owner: Any, field: MessageField, place: _Place) -> Any:
         if not field.is_array:
-            return self._scalar(owner, field, compared, name, path, depth)
+            return self._scalar(owner, field, place)
         if field.message is not None or field.base in TIMES | DURATIONS:
-            if depth >= _DEEPEST or field.longest == 0:
+            if place.depth >= _DEEPEST or field.longest == 0:
                 return []
             if (
                 type_of(owner).endswith("MultiArray")
@@ -330,14 +334,14 @@ class UsableValues:
             ):
                 return []
             count = 1 if field.length is None else field.length
-            return [self._scalar(owner, field, compared, name, path, depth) for _ in range(count)]
-        return self._array(field, compared, path)
+            return [self._scalar(owner, field, place) for _ in range(count)]
+        return self._array(field, place)
 
-    def _array(self, field: MessageField, compared: Compared, path: tuple[str, ...]) -> list[Any]:
+    def _array(self, field: MessageField, place: _Place) -> list[Any]:
         if field.base in ("string", "wstring"):
             if _JOINTS.match(field.name):
                 return [joint.name for joint in self.joints]
-            return [str(each) for each in compared.texts(path)]
+            return [str(each) for each in place.compared.texts(place.path)]
         if field.base in FLOATS:
             numbers = numbers_of(field.name, field.length, self.posture, self.pose)
             if numbers:
@@ -346,36 +350,29 @@ class UsableValues:
             return [True] * (field.length or 0)
         if field.base not in FLOATS and field.length is None:
             # A list that something is looked for in; what is detected has a number at least.
-            known = _fitting(field, compared.numbers(path))
+            known = _fitting(field, place.numbers)
             if known or _NUMBERS.search(field.name):
                 return known or [0]
         zero: Any = 0.0 if field.base in FLOATS else 0
         return [zero] * (field.length or 0)
 
-    def _scalar(
-        self,
-        owner: Any,
-        field: MessageField,
-        compared: Compared,
-        name: str,
-        path: tuple[str, ...],
-        depth: int,
-    ) -> Any:
+    def _scalar(self, owner: Any, field: MessageField, place: _Place) -> Any:
+        name = place.name
         if field.base in TIMES:
             return "now"
         if field.base in DURATIONS:
             return 0.0
         if field.message is not None:
-            return self._fields(field.message, compared, name, path, depth + 1)
+            return self._fields(field.message, replace(place, depth=place.depth + 1))
         if field.base == "bool":
             return is_on(field.name) and (field.name != "data" or is_on(_last(name)))
         if field.base in ("string", "wstring"):
             # The text of a plain message is of what its topic is called.
             called = _last(name) if field.name == "data" and name else field.name
-            return self.text(called, compared.texts(path))
+            return self.text(called, place.compared.texts(place.path))
         if field.base in FLOATS:
-            return self._float(field, compared.numbers(path), type_of(owner))
-        return _integer(owner, field, compared.numbers(path))
+            return self._float(field, place.numbers, type_of(owner))
+        return _integer(owner, field, place.numbers)
 
     def text(self, name: str, texts: Sequence[str]) -> str:
         """Return the text of a field or parameter called `name`: one of `texts`, if any."""

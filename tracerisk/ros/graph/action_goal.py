@@ -188,6 +188,15 @@ class ActionGoal:
         self._expect("set aborted", *PURSUED)
         self._become(GoalState.ABORTED, text, result)
 
+    def end(self, outcome: str, result: Any = None, text: str = "") -> None:
+        """End the goal as what it asked for ended: `succeeded`, `preempted`, or else failed.
+
+        One that is over already is left alone.
+        """
+        if not self.state.is_terminal:
+            ends = {"succeeded": self.succeed, "preempted": self.cancel}
+            ends.get(outcome, self.abort)(result, text)
+
     def publish_feedback(self, feedback: Any) -> None:
         """Send feedback to the client."""
         copied = self._copied(feedback)

@@ -9,7 +9,7 @@ failed import of what looks like a ROS package into an error that says what to d
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cached_property, partial
 from importlib import import_module
@@ -17,7 +17,7 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
-from types import MappingProxyType, ModuleType, TracebackType
+from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.ros.imports.cfg_modules import cfg_module
@@ -84,12 +84,7 @@ class StandInFinder(MetaPathFinder):
         self.install()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.uninstall()
 
     def find_spec(
@@ -203,15 +198,8 @@ class _StandInLoader(SourceFileLoader):
     def exec_module(self, module: ModuleType) -> None:
         super().exec_module(module)
         if "__getattr__" not in vars(module):
-            missing = _no_attribute(module)
             parts = _modules_beside(Path(self.path)) if self.is_package(module.__name__) else ()
-
-            def attribute(name: str) -> Any:
-                if name in parts:
-                    return import_module(f"{module.__name__}.{name}")
-                return missing(name)
-
-            vars(module)["__getattr__"] = attribute
+            vars(module)["__getattr__"] = _late_attribute(module, parts)
         # With a path, `from library.module import nope` is asked of the finder as well.
         vars(module).setdefault("__path__", [])
 
@@ -286,17 +274,16 @@ def _package(spec: ModuleSpec, *, kinds: Sequence[str]) -> ModuleType:
     `sensor_msgs.msg`, as the code of most other messages has.
     """
     module = ModuleType(spec.name, f"The ROS package {spec.name}.")
-    missing = _no_attribute(module)
-
-    def attribute(name: str) -> Any:
-        return import_module(f"{spec.name}.{name}") if name in kinds else missing(name)
-
-    vars(module)["__getattr__"] = attribute
+    vars(module)["__getattr__"] = _late_attribute(module, kinds)
     return module
 
 
-def _no_attribute(module: ModuleType) -> Callable[[str], Any]:
+def _late_attribute(module: ModuleType, parts: Collection[str]) -> Callable[[str], Any]:
+    """Return what gives a module its `parts` as they are read; what else it lacks is an error."""
+
     def getattribute(name: str) -> Any:
+        if name in parts:
+            return import_module(f"{module.__name__}.{name}")
         if name.startswith("__"):
             raise AttributeError(f"module '{module.__name__}' has no attribute '{name}'")
         names = public_names(module)

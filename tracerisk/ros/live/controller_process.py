@@ -21,7 +21,7 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.live.link import Link
+from tracerisk.ros.live.link import Link, end_with
 from tracerisk.ros.live.rospy_hooks import install
 from tracerisk.trace import FunctionRef
 
@@ -47,7 +47,7 @@ def main() -> None:
     tracer.on_iteration = lambda file, line: report(
         {"is": "looped", "file": file, "line": line, "thread": threading.get_ident()}
     )
-    threading.Thread(target=_ends_with, args=(link,), daemon=True).start()
+    end_with(link, 1)
     rospy: Any = importlib.import_module("rospy")
     install(tracer, report, asked["private"])
     sys.path += asked["paths"]
@@ -99,13 +99,6 @@ def _run(run: Any, tracer: Tracer, report: Any, rospy: Any) -> int:
     if rospy.core.is_initialized():
         time.sleep(_DRAINED_S)
     return 0
-
-
-def _ends_with(link: Link) -> None:
-    """End this process when the twin's side is gone: it says nothing, and closes last."""
-    while link.receive() is not None:
-        pass
-    os._exit(1)
 
 
 def _ran(ref: FunctionRef, line: int) -> dict[str, Any]:

@@ -12,11 +12,10 @@ import os
 import re
 import socket
 import sys
-import threading
 import time
 from typing import Any
 
-from tracerisk.ros.live.link import Link
+from tracerisk.ros.live.link import Link, end_with
 
 NODE = "tracerisk_attach"
 _LOOK_S = 0.5
@@ -39,7 +38,7 @@ def main() -> None:
     rospy.init_node(
         NODE, anonymous=True, disable_rosout=True, disable_signals=True, disable_rostime=True
     )
-    threading.Thread(target=_ends_with, args=(link,), daemon=True).start()
+    end_with(link, 0)
     link.send({"is": "ready", "uri": rosgraph.get_master_uri(), "node": rospy.get_name()})
     listened: dict[str, Any] = {}
     while True:
@@ -90,13 +89,6 @@ def _take_away(rospy: Any) -> None:
     services.ServiceProxy.call = refuse
     rospy.ServiceProxy = services.ServiceProxy = refuse
     rospy.set_param = rospy.delete_param = refuse
-
-
-def _ends_with(link: Link) -> None:
-    """End this process when the other side is gone."""
-    while link.receive() is not None:
-        pass
-    os._exit(0)
 
 
 if __name__ == "__main__":

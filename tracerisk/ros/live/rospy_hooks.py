@@ -41,6 +41,11 @@ def frames_data(stack: tuple[Frame, ...]) -> list[list[Any]]:
     ]
 
 
+def _sent(body: bytes, stack: tuple[Frame, ...]) -> dict[str, Any]:
+    thread = threading.get_ident()
+    return {"is": "sent", "digest": digest(body), "stack": frames_data(stack), "thread": thread}
+
+
 def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
     """Hook rospy and threads, so that `report` is called with each message before it is sent.
 
@@ -99,15 +104,7 @@ def _report_publishers(tracer: Tracer, report: Report) -> None:
         real_serialize(buffer, sequence, message)
         stack = getattr(sending, "stack", None)
         if stack is not None:
-            body = buffer.getvalue()[start + 4 :]
-            report(
-                {
-                    "is": "sent",
-                    "digest": digest(body),
-                    "stack": frames_data(stack),
-                    "thread": threading.get_ident(),
-                }
-            )
+            report(_sent(buffer.getvalue()[start + 4 :], stack))
 
     kind.publish, topics.serialize_message = publish, serialize_message
 
@@ -131,14 +128,7 @@ def _report_calls(tracer: Tracer, report: Report) -> None:
             request.serialize(buffer)
         except Exception:  # noqa: BLE001 - rospy's own call says what is wrong with it
             return real_call(self, request)
-        report(
-            {
-                "is": "sent",
-                "digest": digest(buffer.getvalue()),
-                "stack": frames_data(tracer.stack()),
-                "thread": threading.get_ident(),
-            }
-        )
+        report(_sent(buffer.getvalue(), tracer.stack()))
         return real_call(self, request)
 
     kind.__init__, kind.call = init, call

@@ -10,9 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import Typesdict
 
 _SEPARATOR = "---"
 _BEGINS = "=== "
@@ -125,3 +128,67 @@ def interface_parts(definition: Definition, count: int) -> list[str]:
             Location(str(definition)),
         )
     return ["\n".join(part) + "\n" for part in parts]
+
+
+class InterfaceStore:
+    """The definitions that are known, and the classes made of them so far.
+
+    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
+    `more` are definitions that count where no other of that name is found.
+    """
+
+    def __init__(
+        self,
+        workspace: Mapping[str, Path] | None = None,
+        more: Iterable[InterfaceText] = (),
+    ) -> None:
+        self._workspace = dict(workspace or {})
+        self._more = by_package(more)
+        self._definitions: Typesdict = {}
+        self._classes: dict[str, Any] = {}
+        self._services: dict[str, Any] = {}
+        self._actions: dict[str, Any] = {}
+        self._listed: dict[tuple[str, str], dict[str, Definition]] = {}
+
+    @property
+    def workspace(self) -> Mapping[str, Path]:
+        """The folders of the controller's own packages."""
+        return self._workspace
+
+    def service_names(self, package: str) -> tuple[str, ...]:
+        """Return the names of a package's services, sorted."""
+        return tuple(sorted(self._files(package, "srv")))
+
+    def is_used(self, package: str) -> bool:
+        """Return whether the controller has a package in its workspace or used a class of it."""
+        made = (*self._classes, *self._services, *self._actions)
+        return package in self._workspace or any(name.startswith(f"{package}/") for name in made)
+
+    def comments(self, name: str, kind: str) -> dict[str, str]:
+        """Return the comments beside the fields of a message, a request or a goal."""
+        package, _, short = name.partition("/")
+        found = self._files(package, kind).get(short)
+        return {} if found is None else field_comments(found)
+
+    def _files(self, package: str, kind: str) -> dict[str, Definition]:
+        """Return a package's definitions of a kind by their names."""
+        key = package, kind
+        if key not in self._listed:
+            # Asked for at each name of a package, of which some have hundreds.
+            found: dict[str, Definition] = {each.stem: each for each in self._more.get(key, ())}
+            if package in self._workspace:
+                # Some packages sort them into folders, which the names of the classes leave out.
+                found |= _in_folder(self._workspace[package] / kind, f"**/*.{kind}")
+            else:
+                found |= {each.stem: each for each in self._shipped(package, kind)}
+            self._listed[key] = found
+        return self._listed[key]
+
+    def _shipped(self, package: str, kind: str) -> Iterable[InterfaceText]:
+        """Return the definitions that are shipped; of one name the last is meant."""
+        return shipped_texts(1).get((package, kind), ())
+
+
+def _in_folder(folder: Path, pattern: str) -> dict[str, Definition]:
+    """Return the files in a folder by their stems; of several, the first."""
+    return {path.stem: path for path in sorted(folder.glob(pattern), reverse=True)}

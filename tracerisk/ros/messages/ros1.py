@@ -17,14 +17,12 @@ from typing import TYPE_CHECKING, Any, cast
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.messages.interface_texts import (
     Definition,
+    InterfaceStore,
     InterfaceText,
-    by_package,
-    field_comments,
     interface_parts,
     interface_text,
     parsed,
     shipped_packages,
-    shipped_texts,
 )
 from tracerisk.ros.messages.ros1_base import (
     PRIMITIVES,
@@ -81,12 +79,8 @@ class _OfDefinition:
         return self._compute(owner._type)
 
 
-class Interfaces:
-    """The message packages that are known, and the classes made of them so far.
-
-    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
-    `more` are definitions that count where no other of that name is found.
-    """
+class Interfaces(InterfaceStore):
+    """The message packages of ROS 1 that are known, and the classes made of them so far."""
 
     kinds = ("msg", "srv")
 
@@ -95,20 +89,10 @@ class Interfaces:
         workspace: Mapping[str, Path] | None = None,
         more: Iterable[InterfaceText] = (),
     ) -> None:
-        self._workspace = dict(workspace or {})
-        self._more = by_package(more)
-        self._definitions: Typesdict = {}
-        self._classes: dict[str, type[Message]] = {}
-        self._services: dict[str, type[Service]] = {}
+        super().__init__(workspace, more)
         self._service_parts: set[str] = set()
         self._in_making: list[str] = []
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
-        self._listed: dict[tuple[str, str], tuple[Definition, ...]] = {}
-
-    @property
-    def workspace(self) -> Mapping[str, Path]:
-        """The folders of the controller's own packages."""
-        return self._workspace
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
@@ -120,16 +104,12 @@ class Interfaces:
 
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, those of its actions included, sorted."""
-        names = {path.stem for path in self._files(package, "msg")}
-        for path in self._files(package, "action"):
-            names.update(path.stem + part for part in (*_ACTION_PARTS, *_ACTION_WRAPPERS))
+        names = set(self._files(package, "msg"))
+        for name in self._files(package, "action"):
+            names.update(name + part for part in (*_ACTION_PARTS, *_ACTION_WRAPPERS))
         if package not in self._workspace:
             names.update(n.split("/")[2] for n in self._store if n.startswith(f"{package}/"))
         return tuple(sorted(names))
-
-    def service_names(self, package: str) -> tuple[str, ...]:
-        """Return the names of a package's services, sorted."""
-        return tuple(sorted(path.stem for path in self._files(package, "srv")))
 
     def star_names(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the modules that `from package.kind import *` brings besides classes, sorted.
@@ -143,12 +123,6 @@ class Interfaces:
         found = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
         self._star_names[package, kind] = found
         return found
-
-    def is_used(self, package: str) -> bool:
-        """Return whether the controller has a package in its workspace or used a class of it."""
-        if package in self._workspace:
-            return True
-        return any(name.startswith(f"{package}/") for name in (*self._classes, *self._services))
 
     def modules(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the modules below `package.kind`, as genpy generates them: `_PoseStamped`."""
@@ -180,7 +154,8 @@ class Interfaces:
         """
         if name not in self._classes:
             self._classes[name] = self._make(name)
-        return self._classes[name]
+        made: type[Message] = self._classes[name]
+        return made
 
     def service(self, name: str) -> type[Service]:
         """Return the class of the service `package/Name`.
@@ -201,13 +176,8 @@ class Interfaces:
                 "_md5sum": self._md5(request._type, response._type),
             }
             self._services[name] = type(short, (Service,), body)
-        return self._services[name]
-
-    def comments(self, name: str, kind: str) -> dict[str, str]:
-        """Return the comments beside the fields of a message, a request or a goal."""
-        package, _, short = name.partition("/")
-        found = self._file(package, kind, short)
-        return {} if found is None else field_comments(found)
+        made: type[Service] = self._services[name]
+        return made
 
     @cached_property
     def _store(self) -> Typesdict:
@@ -215,23 +185,6 @@ class Interfaces:
         from rosbags.typesys.stores import ros1_noetic
 
         return ros1_noetic.FIELDDEFS
-
-    def _files(self, package: str, kind: str) -> tuple[Definition, ...]:
-        # Some packages sort them into folders, which the names of the classes leave out.
-        key = package, kind
-        if key not in self._listed:
-            # Asked for at each name of a package, of which some have hundreds.
-            listed: list[Definition] = [*shipped_texts(1).get(key, ())]
-            if package in self._workspace:
-                listed = [*sorted((self._workspace[package] / kind).rglob(f"*.{kind}"))]
-            names = {path.name for path in listed}
-            listed += [each for each in self._more.get(key, ()) if each.name not in names]
-            self._listed[key] = tuple(listed)
-        return self._listed[key]
-
-    def _file(self, package: str, kind: str, short: str) -> Definition | None:
-        found = (path for path in self._files(package, kind) if path.stem == short)
-        return next(found, None)
 
     def _make(self, name: str) -> type[Message]:
         package, _, short = name.partition("/")
@@ -298,19 +251,19 @@ class Interfaces:
         return self._definitions[key]
 
     def _define(self, package: str, short: str) -> bool:
-        path = self._file(package, "msg", short)
+        path = self._files(package, "msg").get(short)
         if path is not None:
             self._parse(package, short, interface_text(path), path)
             return True
         for suffix in (*_ACTION_PARTS, *_ACTION_WRAPPERS):
             name = short.removesuffix(suffix)
-            path = self._file(package, "action", name) if name != short else None
+            path = self._files(package, "action").get(name) if name != short else None
             if path is not None:
                 self._define_action(package, path)
                 return True
         for suffix in ("Request", "Response"):
             name = short.removesuffix(suffix)
-            if name != short and self._file(package, "srv", name) is not None:
+            if name != short and name in self._files(package, "srv"):
                 self._define_service(package, name)
                 return True
         key = f"{package}/msg/{short}"
@@ -327,7 +280,7 @@ class Interfaces:
             self._parse(package, name + wrapper, text.format(name=name), path)
 
     def _define_service(self, package: str, name: str) -> None:
-        path = self._file(package, "srv", name)
+        path = self._files(package, "srv").get(name)
         if path is None:
             names = self.service_names(package)
             raise InputError(f"{package} has no service '{name}'; {one_of(names, name)}")

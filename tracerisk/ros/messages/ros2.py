@@ -19,9 +19,8 @@ from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.messages.fields import snake_case
 from tracerisk.ros.messages.interface_texts import (
     Definition,
+    InterfaceStore,
     InterfaceText,
-    by_package,
-    field_comments,
     interface_parts,
     interface_text,
     parsed,
@@ -54,12 +53,8 @@ _NOT_SERVED = frozenset({"actionlib_msgs", "rmw_dds_common", "rosbag2_interfaces
 _DEFAULT = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?\s+(\w+)\s+([^=\s#].*?)\s*(?:#.*)?")
 
 
-class Interfaces2:
-    """The message packages of ROS 2 that are known, and the classes made of them so far.
-
-    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
-    `more` are definitions that count where no other of that name is found.
-    """
+class Interfaces2(InterfaceStore):
+    """The message packages of ROS 2 that are known, and the classes made of them so far."""
 
     kinds = ("msg", "srv", "action")
 
@@ -68,19 +63,8 @@ class Interfaces2:
         workspace: Mapping[str, Path] | None = None,
         more: Iterable[InterfaceText] = (),
     ) -> None:
-        self._workspace = dict(workspace or {})
-        self._more = by_package(more)
-        self._definitions: Typesdict = {}
+        super().__init__(workspace, more)
         self._defaults: dict[str, dict[str, Any]] = {}
-        self._classes: dict[str, type[Message2]] = {}
-        self._services: dict[str, type[Service2]] = {}
-        self._actions: dict[str, type[Action2]] = {}
-        self._listed: dict[tuple[str, str], dict[str, Definition]] = {}
-
-    @property
-    def workspace(self) -> Mapping[str, Path]:
-        """The folders of the packages of the workspace."""
-        return self._workspace
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
@@ -96,10 +80,6 @@ class Interfaces2:
         if package not in self._workspace:
             names.update(n.split("/")[2] for n in self._store if n.startswith(f"{package}/"))
         return tuple(sorted(names))
-
-    def service_names(self, package: str) -> tuple[str, ...]:
-        """Return the names of a package's services, sorted."""
-        return tuple(sorted(self._files(package, "srv")))
 
     def action_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's actions, sorted."""
@@ -128,11 +108,6 @@ class Interfaces2:
         del package, kind
         return ()
 
-    def is_used(self, package: str) -> bool:
-        """Return whether the controller has a package in its workspace or used a class of it."""
-        made = (*self._classes, *self._services, *self._actions)
-        return package in self._workspace or any(name.startswith(f"{package}/") for name in made)
-
     def interface(self, package: str, kind: str, name: str) -> Any:
         """Return the class `name` of `package.kind`: a message, service, action, or its part.
 
@@ -157,7 +132,8 @@ class Interfaces2:
             package, short = name.split("/")
             self._define_message(package, short)
             self._classes[name] = self._make(package, "msg", short, short)
-        return self._classes[name]
+        made: type[Message2] = self._classes[name]
+        return made
 
     def service(self, name: str) -> type[Service2]:
         """Return the class of the service `package/Name`.
@@ -167,7 +143,8 @@ class Interfaces2:
         """
         if name not in self._services:
             self._services[name] = self._composite(name, "srv", Service2)
-        return self._services[name]
+        made: type[Service2] = self._services[name]
+        return made
 
     def action(self, name: str) -> type[Action2]:
         """Return the class of the action `package/Name`.
@@ -177,13 +154,8 @@ class Interfaces2:
         """
         if name not in self._actions:
             self._actions[name] = self._composite(name, "action", Action2)
-        return self._actions[name]
-
-    def comments(self, name: str, kind: str) -> dict[str, str]:
-        """Return the comments beside the fields of a message, a request or a goal."""
-        package, _, short = name.partition("/")
-        found = self._files(package, kind).get(short)
-        return {} if found is None else field_comments(found)
+        made: type[Action2] = self._actions[name]
+        return made
 
     @cached_property
     def _store(self) -> Typesdict:
@@ -192,23 +164,9 @@ class Interfaces2:
 
         return ros2_jazzy.FIELDDEFS
 
-    def _files(self, package: str, kind: str) -> dict[str, Definition]:
-        key = package, kind
-        if key not in self._listed:
-            # Asked for at each name of a package, of which some have hundreds.
-            self._listed[key] = self._found(package, kind)
-        return self._listed[key]
-
-    def _found(self, package: str, kind: str) -> dict[str, Definition]:
-        found: dict[str, Definition] = {
-            each.stem: each for each in self._more.get((package, kind), ())
-        }
-        if package in self._workspace:
-            return found | _in_folder(self._workspace[package] / kind, kind)
-        of_ros1 = shipped_texts(1).get((package, kind), ()) if package in _UNCHANGED else ()
-        for each in (*of_ros1, *shipped_texts(2).get((package, kind), ())):
-            found[each.stem] = each
-        return found
+    def _shipped(self, package: str, kind: str) -> Iterable[InterfaceText]:
+        of_ros1 = super()._shipped(package, kind) if package in _UNCHANGED else ()
+        return (*of_ros1, *shipped_texts(2).get((package, kind), ()))
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
         package, short = name.split("/")
@@ -357,11 +315,6 @@ class Interfaces2:
             message = str(error).splitlines()[-1]
             raise InputError(f"not a message definition: {message}", Location(str(path))) from error
         self._defaults[key] = _defaults(plain, path)
-
-
-def _in_folder(folder: Path, kind: str) -> dict[str, Definition]:
-    """Return the files below a folder by their stems; of several, the first."""
-    return {path.stem: path for path in sorted(folder.rglob(f"*.{kind}"), reverse=True)}
 
 
 def _message_class(

@@ -23,7 +23,6 @@ from tracerisk.ros.moveit.scene_shapes import scene_body
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.ros.robot.frames import fixed_frame
 from tracerisk.ros.transforms.poses import compose, inverse
-from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
 from tracerisk.twin.physics.motion import (
     JointTrajectory,
     LinkTarget,
@@ -113,6 +112,9 @@ class MoveGroupServer(RobotGroups):
         self.changes = SceneChanges(
             self.scene, self.robot, runtime.twin.link_pose, self._report_scene
         )
+        self.object_pose = self.changes.object_pose
+        self.attach, self.detach = self.changes.attach, self.changes.detach
+        self.retime = self._twin.retime
         self.execution = TrajectoryExecution(runtime)
         self._joint_names = frozenset(joint.name for joint in self.robot.joints)
         self._sought: dict[tuple[str, PoseGoal], bool] = {}
@@ -172,10 +174,6 @@ class MoveGroupServer(RobotGroups):
         """Note that a command fails for want of an object of the planning scene."""
         self.seek(name, how)
         self._runtime.scheduler.needs.note_error(message)
-
-    def object_pose(self, name: str) -> Pose | None:
-        """Return the pose of an object of the scene in the planning frame, else None."""
-        return self.changes.object_pose(name)
 
     def now_ns(self) -> int:
         """Return the time as the controller reads it [ns]."""
@@ -324,28 +322,6 @@ class MoveGroupServer(RobotGroups):
         """
         return self._twin.plan_cartesian(group, [goal], link=link, eef_step=eef_step, start=start)
 
-    def retime(
-        self,
-        trajectory: JointTrajectory,
-        scaling: Scaling,
-        *,
-        path_tolerance: float = PATH_TOLERANCE,
-        resample_s: float = RESAMPLE_S,
-        min_angle_change: float = MIN_ANGLE_CHANGE,
-    ) -> JointTrajectory:
-        """Return the path timed anew; the settings are those of `timing.along_path`.
-
-        Raises:
-            PlanningError: the trajectory is none, or a setting is not above 0.
-        """
-        return self._twin.retime(
-            trajectory,
-            scaling=scaling,
-            path_tolerance=path_tolerance,
-            resample_s=resample_s,
-            min_angle_change=min_angle_change,
-        )
-
     def default_scaling(self, description: str) -> Scaling:
         """Return the fractions that a client of move_group plans with until it sets others.
 
@@ -425,13 +401,9 @@ class MoveGroupServer(RobotGroups):
         scaling: Scaling,
         start: Mapping[str, float] | None,
     ) -> Plan:
-        trajectory = self._twin.plan_joints(
-            group,
-            target,
-            start=start,
-            scaling=scaling,
+        return Plan(
+            ErrorCode.SUCCESS, self._twin.plan_joints(group, target, start, scaling=scaling)
         )
-        return Plan(ErrorCode.SUCCESS, trajectory)
 
     def _planned(self, group: str, target: Sequence[float]) -> None:
         """Note that a plan was found, which may be a retry."""
@@ -498,14 +470,6 @@ class MoveGroupServer(RobotGroups):
             yield
         finally:
             self.scene.allow(before)
-
-    def attach(self, name: str, link: str, touch_links: Sequence[str]) -> bool:
-        """Attach a known object of the world to a link; False where there is none."""
-        return self.changes.attach(name, link, touch_links)
-
-    def detach(self, name: str) -> bool:
-        """Leave an attached object in the world where it now is; False where there is none."""
-        return self.changes.detach(name)
 
 
 def _last_place(poses: Sequence[Pose]) -> tuple[float, ...]:

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
-from tracerisk.ros.robot.messages import TwinMessages
-
-if TYPE_CHECKING:
-    from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.robot.twin_node import TwinNode
 
 PICKUP, PLACE = "moveit_msgs/Pickup", "moveit_msgs/Place"
 
 
-class PickPlaceServer:
+class PickPlaceServer(TwinNode):
     """Picks and places for whoever sends a goal; the steps belong to the sender's code."""
-
-    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        self._runtime = runtime
-        self._messages = messages
 
     def pickup(self, goal: ActionGoal) -> None:
         """Pick the target by the first of the grasps that works."""
@@ -33,7 +26,7 @@ class PickPlaceServer:
     def on_cancel(self, goal: ActionGoal) -> None:
         """Bring the robot to rest; the goal ends with the step that goes on."""
         goal.accept_cancel()
-        self._runtime.twin.stop()
+        self._twin.stop()
 
     def _begin(self, goal: ActionGoal, carry_out: Callable[[Any], int]) -> None:
         goal.accept()
@@ -56,7 +49,7 @@ class PickPlaceServer:
                 goal.abort(result, f"MoveIt error {code}")
 
         # On the stack of the code that sent the goal, whose thread goes on.
-        self._runtime.scheduler.spawn(run, f"goal of {goal.client.name}", is_controllers=False)
+        self._scheduler.spawn(run, f"goal of {goal.client.name}", is_controllers=False)
 
     def _pick(self, asked: Any) -> int:
         options = asked.planning_options
@@ -74,7 +67,7 @@ class PickPlaceServer:
         # The commander that the controller itself would get; it is served inside a run only.
         from moveit_commander import MoveGroupCommander
 
-        groups = self._runtime.twin.robot.groups
+        groups = self._twin.robot.groups
         largest = max(groups, key=lambda name: len(groups[name].joints))
         name = asked.group_name if asked.group_name in groups else largest
         return MoveGroupCommander(name)

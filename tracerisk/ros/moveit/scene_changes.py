@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tracerisk.errors import RobotError, one_of
@@ -19,24 +19,18 @@ _WORLD_FRAMES = frozenset({"", "world", "map", "odom"})
 _REMOVE, _APPEND, _MOVE = 1, 2, 3
 
 
+@dataclass(eq=False)
 class SceneChanges:
     """Changes one planning scene of a robot.
 
-    `link_pose` gives where a link is in the planning frame, `report` gets the reason of what
+    `_link_pose` gives where a link is in the planning frame, `_report` gets the reason of what
     could not be done.
     """
 
-    def __init__(
-        self,
-        scene: PlanningScene,
-        robot: Robot,
-        link_pose: Callable[[str], Pose],
-        report: Callable[[str], None],
-    ) -> None:
-        self.scene = scene
-        self._robot = robot
-        self._link_pose = link_pose
-        self._report = report
+    scene: PlanningScene
+    _robot: Robot
+    _link_pose: Callable[[str], Pose]
+    _report: Callable[[str], None]
 
     # Where frames are
 

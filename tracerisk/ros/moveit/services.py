@@ -7,10 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import RobotError
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.graph.graph import Publication
+from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
-from tracerisk.ros.moveit.messages import set_pose, state_message, trajectory_message
+from tracerisk.ros.moveit.messages import (
+    attached_messages,
+    object_message,
+    set_pose,
+    state_message,
+    trajectory_message,
+)
 from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, valid_fraction
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution
@@ -28,6 +34,8 @@ MOVE_GROUP = "moveit_msgs/MoveGroup"
 EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
 EXECUTION_EVENTS = "/trajectory_execution_event"
 """The topic on which MoveIt takes `stop` for all that it executes."""
+# moveit_msgs/PlanningSceneComponents.
+_STATE, _ATTACHED, _NAMES, _GEOMETRY = 2, 4, 8, 16
 
 
 class MoveItInterfaces(TwinNode):
@@ -41,14 +49,25 @@ class MoveItInterfaces(TwinNode):
         self._goals = GoalReader(self._server)
         self._executing: list[ActionGoal] = []
         self._stopped: list[ActionGoal] = []
+        changes = self._server.changes
+        self._takers = {
+            "moveit_msgs/CollisionObject": changes.apply,
+            "moveit_msgs/AttachedCollisionObject": changes.apply_attached,
+            "moveit_msgs/PlanningScene": changes.apply_scene,
+        }
         self._hear(EXECUTION_EVENTS, "std_msgs/String", self._on_event)
         for name, kind, handle in (
             ("compute_ik", "GetPositionIK", self._position_ik),
             ("compute_fk", "GetPositionFK", self._position_fk),
             ("compute_cartesian_path", "GetCartesianPath", self._cartesian_path),
             ("plan_kinematic_path", "GetMotionPlan", self._motion_plan),
+            ("apply_planning_scene", "ApplyPlanningScene", self._apply),
+            ("get_planning_scene", "GetPlanningScene", self._get),
         ):
             self._offer(name, f"moveit_msgs/{kind}", handle)
+        # As a move_group whose map is empty, for no camera fills it.
+        self._offer("clear_octomap", "std_srvs/Empty", lambda *_: None)
+        self._graph.watch(self._on_change)
 
     # Actions
 
@@ -217,6 +236,37 @@ class MoveItInterfaces(TwinNode):
         response.error_code.val = int(plan.code)
         if plan.trajectory is not None:
             response.trajectory = self._trajectory(plan.trajectory)
+
+    # The planning scene
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change == "advertised" and type_name in self._takers:
+            take = self._takers[type_name]
+            self._hear(name, type_name, lambda message, _: take(message))
+
+    def _apply(self, request: Any, answer: Any) -> None:
+        answer.success = self._server.changes.apply_scene(request.scene)
+
+    def _get(self, request: Any, answer: Any) -> None:
+        # No bits ask for everything.
+        wanted = request.components.components or 0xFFFF
+        scene, kept = answer.scene, self._server.scene
+        scene.name, scene.robot_model_name = "(noname)", self._server.robot.name
+        frame = self._server.planning_frame
+        if wanted & (_STATE | _ATTACHED):
+            positions = self._server.positions()
+            state = scene.robot_state.joint_state
+            state.header.frame_id = frame
+            state.name, state.position = list(positions), list(positions.values())
+        if wanted & _ATTACHED:
+            attached = attached_messages(self._messages.new, kept)
+            scene.robot_state.attached_collision_objects = attached
+        if wanted & (_NAMES | _GEOMETRY):
+            new = self._messages.new
+            scene.world.collision_objects = [
+                object_message(new, item, frame, with_shapes=bool(wanted & _GEOMETRY))
+                for _, item in sorted(kept.world.items())
+            ]
 
     # Planning
 

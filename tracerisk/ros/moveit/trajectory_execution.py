@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
-from tracerisk.errors import Location, one_of
+from tracerisk.errors import one_of
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class TrajectoryExecution:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._twin: Twin = runtime.twin
+        self._commands = runtime.client(TwinCommands)
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
@@ -135,10 +137,10 @@ class TrajectoryExecution:
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
                 motion = execution.motion
-                self._report_of(
-                    execution.stack,
+                self._commands.report(
                     "execution_failure",
                     message,
+                    execution.stack,
                     object_name=", ".join(motion.elements),
                     target=motion.goal,
                 )
@@ -155,8 +157,7 @@ class TrajectoryExecution:
             need = Need("start", self._twin.robot.name)
             place = asking_place()
             scheduler.needs.came_nowhere = Missed(need, 0, scheduler.now_ns, place)
-        stack = self._tracer.stack()
-        self._report_of(stack, kind, message, object_name=object_name, target=target)
+        self._commands.report(kind, message, object_name=object_name, target=target)
 
     def succeeded(self, kind: str, object_name: str, target: Sequence[float]) -> None:
         """Record that what failed where the controller stands has now succeeded."""
@@ -165,28 +166,6 @@ class TrajectoryExecution:
             self._recorder.succeeded(
                 kind, asker=stack[-1].function, object_name=object_name, target=target
             )
-
-    def _report_of(
-        self,
-        stack: Sequence[Frame],
-        kind: str,
-        message: str,
-        *,
-        object_name: str,
-        target: Sequence[float],
-    ) -> None:
-        location = None
-        if stack:
-            line, column = stack[-1].site
-            location = Location(stack[-1].function.file, line, column or None)
-        self._recorder.failed(
-            kind,
-            message,
-            location,
-            asker=stack[-1].function if stack else None,
-            object_name=object_name,
-            target=target,
-        )
 
     def _watch(self) -> None:
         # A motion started without waiting ends when nobody looks; a thread of the library

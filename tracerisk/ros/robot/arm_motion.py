@@ -73,14 +73,12 @@ class ArmMotion:
     def velocities(self) -> list[float]:
         """Return how fast the joints are [rad/s]."""
         state = self.twin.joint_state()
-        at = dict(zip(state.names, state.velocity, strict=True))
-        return [at[name] for name in self.joints]
+        return [state.velocity[state.names.index(name)] for name in self.joints]
 
     def efforts(self) -> list[float]:
         """Return the torques of the joints [N m]."""
         state = self.twin.joint_state()
-        at = dict(zip(state.names, state.effort, strict=True))
-        return [at[name] for name in self.joints]
+        return [state.effort[state.names.index(name)] for name in self.joints]
 
     def tool_pose(self) -> Pose:
         """Return where the tool is, in the frame of the robot's base link."""

@@ -12,6 +12,7 @@ from tracerisk.instrument.recording import STOPS
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
     from tracerisk.instrument.tracer import Frame
+    from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.time.scheduler import Scheduler
     from tracerisk.twin.motion.execution import Motion
@@ -79,12 +80,22 @@ class TwinCommands:
 
     def stop(self, joints: Sequence[str]) -> None:
         """Bring joints to rest for the code that asked for it, whose call led to that."""
-        self.twin.stop(joints)
-        self.poll()
+        self.rest(joints)
         frames = {(each.function.file, *each.site) for each in self.stack()}
         if self._recorder is not None and not frames <= self._stops:
             self._stops |= frames
             self._recorder.note(STOPS, sites=sorted(self._stops))
+
+    def rest(self, joints: Sequence[str] | None = None) -> None:
+        """Bring joints (all) to rest, and note which commands are over with that."""
+        self.twin.stop(joints)
+        self.poll()
+
+    def cancel(self, goal: ActionGoal) -> None:
+        """Take a request to cancel a goal: what it moves comes to rest, and it ends with that."""
+        goal.accept_cancel()
+        if goal.data is not None and goal.data.outcome == "active":
+            self.rest(goal.data.joints)
 
     def is_live(self, command: LiveCommand) -> bool:
         """Return whether a command is not over."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,20 @@ from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
-from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.ros.robot.commands import LiveCommand
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
     TrajectoryRefusedError,
     twin_trajectory,
 )
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE, SETTLE_S, GoalTolerance, Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
 
 TYPE = "control_msgs/FollowJointTrajectory"
 FEEDBACK_HZ = 20.0
@@ -38,26 +42,18 @@ _LATE = 0.1  # [rad or m]
 Array = NDArray[np.float64]
 
 
-class FollowServer:
+class FollowServer(TwinNode):
     """Carries out the goals of FollowJointTrajectory.
 
     A goal with joints that the robot lacks, or an ill-formed one, is rejected with the action's
     error code; a new goal on the same joints preempts the one before.
     """
 
-    def __init__(
-        self,
-        commands: TwinCommands,
-        messages: TwinMessages,
-        names: JointNames,
-        rules: TrajectoryRules,
-        spaces: RobotSpaces,
-    ) -> None:
-        self._commands = commands
-        self._messages = messages
-        self._names = names
-        self._rules = rules
-        self._spaces = spaces
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._names = runtime.client(JointNames)
+        self._rules = runtime.client(TrajectoryRules)
+        self._spaces = runtime.client(RobotSpaces)
 
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""

@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from tracerisk.ros.graph.graph import Change, Graph, Publication, Subscription
+from tracerisk.ros.graph.graph import Graph, Publication, Subscription
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.state_topics import TopicStream
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose
@@ -49,13 +50,12 @@ class TwinFrames:
             (fixed if each.type == "fixed" else self._moving)[each.child] = each.parent
         self._fixed = fixed
         self._alike: dict[str, str] = {}
-        self._is_ticking = False
         graph = runtime.graph
-        self._publication = graph.advertise(TF, TF_TYPE, node=_PUBLISHER)
+        moving = graph.advertise(TF, TF_TYPE, node=_PUBLISHER)
         self._static: Publication = graph.advertise(
             TF_STATIC, TF_TYPE, node=_PUBLISHER, latch=True, on_connect=self._on_static_listener
         )
-        graph.watch(self._on_change)
+        TopicStream(runtime, moving, RATE_HZ, lambda: self._message(self._moving))
         graph.parameters.offer(DESCRIPTION, self._description)
         if isinstance(interfaces, Interfaces2):
             self._described = graph.advertise(
@@ -91,24 +91,6 @@ class TwinFrames:
             message.transforms = [*message.transforms, *alike]
             self._static.latched = message
 
-    def _on_change(self, change: Change, name: str, type_name: str) -> None:  # noqa: ARG002
-        if change == "subscribed" and name == TF and not self._is_ticking:
-            self._is_ticking = True
-            self._schedule()
-
-    def _schedule(self) -> None:
-        scheduler = self._runtime.scheduler
-        period_ns = round(1e9 / RATE_HZ)
-        following_ns = (scheduler.now_ns // period_ns + 1) * period_ns
-        scheduler.call_at(following_ns, self._tick, background=True)
-
-    def _tick(self) -> None:
-        if not self._publication.subscriptions:
-            self._is_ticking = False
-            return
-        self._publication.publish(self._message(self._moving))
-        self._schedule()
-
     def _message(self, parents: Mapping[str, str]) -> Any:
         poses = self._runtime.twin.link_poses()
         stamp_ns = EPOCH_NS + self._runtime.scheduler.now_ns
@@ -124,14 +106,18 @@ class TwinFrames:
         return message
 
     def _stamped(self, parent: str, child: str, pose: Pose, stamp_ns: int) -> Any:
-        message: Any = self._interfaces.message("geometry_msgs/TransformStamped")()
-        message.header.frame_id = parent
-        message.child_frame_id = child
-        set_time(message.header.stamp, stamp_ns)
-        shift, turn = message.transform.translation, message.transform.rotation
-        shift.x, shift.y, shift.z = pose.position
-        turn.x, turn.y, turn.z, turn.w = pose.orientation
-        return message
+        message = self._interfaces.message("geometry_msgs/TransformStamped")()
+        return set_transform(message, parent, child, pose, stamp_ns)
+
+
+def set_transform(message: Any, parent: str, child: str, pose: Pose, stamp_ns: int) -> Any:
+    """Fill a geometry_msgs/TransformStamped, and return it."""
+    message.header.frame_id, message.child_frame_id = parent, child
+    set_time(message.header.stamp, stamp_ns)
+    shift, turn = message.transform.translation, message.transform.rotation
+    shift.x, shift.y, shift.z = pose.position
+    turn.x, turn.y, turn.z, turn.w = pose.orientation
+    return message
 
 
 def _relative(poses: Mapping[str, Pose], parent: str, child: str) -> Pose:

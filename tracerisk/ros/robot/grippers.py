@@ -7,10 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.robot.commands import TwinCommands
-from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import Motion
-from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.physics.motion import JointState, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
@@ -60,15 +59,18 @@ def gripper_ends(robot: Robot, gripper: Gripper) -> tuple[float, float]:
     return closed, opened
 
 
-class GripperServer:
+def measured_grip(state: JointState, gripper: Gripper) -> tuple[float, float, float]:
+    """Return a gripper's position, and the greatest speed and effort of a finger."""
+    at = [state.names.index(name) for name in gripper.joints]
+    position = gripper.position({state.names[i]: state.position[i] for i in at})
+    return position, max(abs(state.velocity[i]) for i in at), max(abs(state.effort[i]) for i in at)
+
+
+class GripperServer(TwinNode):
     """Carries out the goals of gripper actions.
 
     Fingers that stop on an object have reached their goal, with `stalled` set.
     """
-
-    def __init__(self, commands: TwinCommands, messages: TwinMessages) -> None:
-        self._commands = commands
-        self._messages = messages
 
     @property
     def handlers(self) -> dict[str, Callable[[ActionGoal], None]]:
@@ -84,13 +86,6 @@ class GripperServer:
             PARALLEL_COMMAND: self._parallel_command,
             **franka,
         }
-
-    def on_cancel(self, goal: ActionGoal) -> None:
-        """Stop the fingers; the goal ends with their motion."""
-        goal.accept_cancel()
-        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
-            self._commands.twin.stop(goal.data.joints)
-            self._commands.poll()
 
     def _gripper_command(self, goal: ActionGoal) -> None:
         command = goal.message.command
@@ -148,12 +143,12 @@ class GripperServer:
             self._end(goal, motion, result, is_good=is_good)
 
         # The fingers close until they hold something, then press with the force.
-        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        gripper = gripper_of(self._twin.robot, goal.client.name)
         closed = 0.0 if gripper is None else gripper.least
         self._start(goal, closed, asked.force or None, end)
 
     def _homing(self, goal: ActionGoal) -> None:
-        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        gripper = gripper_of(self._twin.robot, goal.client.name)
         self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._ended(goal))
 
     def _stop(self, goal: ActionGoal) -> None:
@@ -161,8 +156,7 @@ class GripperServer:
         if gripper is None:
             return
         goal.accept()
-        self._commands.twin.stop(gripper.joints)
-        self._commands.poll()
+        self._commands.rest(gripper.joints)
         result = self._messages.part(goal.client.type_name, "Result")
         result.success = True
         goal.succeed(result)
@@ -200,7 +194,7 @@ class GripperServer:
                 object_name=gripper.name,
             )
         try:
-            motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
+            motion = self._twin.move_gripper(gripper.name, reachable, max_effort=effort)
         except PlanningError as error:
             self._report(goal, error.message)
             goal.abort(None, error.message)
@@ -211,7 +205,7 @@ class GripperServer:
         )
 
     def _gripper(self, goal: ActionGoal) -> Gripper | None:
-        robot = self._commands.twin.robot
+        robot = self._twin.robot
         gripper = gripper_of(robot, goal.client.name)
         if gripper is None:
             names = ", ".join(each.name for each in robot.grippers) or "none"
@@ -224,21 +218,12 @@ class GripperServer:
         return gripper
 
     def _end(self, goal: ActionGoal, motion: Motion, result: Any, *, is_good: bool) -> None:
-        if goal.state.is_terminal:
-            return
-        if motion.outcome == "preempted":
-            goal.cancel(result, motion.message)
-        elif motion.outcome == "succeeded" and is_good:
-            goal.succeed(result, motion.message)
-        else:
-            goal.abort(result, motion.message)
+        is_missed = motion.outcome == "succeeded" and not is_good
+        goal.end("aborted" if is_missed else motion.outcome, result, motion.message)
 
     def _measured(self, gripper: Gripper) -> tuple[float, float]:
-        """Return the gripper's position and the greatest effort of a finger."""
-        state = self._commands.twin.joint_state()
-        at = [state.names.index(name) for name in gripper.joints]
-        position = gripper.position({state.names[i]: state.position[i] for i in at})
-        return position, max(abs(state.effort[i]) for i in at)
+        position, _, effort = measured_grip(self._twin.joint_state(), gripper)
+        return position, effort
 
     def _report(self, goal: ActionGoal, message: str) -> None:
         self._commands.report(

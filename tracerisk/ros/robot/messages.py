@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.messages.fields import service_parts
 from tracerisk.ros.time.clock import EPOCH_NS
 
 
@@ -32,9 +33,7 @@ class TwinMessages:
 
     def response(self, service: str) -> Any:
         """Return an empty response of the service `package/Name`."""
-        found = self._interfaces.service(service)
-        kind = found._response_class if hasattr(found, "_response_class") else found.Response
-        return kind()
+        return service_parts(self._interfaces, service)[1]()
 
     def has_service(self, service: str) -> bool:
         """Return whether the controller's ROS has the service `package/Name`."""
@@ -71,9 +70,7 @@ class TwinMessages:
 
     def request(self, service: str) -> Any:
         """Return an empty request of the service `package/Name`."""
-        found = self._interfaces.service(service)
-        kind = found._request_class if hasattr(found, "_request_class") else found.Request
-        return kind()
+        return service_parts(self._interfaces, service)[0]()
 
     def is_used(self, package: str) -> bool:
         """Return whether the controller has a package, or has used a message or a service of it."""

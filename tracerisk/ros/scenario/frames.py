@@ -8,8 +8,7 @@ from typing import Any
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.graph import Publication
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.robot.frames import TF, TF_STATIC, TF_TYPE
+from tracerisk.ros.robot.frames import TF, TF_STATIC, TF_TYPE, set_transform
 from tracerisk.ros.scenario.scenario import Frame, Place
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.scenario.topics import NODE
@@ -80,15 +79,12 @@ class ScenarioFrames:
 
     def _message(self, frame: Frame) -> Any:
         stamped: Any = self._interfaces.message("geometry_msgs/TransformStamped")()
-        stamped.header.frame_id = frame.parent
-        stamped.child_frame_id = frame.frame
-        set_time(stamped.header.stamp, EPOCH_NS + self._schedule.now_ns)
-        pose = pose_at(frame.path, self._schedule.now_ns / 1e9)
-        shift, turn = stamped.transform.translation, stamped.transform.rotation
-        shift.x, shift.y, shift.z = pose.position
-        turn.x, turn.y, turn.z, turn.w = pose.orientation
+        now_ns = self._schedule.now_ns
+        pose = pose_at(frame.path, now_ns / 1e9)
         message: Any = self._interfaces.message(TF_TYPE)()
-        message.transforms = [stamped]
+        message.transforms = [
+            set_transform(stamped, frame.parent, frame.frame, pose, EPOCH_NS + now_ns)
+        ]
         return message
 
 

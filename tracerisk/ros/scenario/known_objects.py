@@ -15,7 +15,6 @@ from tracerisk.ros.messages.fields import constants_of
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.scenario.objects import is_known, shape_of
-from tracerisk.ros.scenario.scenario import triple
 from tracerisk.ros.transforms.poses import quaternion_from_rpy
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.physics.motion import Pose
@@ -70,7 +69,7 @@ def _message(interfaces: Any, entry: YamlMap) -> Any:
     primitive.type = constants_of(made)[_KINDS[shape.kind]]
     primitive.dimensions = _dimensions(shape)
     place = interfaces.message("geometry_msgs/Pose")()
-    set_pose(place, Pose(triple(entry, "xyz"), quaternion_from_rpy(*triple(entry, "rpy"))))
+    set_pose(place, Pose(entry.triple("xyz"), quaternion_from_rpy(*entry.triple("rpy"))))
     message.primitives, message.primitive_poses = [primitive], [place]
     return message
 

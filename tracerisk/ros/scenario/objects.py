@@ -8,7 +8,6 @@ from types import MappingProxyType
 
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.geometry.shapes import Shape
-from tracerisk.ros.scenario.scenario import triple
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
 from tracerisk.twin.robots.robot import Robot
@@ -77,8 +76,8 @@ def _check_known(entry: YamlMap) -> None:
     entry.string("name")
     entry.string("attached", default="")
     shape_of(entry)
-    triple(entry, "xyz")
-    triple(entry, "rpy")
+    entry.triple("xyz")
+    entry.triple("rpy")
 
 
 def _object(entry: YamlMap) -> Fixture | GraspableObject:
@@ -88,7 +87,7 @@ def _object(entry: YamlMap) -> Fixture | GraspableObject:
         entry.fail("attached", "what is attached is known to the planning scene; leave known out")
     name = entry.string("name")
     shape = shape_of(entry)
-    xyz, rpy = triple(entry, "xyz"), triple(entry, "rpy")
+    xyz, rpy = entry.triple("xyz"), entry.triple("rpy")
     if not entry.boolean("graspable", default="mass" in entry):
         for key in ("mass", "friction"):
             if key in entry:

@@ -154,9 +154,9 @@ def read_scenario(path: Path) -> Scenario:
         services=_entries(top, "services", _service),
         actions=_entries(top, "actions", _action),
         frames=_entries(top, "frames", _frame),
-        calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
-        objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
-        drivers=tuple(top.maps("drivers")) if top.get("drivers") is not None else (),
+        calls=_section(top, "calls"),
+        objects=_section(top, "objects"),
+        drivers=_section(top, "drivers"),
         answers=_texts(top, "answers", "one answer for each input()"),
         accept=_accept(top),
         robot=_robot(top, path),
@@ -180,9 +180,13 @@ def _holds_comments_alone(path: Path) -> bool:
     return any(lines) and all(not line or line.startswith("#") for line in lines)
 
 
-def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
+def _section(top: YamlMap, key: str) -> tuple[YamlMap, ...]:
     # A section that is left empty holds nothing.
-    return tuple(read(entry) for entry in top.maps(key)) if top.get(key) is not None else ()
+    return tuple(top.maps(key)) if top.get(key) is not None else ()
+
+
+def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
+    return tuple(read(entry) for entry in _section(top, key))
 
 
 def _start(top: YamlMap) -> tuple[tuple[str, float, Location], ...]:
@@ -195,7 +199,7 @@ def _start(top: YamlMap) -> tuple[tuple[str, float, Location], ...]:
 
 def _forbid_twice(top: YamlMap, section: str, key: str) -> None:
     seen: set[str] = set()
-    for entry in top.maps(section) if top.get(section) is not None else ():
+    for entry in _section(top, section):
         name = entry.string(key)
         if name in seen:
             entry.fail(key, f"duplicate '{name}' in {section}; give it one entry")
@@ -313,15 +317,7 @@ def _frame(entry: YamlMap) -> Frame:
 
 
 def _place(entry: YamlMap) -> Place:
-    return Place(_seconds(entry, "at"), triple(entry, "xyz"), triple(entry, "rpy"))
-
-
-def triple(entry: YamlMap, key: str) -> tuple[float, float, float]:
-    """Return three numbers at `key`, zeros where the key is absent."""
-    if key not in entry:
-        return 0.0, 0.0, 0.0
-    x, y, z = entry.numbers(key, length=3)
-    return x, y, z
+    return Place(_seconds(entry, "at"), entry.triple("xyz"), entry.triple("rpy"))
 
 
 def _times(entry: YamlMap) -> tuple[float, ...]:

@@ -11,7 +11,6 @@ import threading
 from _thread import allocate_lock, start_new_thread
 from collections.abc import Callable, Mapping
 from sys import _getframe
-from types import TracebackType
 from typing import Any, NoReturn
 
 from tracerisk.ros.controller.frames import is_quiet, poller
@@ -97,12 +96,7 @@ class Lock:
     def __enter__(self) -> bool:
         return self.acquire()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.release()
 
     def __reduce__(self) -> NoReturn:

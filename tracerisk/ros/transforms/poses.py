@@ -94,3 +94,9 @@ def rpy_from_quaternion(turn: Quaternion) -> Vector:
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return (roll, math.asin(sine), yaw)
+
+
+def moved(pose: Pose, by: Pose) -> Pose:
+    """Return a pose that is shifted, and turned where it is, in the axes of its parent."""
+    x, y, z = (a + b for a, b in zip(pose.position, by.position, strict=True))
+    return Pose((x, y, z), multiply(by.orientation, pose.orientation))

@@ -218,7 +218,6 @@ class _Reader:
             axis=axis,
             lower=float(limits[0]) if limits else 0.0,
             upper=float(limits[1]) if limits else 0.0,
-            velocity=0.0,
             effort=drives.efforts.get(number, 0.0),
             mimic=None if follows is None else (self._joints[follows[0]], follows[1], follows[2]),
         )
@@ -301,21 +300,8 @@ class _Reader:
 
 
 def _fixed(name: str, parent: str, child: str, place: Any, turn: Any) -> UrdfJoint:
-    return UrdfJoint(
-        name=name,
-        type="revolute",
-        moves=False,
-        parent=parent,
-        child=child,
-        xyz=_triple(place),
-        rpy=roll_pitch_yaw(turn),
-        axis=(0.0, 0.0, 1.0),
-        lower=0.0,
-        upper=0.0,
-        velocity=0.0,
-        effort=0.0,
-        mimic=None,
-    )
+    at, turned = _triple(place), roll_pitch_yaw(turn)
+    return UrdfJoint(name, "revolute", False, parent, child, at, turned)
 
 
 def _triple(values: Any) -> Triple:

@@ -104,8 +104,6 @@ class Kinematics:
         *,
         link: str | None = None,
         seed: Mapping[str, float] | None = None,
-        position_tolerance: float = 1e-4,
-        orientation_tolerance: float = 1e-3,
         restarts: int = _RESTARTS,
         accept: Callable[[Mapping[str, float]], bool] | None = None,
     ) -> dict[str, float]:
@@ -113,7 +111,6 @@ class Kinematics:
 
         The search starts at `seed`, then at the group's named states, then at positions drawn
         from a generator that begins anew with each call; what `accept` refuses is passed over.
-        Tolerances in [m] and [rad].
 
         Raises PlanningError("no_ik_solution") when no start leads there, and
         PlanningError("bad_request") when the group has no tip link or the pose is not a pose.
@@ -123,8 +120,9 @@ class Kinematics:
             raise PlanningError(
                 "bad_request", f"group '{group}' has no tip link; name the link the pose is for"
             )
-        target = LinkTarget(tip, pose, position_tolerance, orientation_tolerance)
-        return self.inverse_all(group, [target], seed=seed, restarts=restarts, accept=accept)
+        return self.inverse_all(
+            group, [LinkTarget(tip, pose)], seed=seed, restarts=restarts, accept=accept
+        )
 
     def inverse_all(
         self,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -28,19 +29,23 @@ _NUDGES = (0.1, -0.1, 0.3, -0.3)  # by which a joint is moved off a singularity 
 _Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [rad or m], and where
 
 
+@dataclass(eq=False)
 class Planner:
-    """Plans on the robot's kinematics, clear of itself and of what `clearance` has declared."""
+    """Plans on the robot's kinematics, clear of itself and of what the clearance has declared.
 
-    def __init__(self, robot: Robot, kinematics: Kinematics, clearance: Clearance) -> None:
-        self._robot = robot
-        self._kinematics = kinematics
-        self._clearance = clearance
+    `_begin` says where a plan begins for the joints that its `start` leaves out.
+    """
+
+    _robot: Robot
+    _kinematics: Kinematics
+    _clearance: Clearance
+    _begin: Callable[[Mapping[str, float]], dict[str, float]] = dict
 
     def joints(
         self,
         group: str,
         target: Mapping[str, float],
-        start: Mapping[str, float],
+        start: Mapping[str, float] | None = None,
         *,
         scaling: Scaling | None = None,
     ) -> JointTrajectory:
@@ -50,6 +55,15 @@ class Planner:
         Raises PlanningError("invalid_goal") for a joint outside the group or its limits,
         ("collision") for a goal that touches something, ("start_in_collision") and ("no_plan").
         """
+        return self._joints(group, target, self._begin(start or {}), scaling)
+
+    def _joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        start: Mapping[str, float],
+        scaling: Scaling | None,
+    ) -> JointTrajectory:
         members = self._members(group)
         names = [joint.name for joint in members]
         for name in target:
@@ -70,7 +84,7 @@ class Planner:
         self,
         group: str,
         pose: Pose,
-        start: Mapping[str, float],
+        start: Mapping[str, float] | None = None,
         *,
         link: str | None = None,
         scaling: Scaling | None = None,
@@ -79,13 +93,8 @@ class Planner:
 
         Raises PlanningError("no_ik_solution") for a pose out of reach.
         """
-        target = self.reach(group, pose, seed=start, link=link)
-        return self.joints(
-            group,
-            target,
-            start,
-            scaling=scaling,
-        )
+        start = self._begin(start or {})
+        return self._joints(group, self.reach(group, pose, seed=start, link=link), start, scaling)
 
     def reach(
         self,
@@ -94,8 +103,6 @@ class Planner:
         *,
         seed: Mapping[str, float],
         link: str | None = None,
-        position_tolerance: float = 1e-4,
-        orientation_tolerance: float = 1e-3,
     ) -> dict[str, float]:
         """Return joint positions that bring `link` (the tip) to `pose`, clear of everything.
 
@@ -107,13 +114,7 @@ class Planner:
         return self._clear(
             seed,
             lambda is_clear: self._kinematics.inverse(
-                group,
-                pose,
-                link=link,
-                seed=seed,
-                position_tolerance=position_tolerance,
-                orientation_tolerance=orientation_tolerance,
-                accept=is_clear,
+                group, pose, link=link, seed=seed, accept=is_clear
             ),
         )
 
@@ -167,7 +168,7 @@ class Planner:
         self,
         group: str,
         waypoints: Sequence[Pose],
-        start: Mapping[str, float],
+        start: Mapping[str, float] | None = None,
         *,
         link: str | None = None,
         eef_step: float = 0.01,
@@ -180,6 +181,7 @@ class Planner:
         would have to jump, the rule of `Clearance.keeping` is broken or, with
         `avoid_collisions`, something is touched; the fraction achieved is in [0, 1].
         """
+        start = self._begin(start or {})
         if not math.isfinite(eef_step) or eef_step <= 0.0:
             raise PlanningError("bad_request", f"eef_step {eef_step} m; give a length above 0")
         members = self._members(group)
@@ -224,15 +226,8 @@ class Planner:
     ) -> _Reached | None:
         """Return how the joints come from `here` to a pose near by, None where they cannot."""
         try:
-            found = self._kinematics.inverse(
-                group,
-                target,
-                link=tip,
-                seed=seed,
-                position_tolerance=1e-6,
-                orientation_tolerance=1e-5,
-                restarts=0,
-            )
+            near = LinkTarget(tip, target, 1e-6, 1e-5)
+            found = self._kinematics.inverse_all(group, [near], seed=seed, restarts=0)
         except PlanningError as failure:
             if failure.failure != "no_ik_solution":
                 raise
@@ -246,8 +241,8 @@ class Planner:
     def retime(
         self,
         trajectory: JointTrajectory,
-        *,
         scaling: Scaling | None = None,
+        *,
         path_tolerance: float = PATH_TOLERANCE,
         resample_s: float = RESAMPLE_S,
         min_angle_change: float = MIN_ANGLE_CHANGE,

@@ -255,18 +255,23 @@ def _add_joint(body: Any, attachment: Attachment, joint: Joint) -> None:
 
 
 def _add_servo(spec: Any, joint: Joint) -> None:
-    actuator = spec.add_actuator(
-        name=joint.name,
-        target=joint.name,
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-    )
     servo = joint.servo
     if servo.stiffness <= 0.0:
         raise RobotError(without_stiffness(joint.name))
-    actuator.gainprm[0] = servo.stiffness
-    actuator.biasprm[:3] = (0.0, -servo.stiffness, -servo.damping)
+    _servo(spec, joint.name, mujoco.mjtTrn.mjTRN_JOINT, servo.stiffness, servo.damping)
+
+
+def _servo(spec: Any, name: str, transmission: Any, stiffness: float, damping: float) -> Any:
+    actuator = spec.add_actuator(
+        name=name,
+        target=name,
+        trntype=transmission,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+    )
+    actuator.gainprm[0] = stiffness
+    actuator.biasprm[:3] = (0.0, -stiffness, -damping)
+    return actuator
 
 
 def _add_gripper(spec: Any, gripper: Gripper) -> None:
@@ -287,15 +292,8 @@ def _add_gripper(spec: Any, gripper: Gripper) -> None:
             solimp=(0.95, 0.99, 0.001, 0.5, 2.0),
         )
         equality.data[:2] = (0.0, gripper.sign(other))
-    actuator = spec.add_actuator(
-        name=gripper.name,
-        target=gripper.name,
-        trntype=mujoco.mjtTrn.mjTRN_TENDON,
-        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-    )
-    actuator.gainprm[0] = gripper.stiffness
-    actuator.biasprm[:3] = (0.0, -gripper.stiffness, -gripper.damping)
+    tendons = mujoco.mjtTrn.mjTRN_TENDON
+    actuator = _servo(spec, gripper.name, tendons, gripper.stiffness, gripper.damping)
     actuator.forcelimited = True
     actuator.forcerange = (-gripper.effort / share, gripper.effort / share)
 

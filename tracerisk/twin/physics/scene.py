@@ -147,14 +147,13 @@ def _scene(top: YamlMap, file: str) -> Scene:
             raise RobotError(
                 f"'{name}' is defined twice; give each body its own name", top.location
             )
-    base = top.optional_map("robot_base")
-    if base is not None:
-        base.forbid_unknown({"xyz", "rpy"})
+    base = top.section("robot_base")
+    base.forbid_unknown({"xyz", "rpy"})
     return Scene(
         name=top.string("name"),
         title=top.string("title"),
-        robot_xyz=_triple(base, "xyz"),
-        robot_rpy=_triple(base, "rpy"),
+        robot_xyz=base.triple("xyz"),
+        robot_rpy=base.triple("rpy"),
         fixtures=tuple(fixtures),
         objects=tuple(objects),
         goals=tuple(goals),
@@ -168,7 +167,7 @@ def _rack(entry: YamlMap) -> _Rack:
     )
     rack = _Rack(
         name=entry.string("name"),
-        first=_triple(entry, "first_slot"),
+        first=entry.triple("first_slot"),
         pitch=entry.number("pitch", minimum=0.001),
         slots=entry.integer("slots", minimum=1),
         opening=entry.number("opening", minimum=0.001),
@@ -187,8 +186,8 @@ def _fixture(entry: YamlMap) -> Fixture:
     entry.forbid_unknown({"name", "xyz", "rpy", "shapes", "meets_robot"})
     return Fixture(
         name=entry.string("name"),
-        xyz=_triple(entry, "xyz"),
-        rpy=_triple(entry, "rpy"),
+        xyz=entry.triple("xyz"),
+        rpy=entry.triple("rpy"),
         shapes=read_shapes(entry),
         meets_robot=entry.boolean("meets_robot", default=True),
     )
@@ -201,9 +200,9 @@ def _objects(entry: YamlMap, racks: dict[str, _Rack]) -> list[GraspableObject]:
     name, shapes = entry.string("name"), read_shapes(entry)
     mass = entry.number("mass", minimum=1e-6)
     friction = entry.number("friction", default=0.5, minimum=0.0)
-    rpy = _triple(entry, "rpy")
+    rpy = entry.triple("rpy")
     if "stands_in" not in entry:
-        return [GraspableObject(name, _triple(entry, "xyz"), rpy, mass, friction, shapes)]
+        return [GraspableObject(name, entry.triple("xyz"), rpy, mass, friction, shapes)]
     return [
         GraspableObject(f"{name}_{slot}", place, rpy, mass, friction, shapes)
         for slot, place in _places(entry, "stands_in", racks)
@@ -213,7 +212,7 @@ def _objects(entry: YamlMap, racks: dict[str, _Rack]) -> list[GraspableObject]:
 def _goals(entry: YamlMap, racks: dict[str, _Rack]) -> list[Goal]:
     entry.forbid_unknown({"name", "xyz", "slots_of", "origin_height"})
     if "slots_of" not in entry:
-        return [Goal(entry.string("name"), _triple(entry, "xyz"))]
+        return [Goal(entry.string("name"), entry.triple("xyz"))]
     rack = entry.string("slots_of")
     return [Goal(f"{rack}_slot_{slot}", place) for slot, place in _places(entry, "slots_of", racks)]
 
@@ -229,10 +228,3 @@ def _places(entry: YamlMap, key: str, racks: dict[str, _Rack]) -> list[tuple[int
         x, y, z = rack.bottom_of(slot)
         places.append((slot, (x, y, z + height)))
     return places
-
-
-def _triple(entry: YamlMap | None, key: str) -> Triple:
-    if entry is None or key not in entry:
-        return (0.0, 0.0, 0.0)
-    values = entry.numbers(key, length=3)
-    return values[0], values[1], values[2]

@@ -12,16 +12,8 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from tracerisk.geometry.shapes import Shape
-from tracerisk.twin.robots.robot import (
-    Attachment,
-    Controller,
-    Gripper,
-    Group,
-    Joint,
-    Link,
-    Robot,
-    Servo,
-)
+from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
+from tracerisk.twin.robots.robot import Controller, Group, Robot
 
 NAME = "gripper"
 _COMMANDS = frozenset({"GripperCommand", "GripperCommandAction", "ParallelGripperCommand"})
@@ -29,8 +21,6 @@ _NAMED = re.compile(r"(?:^|.*[/_.])(?:\w*gripper|robotiq)\w*(?:/\S*)?|hand", re.
 _FINGER = re.compile(r"finger|gripper|knuckle|jaw|robotiq", re.IGNORECASE)
 
 _FINGER_LINK = "assumed_finger_"
-_OPENING = 0.04  # of each finger [m]
-_EFFORT, _RATED, _SPEED = 20.0, 0.2, 0.05  # [N], [m/s], [m/s]
 _REACH = 0.12  # of the pads before the flange, along its z axis [m]
 _PAD = (0.012, 0.004, 0.015)  # half lengths [m]
 _MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [kg]
@@ -67,45 +57,20 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     fingers = tuple(name for name in joints if _FINGER.search(name))[:2] or ("gripper_joint",)
     second = "gripper_second_finger_joint"
     moved = fingers if len(fingers) == 2 else (*fingers, second)
-    links, attachments, added = [], [], []
-    for index, name in enumerate(moved):
-        side = 1.0 - 2.0 * index
-        link = f"{_FINGER_LINK}{index + 1}"
-        pad = Shape("box", _PAD, (0.0, side * _PAD[1], _REACH), pad=True)
-        links.append(Link(link, _MASS, (0.0, 0.0, _REACH), None, (pad,)))
-        attachments.append(
-            Attachment(
-                name, "prismatic", tip, link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, side, 0.0)
-            )
-        )
-        added.append(
-            Joint(name, "prismatic", 0.0, _OPENING, _RATED, 5 * _RATED, _EFFORT, Servo(0, 0, 0.1))
-        )
-    stiffness = len(moved) * _EFFORT / _OPENING
-    gripper = Gripper(
-        name=NAME,
-        group=NAME,
-        joints=moved,
-        pads=tuple(link.name for link in links),
-        opening=_OPENING,
-        effort=_EFFORT,
-        velocity_limit=_RATED,
-        speed=_SPEED,
-        stiffness=stiffness,
-        damping=stiffness / 25,
-        signs=(1,) * len(moved),
-    )
+    middle = (0.0, 0.0, _REACH)
+    pad = Shape("box", _PAD, middle, pad=True)
+    hand = sliding_fingers(moved, tip, _FINGER_LINK, pad, _MASS, middle)
     driver = Controller("gripper_controller", "gripper_command", moved)
-    states = {"open": dict.fromkeys(moved, _OPENING), "close": dict.fromkeys(moved, 0.0)}
+    states = {"open": dict.fromkeys(moved, FINGER_OPENING), "close": dict.fromkeys(moved, 0.0)}
     return replace(
         robot,
-        links=(*robot.links, *links),
-        attachments=(*robot.attachments, *attachments),
-        joints=(*robot.joints, *added),
+        links=(*robot.links, *hand.links),
+        attachments=(*robot.attachments, *hand.attachments),
+        joints=(*robot.joints, *hand.joints),
         groups=MappingProxyType({**robot.groups, NAME: Group(moved, tip)}),
         named_states=MappingProxyType({**robot.named_states, NAME: MappingProxyType(states)}),
         initial_state=MappingProxyType({**robot.initial_state, **states["open"]}),
-        grippers=(gripper,),
+        grippers=(hand.gripper,),
         controllers=(*robot.controllers, driver),
         approximate=True,
         assumes_names=True,

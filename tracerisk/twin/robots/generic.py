@@ -10,7 +10,7 @@ import ast
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from tracerisk.geometry.shapes import Shape
@@ -57,6 +57,8 @@ _TORQUES = (150.0, 150.0, 100.0, 30.0, 30.0, 15.0)  # [N m]
 _MASSES = (4.0, 5.0, 3.0, 1.5, 1.0, 0.5)  # [kg]
 _VELOCITY, _ACCELERATION = 2.0, 2.0
 _REST = (0.0, -0.4, 0.6, 0.0, 0.6, 0.0)
+FINGER_OPENING = 0.04
+"""How far an assumed finger goes from the middle [m]."""
 
 
 TITLE = "generic arm, for a robot that is not known"
@@ -209,17 +211,11 @@ def generic_arm(asked: NamesAsked) -> Robot:
         for link, place in zip(arm_links, places, strict=True)
     ]
     links += [Link(name, 0.0, (0.0, 0.0, 0.0), None, ()) for name in (tool, *frames)]
-    for index, name in enumerate(fingers):
-        side = 1.0 - 2.0 * index
-        link = f"generic_finger{index + 1}"
-        attachments.append(
-            Attachment(
-                name, "prismatic", tool, link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, side, 0.0)
-            )
-        )
-        pad = Shape("box", (0.015, 0.004, 0.01), (0.03, side * 0.004, 0.0), pad=True)
-        links.append(Link(link, 0.05, (0.0, 0.0, 0.0), None, (pad,)))
-        joints.append(Joint(name, "prismatic", 0.0, 0.04, 0.2, 1.0, 20.0, Servo(0.0, 0.0, 0.1)))
+    pad = Shape("box", (0.015, 0.004, 0.01), (0.03, 0.0, 0.0), pad=True)
+    hand = sliding_fingers(fingers, tool, "generic_finger", pad, 0.05, (0.0, 0.0, 0.0))
+    links += hand.links
+    attachments += hand.attachments
+    joints += hand.joints
     outlines = [
         outlined(link, 0.04, attachments) if link.name in arm_links else link for link in links
     ]
@@ -228,10 +224,6 @@ def generic_arm(asked: NamesAsked) -> Robot:
         "arm": Group(names, tool),
         "gripper": Group(fingers, tool),
     }
-    gripper = Gripper(
-        "gripper", "gripper", fingers, tuple(f"generic_finger{i + 1}" for i in range(len(fingers))),
-        0.04, 20.0, 0.2, 0.05, 500.0 * len(fingers), 20.0 * len(fingers), 0.0, (1,) * len(fingers),
-    )  # fmt: skip
     return Robot(
         name=NAME,
         title=TITLE,
@@ -242,8 +234,8 @@ def generic_arm(asked: NamesAsked) -> Robot:
         joints=tuple(joints),
         groups=MappingProxyType(groups),
         named_states=MappingProxyType({}),
-        initial_state=MappingProxyType({**rest, **dict.fromkeys(fingers, 0.04)}),
-        grippers=(gripper,),
+        initial_state=MappingProxyType({**rest, **dict.fromkeys(fingers, FINGER_OPENING)}),
+        grippers=(hand.gripper,),
         controllers=(
             Controller("arm_controller", "follow_joint_trajectory", names),
             Controller("gripper_controller", "gripper_command", fingers),
@@ -254,6 +246,51 @@ def generic_arm(asked: NamesAsked) -> Robot:
         approximate=True,
         assumes_names=True,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class AssumedHand:
+    """A gripper of fingers that slide, with its parts."""
+
+    links: tuple[Link, ...]
+    attachments: tuple[Attachment, ...]
+    joints: tuple[Joint, ...]
+    gripper: Gripper
+
+
+def sliding_fingers(
+    names: tuple[str, ...],
+    base: str,
+    link: str,
+    pad: Shape,
+    mass: float,
+    centre: tuple[float, float, float],
+) -> AssumedHand:
+    """Return a gripper of one or two fingers that slide along y on a base.
+
+    `link` begins the names of the fingers' links, each with one `pad`, which stands aside by half
+    its width.
+    """
+    attachments, links = [], []
+    for index, name in enumerate(names):
+        side, finger = 1.0 - 2.0 * index, f"{link}{index + 1}"
+        x, _, z = pad.xyz
+        shape = replace(pad, xyz=(x, side * pad.size[1], z))
+        links.append(Link(finger, mass, centre, None, (shape,)))
+        zero = (0.0, 0.0, 0.0)
+        attachments.append(
+            Attachment(name, "prismatic", base, finger, zero, zero, (0.0, side, 0.0))
+        )
+    joints = [
+        Joint(name, "prismatic", 0.0, FINGER_OPENING, 0.2, 1.0, 20.0, Servo(0.0, 0.0, 0.1))
+        for name in names
+    ]
+    count, pads = len(names), tuple(each.name for each in links)
+    gripper = Gripper(
+        "gripper", "gripper", names, pads, FINGER_OPENING, 20.0, 0.2, 0.05, 500.0 * count,
+        20.0 * count, 0.0, (1,) * count,
+    )  # fmt: skip
+    return AssumedHand(tuple(links), tuple(attachments), tuple(joints), gripper)
 
 
 def _fixed(child: str, parent: str, xyz: tuple[float, float, float]) -> Attachment:

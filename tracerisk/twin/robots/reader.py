@@ -108,12 +108,12 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
 def _link(entry: YamlMap) -> Link:
     entry.forbid_unknown({"name", "mass", "centre_of_mass", "inertia", "radius", "shapes"})
     mass = entry.number("mass", default=0.0, minimum=0.0)
-    centre = entry.numbers("centre_of_mass", length=3) if "centre_of_mass" in entry else [0.0] * 3
+    centre = entry.triple("centre_of_mass")
     inertia = entry.numbers("inertia", length=6) if "inertia" in entry else None
     return Link(
         name=entry.string("name"),
         mass=mass,
-        centre_of_mass=(centre[0], centre[1], centre[2]),
+        centre_of_mass=centre,
         inertia=None
         if inertia is None
         else (inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]),
@@ -122,8 +122,7 @@ def _link(entry: YamlMap) -> Link:
 
 
 def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
-    section = top.optional_map("servos")
-    servos = {name: _servo(entry) for name, entry in section.items_as_maps()} if section else {}
+    servos = {name: _servo(entry) for name, entry in top.section("servos").items_as_maps()}
     attachments, joints = [], []
     for entry in top.maps("joints"):
         entry.forbid_unknown(
@@ -143,9 +142,9 @@ def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...],
                 type=joint_type,
                 parent=_known(entry, "parent", links),
                 child=_known(entry, "child", links),
-                xyz=_triple(entry, "xyz", (0.0, 0.0, 0.0)),
-                rpy=_triple(entry, "rpy", (0.0, 0.0, 0.0)),
-                axis=_triple(entry, "axis", (0.0, 0.0, 1.0)),
+                xyz=entry.triple("xyz"),
+                rpy=entry.triple("rpy"),
+                axis=entry.triple("axis", (0.0, 0.0, 1.0)),
             )
         )
         if joint_type != "fixed":
@@ -211,9 +210,7 @@ def _named_states(
     top: YamlMap, groups: Mapping[str, Group], joints: Mapping[str, Joint]
 ) -> dict[str, Mapping[str, Mapping[str, float]]]:
     found: dict[str, Mapping[str, Mapping[str, float]]] = {}
-    section = top.optional_map("named_states")
-    if section is None:
-        return found
+    section = top.section("named_states")
     section.forbid_unknown(groups)
     for group, entry in section.items_as_maps():
         members = {name: joints[name] for name in groups[group].joints}
@@ -312,15 +309,6 @@ def _positive(entry: YamlMap, key: str) -> float:
     if value == 0.0:
         entry.fail(key, "0 is not allowed; give a positive number")
     return value
-
-
-def _triple(
-    entry: YamlMap, key: str, default: tuple[float, float, float]
-) -> tuple[float, float, float]:
-    if key not in entry:
-        return default
-    values = entry.numbers(key, length=3)
-    return values[0], values[1], values[2]
 
 
 def _known(entry: YamlMap, key: str, names: Iterable[str]) -> str:

@@ -148,7 +148,10 @@ class MotionControl:
         return motion
 
     def stop(self, joints: Iterable[str] | None = None) -> None:
-        """Preempt the motions of these joints (of all), and bring them to rest."""
+        """Preempt the motions of these joints (of all), and bring them to rest.
+
+        Raises RobotError for a joint that there is not.
+        """
         names = tuple(self._simulation.joint_index) if joints is None else tuple(joints)
         for name in names:
             if name not in self._simulation.joint_index:

@@ -192,7 +192,11 @@ class Simulation:
             )
 
     def watch_touches(self, notify: Touched) -> None:
-        """Call `notify` for touches, where samples are written; see `Twin.watch_touches`."""
+        """Call `notify` for each pair of bodies, in the first step from now on in which they touch.
+
+        Pairs that do not concern the robot are looked at only while something touches it; none is
+        where no samples are written.
+        """
         if self._watch is not None:
             self._watch.report(notify)
 
@@ -238,9 +242,11 @@ class Simulation:
         )
 
     def wrench(self, sensor: Sensor) -> Wrench | None:
-        """Return what a sensor of forces reads, or what is estimated of the joints' torques.
+        """Return what a sensor of forces reads, in the axes of its link, about its origin.
 
-        `None` of one that reports nothing any more.
+        A wrist's sensor measures weight, inertia and contacts of all that hangs on it; an estimate
+        from the torques of joints gives contacts alone. `None` of a sensor that reports nothing any
+        more.
         """
         link = sensor.link or sensor.part
         if sensor.kind != "wrench":
@@ -275,7 +281,10 @@ class Simulation:
         return found[1:] if found[1] else None
 
     def object_pose(self, name: str) -> Pose:
-        """Return where an object of the scene, or a declared body, is in the world frame."""
+        """Return where an object of the scene, or a declared body, is in the world frame.
+
+        Raises RobotError listing those there are; a declared body is there after the next step.
+        """
         names = [thing.name for thing in self.scene.objects]
         declared = {body.name: body for body in self._declared.bodies}
         if name in names:

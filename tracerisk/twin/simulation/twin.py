@@ -7,28 +7,22 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.trace import Element, ObjectOffset
 from tracerisk.twin.faults.fault import Fault, check_faults
-from tracerisk.twin.motion.clearance import Clearance, PathRule
-from tracerisk.twin.motion.execution import GoalTolerance, Motion
+from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
-from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
 from tracerisk.twin.physics.builder import STEP_NS
-from tracerisk.twin.physics.motion import JointState, JointTrajectory, LinkTarget, Pose
+from tracerisk.twin.physics.motion import LinkTarget, Pose
 from tracerisk.twin.physics.placement import offset
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody
-from tracerisk.twin.physics.wrench import Wrench
-from tracerisk.twin.recording.contact_watch import Touched
 from tracerisk.twin.recording.samples import SampleWriter
-from tracerisk.twin.robots.robot import Robot, Scaling
-from tracerisk.twin.robots.sensors import Sensor
+from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.simulation.motion_control import MotionControl
 from tracerisk.twin.simulation.simulation import Simulation
 
@@ -37,6 +31,9 @@ _TRACKED = 0.01  # a measured position this near its set-point is planned from t
 
 class Twin:
     """A robot in its scene, simulated; use `build`.
+
+    What it measures, how it moves and how it plans is described where that is done: `Simulation`,
+    `MotionControl` and `Planner`.
 
     `time_ns` is the simulated time, a whole number of steps; `step_ns` the physics step.
     `on_unknown_joints` is called with the joints of a motion some of which the robot has not,
@@ -52,13 +49,22 @@ class Twin:
         self.on_unknown_joints: Callable[[tuple[str, ...]], None] = lambda _: None
         self.before_chunk: Callable[[int], None] = lambda _: None
         self.ends_ns = sys.maxsize
-        self._simulation = Simulation(
-            robot, scene, samples, lambda at: self._clearance.of_itself(at)
-        )
+        self._clearance = Clearance(robot)
+        parts = self._simulation = Simulation(robot, scene, samples, self._clearance.of_itself)
         self._motions = MotionControl(robot, self._simulation)
         self._kinematics = Kinematics(robot)
-        self._clearance = Clearance(robot)
-        self._planner = Planner(robot, self._kinematics, self._clearance)
+        self._planner = Planner(robot, self._kinematics, self._clearance, self._start)
+        # What its parts do for whoever has it, and say of themselves.
+        self.close, self.clear = parts.close, parts.clear
+        self.watch_touches = parts.watch_touches
+        self.joint_state, self.posture = parts.joint_state, parts.posture
+        self.wrench, self.load_on, self.touch_on = parts.wrench, parts.load_on, parts.touch_on
+        self.object_pose = parts.object_pose
+        self.planning_among, self.planning_under = self._clearance.among, self._clearance.keeping
+        self.plan_joints, self.plan_pose = self._planner.joints, self._planner.pose
+        self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime
+        self.follow, self.stop = self._motions.follow, self._motions.stop
+        self.move_gripper = self._motions.move_gripper
 
     @classmethod
     def build(cls, robot: Robot, scene: Scene, *, samples: SampleWriter | None = None) -> Twin:
@@ -98,21 +104,6 @@ class Twin:
                 break
         return self.time_ns
 
-    def close(self) -> None:
-        """Close the samples, with the pose of everything at the end."""
-        self._simulation.close()
-
-    def posture(self) -> NDArray[np.float64]:
-        """Return where all joints truly are, in the robot's order, (n_joints,) [rad or m]."""
-        return self._simulation.posture()
-
-    def watch_touches(self, notify: Touched) -> None:
-        """Call `notify` for each pair of bodies, in the first step from now on in which they touch.
-
-        Pairs that do not concern the robot are looked at only while something touches it.
-        """
-        self._simulation.watch_touches(notify)
-
     # Faults
 
     @property
@@ -128,15 +119,7 @@ class Twin:
         check_faults((fault,), self.robot)
         self._simulation.arm(fault)
 
-    def clear(self, fault: Fault) -> None:
-        """Clear a fault: the unit works again from the next step on."""
-        self._simulation.clear(fault)
-
     # What is measured
-
-    def joint_state(self) -> JointState:
-        """Return positions, velocities and motor torques of all joints, as the sensors read."""
-        return self._simulation.joint_state()
 
     def link_pose(self, link: str) -> Pose:
         """Return where a link is; raise RobotError listing the links there are."""
@@ -145,30 +128,6 @@ class Twin:
     def link_poses(self) -> dict[str, Pose]:
         """Return where every link is, in the frame of the robot's base link."""
         return self._kinematics.forward_all(self._positions())
-
-    def wrench(self, sensor: Sensor) -> Wrench | None:
-        """Return what a sensor of forces reads, in the axes of its link, about its origin.
-
-        A wrist's sensor measures weight, inertia and contacts of all that hangs on it; an estimate
-        from the torques of joints gives contacts alone. `None` of a sensor that reports nothing any
-        more.
-        """
-        return self._simulation.wrench(sensor)
-
-    def load_on(self, link: str) -> Wrench:
-        """Return what a link, with all that hangs on it, truly exerts on what holds it."""
-        return self._simulation.load_on(link)
-
-    def touch_on(self, link: str) -> Wrench:
-        """Return what the world truly exerts by touch on a link and what moves as one with it."""
-        return self._simulation.touch_on(link)
-
-    def object_pose(self, name: str) -> Pose:
-        """Return where an object of the scene, or a declared body, is, in the world frame.
-
-        Raises RobotError listing those there are; a declared body is there after the next step.
-        """
-        return self._simulation.object_pose(name)
 
     def object_offsets(self) -> tuple[ObjectOffset, ...]:
         """Return where each object stands: its offset from the nearest goal, and its tilt.
@@ -206,8 +165,6 @@ class Twin:
         *,
         link: str | None = None,
         seed: Mapping[str, float] | None = None,
-        position_tolerance: float = 1e-4,
-        orientation_tolerance: float = 1e-3,
         avoid_collisions: bool = False,
     ) -> dict[str, float]:
         """Return joint positions of `group` that bring `link` (its tip) to `pose`.
@@ -217,14 +174,7 @@ class Twin:
         `avoid_collisions`, ("collision") for one reached in collision only.
         """
         search = self._planner.reach if avoid_collisions else self._kinematics.inverse
-        return search(
-            group,
-            pose,
-            link=link,
-            seed={**self._positions(), **(seed or {})},
-            position_tolerance=position_tolerance,
-            orientation_tolerance=orientation_tolerance,
-        )
+        return search(group, pose, link=link, seed={**self._positions(), **(seed or {})})
 
     def reach_all(
         self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float] | None = None
@@ -246,19 +196,6 @@ class Twin:
         """Return the names of every pair that collides, as `collision` does of the first."""
         return self._clearance.collisions({**self._positions(), **(positions or {})})
 
-    def planning_among(
-        self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()
-    ) -> AbstractContextManager[None]:
-        """Plan among other bodies than the declared within the block; the simulation keeps its own.
-
-        Raises RobotError as `declare`.
-        """
-        return self._clearance.among(bodies, allowed)
-
-    def planning_under(self, rule: PathRule) -> AbstractContextManager[None]:
-        """Apply a rule to every plan within the block."""
-        return self._clearance.keeping(rule)
-
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()) -> None:
         """Take `bodies` for all that the controller has declared, in planning and in simulation.
 
@@ -267,80 +204,6 @@ class Twin:
         """
         self._clearance.declare(bodies, allowed)
         self._simulation.declare(bodies)
-
-    def plan_joints(
-        self,
-        group: str,
-        target: Mapping[str, float],
-        *,
-        start: Mapping[str, float] | None = None,
-        scaling: Scaling | None = None,
-    ) -> JointTrajectory:
-        """Return the move to joint positions, straight where that is free; see `Planner.joints`."""
-        return self._planner.joints(
-            group,
-            target,
-            self._start(start),
-            scaling=scaling,
-        )
-
-    def plan_pose(
-        self,
-        group: str,
-        pose: Pose,
-        *,
-        link: str | None = None,
-        start: Mapping[str, float] | None = None,
-        scaling: Scaling | None = None,
-    ) -> JointTrajectory:
-        """Return the move that brings `link` to `pose`; see `Planner.pose`."""
-        return self._planner.pose(
-            group,
-            pose,
-            self._start(start),
-            link=link,
-            scaling=scaling,
-        )
-
-    def plan_cartesian(
-        self,
-        group: str,
-        waypoints: Sequence[Pose],
-        *,
-        link: str | None = None,
-        eef_step: float = 0.01,
-        avoid_collisions: bool = True,
-        start: Mapping[str, float] | None = None,
-        scaling: Scaling | None = None,
-    ) -> tuple[JointTrajectory, float]:
-        """Return the move in straight lines and the fraction achieved; see `Planner.cartesian`."""
-        return self._planner.cartesian(
-            group,
-            waypoints,
-            self._start(start),
-            link=link,
-            eef_step=eef_step,
-            avoid_collisions=avoid_collisions,
-            scaling=scaling,
-        )
-
-    def retime(
-        self,
-        trajectory: JointTrajectory,
-        *,
-        scaling: Scaling | None = None,
-        path_tolerance: float = PATH_TOLERANCE,
-        resample_s: float = RESAMPLE_S,
-        min_angle_change: float = MIN_ANGLE_CHANGE,
-    ) -> JointTrajectory:
-        """Return the path through the same points timed anew; see `Planner.retime`."""
-        return self._planner.retime(
-            trajectory,
-            scaling=scaling,
-            path_tolerance=path_tolerance,
-            resample_s=resample_s,
-            min_angle_change=min_angle_change,
-        )
 
     # Motion
 
@@ -357,25 +220,6 @@ class Twin:
         if not is_possible or self.collision(positions) is not None:
             return False
         return self._motions.begin_at(positions)
-
-    def follow(
-        self, trajectory: JointTrajectory, *, goal_tolerance: GoalTolerance | None = None
-    ) -> Motion:
-        """Follow a trajectory; see `MotionControl.follow`."""
-        return self._motions.follow(trajectory, goal_tolerance=goal_tolerance)
-
-    def move_gripper(
-        self, gripper: str, position: float, *, max_effort: float | None = None
-    ) -> Motion:
-        """Move the fingers; see `MotionControl.move_gripper`."""
-        return self._motions.move_gripper(gripper, position, max_effort=max_effort)
-
-    def stop(self, joints: Iterable[str] | None = None) -> None:
-        """Preempt the motions of these joints (of all), and bring them to rest.
-
-        Raises RobotError for a joint that there is not.
-        """
-        self._motions.stop(joints)
 
     # How it is done
 

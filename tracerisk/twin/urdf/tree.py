@@ -36,12 +36,12 @@ class UrdfJoint:
     child: str
     xyz: tuple[float, float, float]
     rpy: tuple[float, float, float]
-    axis: tuple[float, float, float]
-    lower: float
-    upper: float
-    velocity: float
-    effort: float
-    mimic: tuple[str, float, float] | None
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    lower: float = 0.0
+    upper: float = 0.0
+    velocity: float = 0.0
+    effort: float = 0.0
+    mimic: tuple[str, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

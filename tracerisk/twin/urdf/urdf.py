@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,14 +35,6 @@ _FARTHEST = 1.0  # from a link's centre of mass, as a radius of gyration [m]
 _RADIUS = (0.008, 0.05)  # of the capsules that stand for meshes, least and greatest [m]
 
 
-@dataclass(frozen=True, slots=True)
-class _Read:
-    """A part that was read, and whether some of it is assumed."""
-
-    links: tuple[Link, ...]
-    assumed: bool
-
-
 def read_urdf(
     text: str | bytes, file: str, *, srdf: Srdf | None = None, mesh_shape: MeshShape | None = None
 ) -> Robot:
@@ -56,14 +48,14 @@ def read_urdf(
     tree = read_tree(root, file)
     if srdf is not None:
         tree = _without_turning_frames(root, tree, srdf)
-    read = _links(root, tree, mesh_shape or (lambda _: None))
+    links, assumed = _links(root, tree, mesh_shape or (lambda _: None))
     return assembled_robot(
         RobotParts(
             name=root.attributes.get("name", "") or "robot",
             file=file,
             tree=tree,
-            links=read.links,
-            assumed=read.assumed,
+            links=links,
+            assumed=assumed,
             srdf=srdf,
         )
     )
@@ -88,7 +80,8 @@ def _without_turning_frames(root: XmlElement, tree: Tree, srdf: Srdf) -> Tree:
     return replace(tree, joints=tuple(joints))
 
 
-def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> _Read:
+def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> tuple[tuple[Link, ...], bool]:
+    """Return the links, and whether some figure of theirs is assumed."""
     attachments = hanging(tree)
     moved = {joint.child for joint in tree.moving}
     assumed = False
@@ -107,7 +100,7 @@ def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> _Read:
         if not shapes and drawn:
             link = outlined(link, outline_radius(name, tree), attachments)
         links.append(link)
-    return _Read(tuple(links), assumed)
+    return tuple(links), assumed
 
 
 def outline_radius(link: str, tree: Tree) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.errors import RobotError
@@ -17,23 +18,18 @@ _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no 
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
 
 
+@dataclass(eq=False)
 class DescriptionTexts:
     """Expands each file once, with what a launch file gives xacro for it.
 
-    `packages` are those that a file may find, `launched` what launch files give.
+    `_packages` are those that a file may find, `_launched` what launch files give.
     """
 
-    def __init__(
-        self,
-        packages: Mapping[str, Path],
-        launched: Mapping[Path, LaunchedDescription],
-        limits: Limits,
-    ) -> None:
-        self._packages = packages
-        self._launched = launched
-        self._limits = limits
-        self._expanded: dict[_Key, Expanded | RobotError] = {}
-        self._read_for: dict[Path, tuple[Path, ...]] = {}
+    _packages: Mapping[str, Path]
+    _launched: Mapping[Path, LaunchedDescription]
+    _limits: Limits
+    _expanded: dict[_Key, Expanded | RobotError] = field(default_factory=dict)
+    _read_for: dict[Path, tuple[Path, ...]] = field(default_factory=dict)
 
     def of(self, file: DescriptionFile, arguments: Mapping[str, str] | None = None) -> bytes:
         """Return the XML of a file; `arguments` are for xacro where no launch file gives any.

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.transforms.poses import compose, multiply
+from tracerisk.ros.transforms.poses import compose, moved
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.dobot.queue import (
     IN_ERROR,
@@ -223,8 +223,7 @@ class DobotDriver(DobotReports):
             here = self._arm.tool_pose()
             if in_tool:
                 return by_pose(compose(here, shift), words)
-            x, y, z = (a + b for a, b in zip(here.position, shift.position, strict=True))
-            return by_pose(Pose((x, y, z), multiply(shift.orientation, here.orientation)), words)
+            return by_pose(moved(here, shift), words)
 
         return self._add(kind, request, make)
 

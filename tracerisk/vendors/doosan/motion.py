@@ -18,6 +18,7 @@ from tracerisk.ros.transforms.poses import (
     Vector,
     compose,
     inverse,
+    moved,
     multiply,
     rotate,
 )
@@ -71,8 +72,7 @@ class DoosanMotion:
         if ref == TOOL:
             return compose(here, asked)
         if mode == RELATIVE:
-            x, y, z = (a + b for a, b in zip(here.position, asked.position, strict=True))
-            return Pose((x, y, z), multiply(asked.orientation, here.orientation))
+            return moved(here, asked)
         return asked
 
     def joint_move(

@@ -300,8 +300,7 @@ class InterbotixDriver(TwinNode):
         elif all(servo.mode == "velocity" for servo in servos.values()):
             moving = at_velocities(self._twin, asked)
             if moving is None:
-                self._twin.stop(list(asked))
-                self._commands.poll()
+                self._commands.rest(list(asked))
             else:
                 key = f"{topic} {' '.join(asked)}"
                 self._streams.follow(key, "joint_velocity_command", moving, is_set_point=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import ORIGIN, compose, quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
@@ -274,3 +275,13 @@ def _near(degrees: float, at: float, lower: float, upper: float, is_continuous: 
     candidates = [angle + k * turn for k in (-1, 0, 1) if lower <= angle + k * turn <= upper]
     wrapped = (angle + math.pi) % turn - math.pi
     return min(candidates, key=lambda each: abs(each - at), default=wrapped)
+
+
+def joint_angles(messages: TwinMessages, positions: Sequence[float]) -> list[Any]:
+    """Return messages JointAngle of joint positions [rad]."""
+    angles = []
+    for number, position in enumerate(positions):
+        angle = messages.new("kortex_driver/JointAngle")
+        angle.joint_identifier, angle.value = number, math.degrees(position) % 360.0
+        angles.append(angle)
+    return angles

@@ -7,18 +7,20 @@ kortex_arm_simulation.cpp, the driver's own simulated arm).
 # ruff: noqa: ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
+from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import PlanningError
-from tracerisk.vendors.kinova.actions import pose_of
+from tracerisk.vendors.kinova.actions import KortexArm, joint_angles, pose_of, write_pose
 from tracerisk.vendors.kinova.player import DEFAULTS, REACH_ANGLES, REACH_POSE, KortexPlayer
-from tracerisk.vendors.kinova.reports import KortexReports, joint_angles
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 PACKAGE = "kortex_driver"
 FOLLOW_CARTESIAN = f"{PACKAGE}/FollowCartesianTrajectory"
 
+_FEEDBACK = f"{PACKAGE}/BaseCyclic_Feedback"
+_HZ = 40.0  # cyclic_data_publish_rate of kortex_driver.launch
+_L53, _L31 = 1, 2  # ModelId of the Gen3 and of the Gen3 lite
 _FIRST_CREATED = 10000
 _SINGLE_LEVEL = 2  # ServoingMode
 _IN_FAULT, _SERVOING_READY = 4, 7  # ArmState
@@ -51,13 +56,18 @@ _VELOCITY_TOPICS = {
 Handler = Callable[[Any, Any], None]
 
 
-class KortexDriver(KortexReports):
+class KortexDriver(TwinNode):
     """Answers as the driver of the twin's arm, in any namespace."""
+
+    node = "/kortex_driver"
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands, ("tool_frame",))
+        self._kortex = KortexArm(self._arm)
         self._player = KortexPlayer(self._kortex, messages, self._commands, self._notify)
         self._topics: dict[str, Publication] = {}
+        self._graph.watch(self._on_change)
         if not messages.has_service(f"{PACKAGE}/ExecuteAction"):
             return
         for space, services in (("base", self._base()), ("control_config", self._config())):
@@ -140,6 +150,31 @@ class KortexDriver(KortexReports):
 
     # Topics
 
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change == "subscribed" and type_name == _FEEDBACK:
+            self._report_on(name, type_name, _HZ, self._feedback, JOINTS)
+
+    def _feedback(self, message: Any, topic: str) -> Any:
+        x, y, z = (pose := self._arm.tool_pose()).position
+        turns = write_pose(self._messages.new("kortex_driver/Pose"), pose)
+        for prefix in ("tool_pose", "commanded_tool_pose"):
+            for axis, value in zip("xyz", (x, y, z), strict=True):
+                setattr(message.base, f"{prefix}_{axis}", value)
+                setattr(message.base, f"{prefix}_theta_{axis}", getattr(turns, f"theta_{axis}"))
+        measured = (self._arm.velocities(), self._arm.efforts())
+        for angle, speed, effort in zip(self._kortex.angles(), *measured, strict=True):
+            actuator = self._messages.new("kortex_driver/ActuatorFeedback")
+            actuator.position, actuator.velocity = angle, math.degrees(speed)
+            actuator.torque = effort
+            message.actuators.append(actuator)
+        if self._arm.gripper is not None:
+            gripper = self._messages.new("kortex_driver/GripperCyclic_Feedback")
+            motor = self._messages.new("kortex_driver/MotorFeedback")
+            motor.position = 100.0 * (1.0 - self._arm.grip())
+            gripper.motor.append(motor)
+            message.interconnect.oneof_tool_feedback.gripper_feedback.append(gripper)
+        return message
+
     def _on_topic(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == f"{PACKAGE}/ActionNotification":
             if name not in self._topics:
@@ -162,6 +197,40 @@ class KortexDriver(KortexReports):
             seconds, rest = divmod(self._scheduler.now_ns, 1_000_000_000)
             message.timestamp.sec, message.timestamp.usec = seconds, rest // 1000
             publication.publish(message)
+
+    # Questions
+
+    def _product(self, request: Any, answer: Any) -> None:
+        is_lite = "lite" in self._arm.twin.robot.name
+        answer.output.model = _L31 if is_lite else _L53
+        answer.output.degree_of_freedom = len(self._arm.joints)
+
+    def _count(self, request: Any, answer: Any) -> None:
+        answer.output.count = len(self._arm.joints)
+
+    def _measured_angles(self, request: Any, answer: Any) -> None:
+        self._scheduler.touch()
+        self._reading.asked("encoder")
+        answer.output.joint_angles = joint_angles(self._messages, self._arm.positions())
+
+    def _measured_pose(self, request: Any, answer: Any) -> None:
+        self._scheduler.touch()
+        self._reading.asked("encoder")
+        write_pose(answer.output, self._arm.tool_pose())
+
+    def _measured_gripper(self, request: Any, answer: Any) -> None:
+        self._scheduler.touch()
+        finger = self._messages.new("kortex_driver/Finger")
+        finger.finger_identifier, finger.value = 1, 1.0 - self._arm.grip()
+        answer.output.finger = [finger]
+
+    def _forward(self, request: Any, answer: Any) -> None:
+        angles = [each.value for each in request.input.joint_angles]
+        if len(angles) != len(self._arm.joints):
+            raise ServiceFailedError(
+                f"{len(angles)} joint angles for {len(self._arm.joints)} joints"
+            )
+        write_pose(answer.output, self._arm.pose_at(self._kortex.goal(angles)))
 
     # Stored actions
 
@@ -251,14 +320,9 @@ class KortexDriver(KortexReports):
             return
 
         def ended(motion: Motion) -> None:
-            if goal.state.is_terminal:
-                return
-            if motion.outcome == "succeeded":
-                goal.succeed(self._result(0, ""))
-            elif motion.outcome == "preempted":
-                goal.cancel(self._result(0, motion.message), motion.message)
-            else:
-                goal.abort(self._result(_PATH_VIOLATED, motion.message), motion.message)
+            text = "" if motion.outcome == "succeeded" else motion.message
+            code = _PATH_VIOLATED if motion.outcome == "aborted" else 0
+            goal.end(motion.outcome, self._result(code, text), text)
 
         goal.data = self._arm.start("kortex_action", trajectory, goal.stack, ended)
 

@@ -13,8 +13,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
-from tracerisk.vendors.kinova.actions import POSITION, SPEED, KortexArm
-from tracerisk.vendors.kinova.reports import joint_angles
+from tracerisk.vendors.kinova.actions import POSITION, SPEED, KortexArm, joint_angles
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
@@ -229,8 +228,7 @@ class KortexPlayer:
             raise self.refused(f"gripper mode {asked.mode} is not simulated: nothing moved")
         if asked.mode == SPEED and value == 0.0:
             if self._arm.gripper is not None:
-                self._arm.twin.stop(self._arm.gripper.joints)
-                self._commands.poll()
+                self._commands.rest(self._arm.gripper.joints)
             return
         # A speed leads to the end of the way, opening where it is above 0.
         opened = 1.0 - value if asked.mode == POSITION else float(value > 0.0)

@@ -7,15 +7,18 @@ and the numbers of niryo_robot_msgs/CommandStatus.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.robot.arm_motion import ArmMotion
-from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.niryo.motion import NiryoMotion
+from tracerisk.vendors.niryo.places import NiryoPlaces
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
 
 ROBOT_MOVE = "niryo_robot_arm_commander/RobotMove"
 TOOL = "niryo_robot_tools_commander/Tool"
@@ -36,20 +39,18 @@ _OPEN, _CLOSE = 1, 2
 _DONE = "Command has been successfully processed"
 
 
-class NiryoActions:
+class NiryoActions(NiryoPlaces):
     """Carries out goals; a new one of the arm takes the place of the one before."""
 
-    def __init__(
-        self, arm: ArmMotion, motion: NiryoMotion, messages: TwinMessages, commands: TwinCommands
-    ) -> None:
-        self._arm = arm
-        self._motion = motion
-        self._messages = messages
-        self._commands = commands
-        self._scheduler = commands.scheduler
+    node = "/niryo_robot_arm_commander"
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands, ("tool_link",))
+        self._motion = NiryoMotion(self._arm)
         self._is_stopped = False
 
-    def stop(self) -> None:
+    def _stop_goal(self) -> None:
         """Stop the arm; its goal ends as stopped."""
         self._is_stopped = True
         self._arm.stop()
@@ -117,13 +118,6 @@ class NiryoActions:
             goal.succeed(self._result(TOOL, _SUCCESS, _DONE))
         else:
             goal.cancel(self._result(TOOL, _PREEMPTED, motion.message))
-
-    def on_cancel(self, goal: ActionGoal) -> None:
-        """Bring what moves to rest; the goal ends with its motion."""
-        goal.accept_cancel()
-        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
-            self._arm.twin.stop(goal.data.joints)
-            self._commands.poll()
 
     def _result(self, action: str, status: int, message: str) -> Any:
         result = self._messages.part(action, "Result")

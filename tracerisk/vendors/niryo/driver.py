@@ -12,13 +12,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change
-from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.niryo.actions import STATUS_OF, NiryoActions
-from tracerisk.vendors.niryo.motion import NiryoMotion
-from tracerisk.vendors.niryo.places import Handler, NiryoPlaces, filled
+from tracerisk.vendors.niryo.places import Handler, filled
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -32,16 +30,11 @@ _PIN_ERROR, _NO_INVERSE, _NO_FORWARD = -114, -232, -233
 _GRIPPER_1 = 11
 
 
-class NiryoRobot(NiryoPlaces):
+class NiryoRobot(NiryoActions):
     """Answers as the nodes of a Niryo arm."""
-
-    node = "/niryo_robot_arm_commander"
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
-        self._arm = ArmMotion(self._commands, ("tool_link",))
-        self._motion = NiryoMotion(self._arm)
-        self.actions = NiryoActions(self._arm, self._motion, messages, self._commands)
         self._is_learning = False
         self._home: list[float] | None = None
         self._pins: dict[str, float] = {}
@@ -203,7 +196,7 @@ class NiryoRobot(NiryoPlaces):
         return _SUCCESS, "Success"
 
     def _stop(self, request: Any, answer: Any) -> tuple[int, str]:
-        self.actions.stop()
+        self._stop_goal()
         return _SUCCESS, "Command stopped"
 
     def _get_home(self, request: Any, answer: Any) -> tuple[int, str]:

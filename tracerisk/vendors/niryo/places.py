@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.messages import set_pose
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.robot.frames import set_transform
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
@@ -121,11 +122,8 @@ class NiryoPlaces(TwinNode):
         message = self._messages.new("tf2_msgs/TFMessage")
         for name, frame in sorted(self._frames.items()):
             transform = self._messages.new("geometry_msgs/TransformStamped")
-            transform.header.frame_id, transform.child_frame_id = "world", name
-            set_time(transform.header.stamp, EPOCH_NS + self._scheduler.now_ns)
-            shift = transform.transform.translation
-            shift.x, shift.y, shift.z = frame.position.x, frame.position.y, frame.position.z
-            transform.transform.rotation = frame.orientation
+            now_ns = EPOCH_NS + self._scheduler.now_ns
+            set_transform(transform, "world", name, message_pose(frame), now_ns)
             message.transforms.append(transform)
         self._transforms.publish(message)
 

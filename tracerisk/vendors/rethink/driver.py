@@ -21,6 +21,7 @@ from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.grippers import measured_grip
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import SetPoints
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
@@ -109,15 +110,13 @@ class BaxterDriver(TwinNode):
             return
         self._enabled = bool(message.data) and not self._stopped
         if not self._enabled:
-            self._twin.stop()
-            self._commands.poll()
+            self._commands.rest()
 
     def _take_empty(self, topic: str, message: Any) -> None:
         del message
         if topic.endswith("/set_super_stop"):
             self._stopped, self._enabled = True, False
-            self._twin.stop()
-            self._commands.poll()
+            self._commands.rest()
         elif topic.endswith("/set_super_reset"):
             self._stopped = self._enabled = False
 
@@ -172,8 +171,7 @@ class BaxterDriver(TwinNode):
         elif message.command in ("calibrate", "clear_calibration", "reboot", "reset"):
             self._calibrated[side] = message.command in ("calibrate", "reset")
         elif message.command == "stop":
-            self._twin.stop(gripper.joints)
-            self._commands.poll()
+            self._commands.rest(gripper.joints)
         elif message.command in ("go", "grip", "release"):
             by_name = 0.0 if message.command == "grip" else 100.0
             self._grip(topic, gripper, asked.get("position", by_name))
@@ -247,11 +245,7 @@ class BaxterDriver(TwinNode):
         set_time(message.timestamp, EPOCH_NS + self._scheduler.now_ns)
         if gripper is None:
             return message
-        state = self._twin.joint_state()
-        at = [state.names.index(name) for name in gripper.joints]
-        position = gripper.position({state.names[i]: state.position[i] for i in at})
-        speed = max(abs(state.velocity[i]) for i in at)
-        effort = max(abs(state.effort[i]) for i in at)
+        position, speed, effort = measured_grip(self._twin.joint_state(), gripper)
         message.id, message.enabled, message.ready = 65538, int(self._enabled), 1
         message.calibrated = int(self._calibrated.get(side, True))
         message.moving = int(speed > 1e-3)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.grippers import measured_grip
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
@@ -131,8 +132,7 @@ class IoDevices(TwinNode):
         if gripper is None:
             return
         if asked.get("go") is False:
-            self._twin.stop(gripper.joints)
-            self._commands.poll()
+            self._commands.rest(gripper.joints)
             return
         if "position_m" not in asked:
             return
@@ -189,11 +189,8 @@ class IoDevices(TwinNode):
         gripper = self._gripper
         if key != _GRIPPER or gripper is None:
             return
-        state = self._twin.joint_state()
-        at = [state.names.index(name) for name in gripper.joints]
-        width = gripper.position({state.names[i]: state.position[i] for i in at})
-        is_moving = max(abs(state.velocity[i]) for i in at) > _STILL
-        effort = max(abs(state.effort[i]) for i in at)
+        width, speed, effort = measured_grip(self._twin.joint_state(), gripper)
+        is_moving = speed > _STILL
         part = (width - gripper.least) / (gripper.opening - gripper.least)
         # Fingers that press and stand still between their ends hold something.
         holds = effort > 0.1 * gripper.effort and 0.02 < part < 0.98

@@ -15,7 +15,7 @@ from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
-from tracerisk.ros.transforms.poses import compose, inverse, multiply, rotate
+from tracerisk.ros.transforms.poses import compose, inverse, moved, rotate
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions
@@ -235,6 +235,4 @@ class _Program:
         return [float(each) for each in target]
 
     def _pose_add(self, one: Any, other: Any) -> PoseNumbers:
-        first, second = self._pose(one), self._pose(other)
-        x, y, z = (a + b for a, b in zip(first.position, second.position, strict=True))
-        return self._numbers(Pose((x, y, z), multiply(first.orientation, second.orientation)))
+        return self._numbers(moved(self._pose(other), self._pose(one)))
