@@ -29,19 +29,19 @@ def one(path: Path) -> str:
     from tracerisk.errors import TraceRiskError
     from tracerisk.pipeline.robot.scenario_settings import with_scenario
     from tracerisk.pipeline.run.controller_run import run_again
+    from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run
-    from tracerisk.pipeline.stages import load_hardware
 
     controller = pipeline.load_controller(path)
     settings = with_scenario(pipeline.load_settings(controller))
     try:
-        nominal = nominal_run(controller, settings, hardware_of=load_hardware)
+        nominal = nominal_run(controller, settings)
     except TraceRiskError:
         return "no trace"
     if not nominal.trace.functions:
         return "no trace"
     try:
-        again = run_again(controller, nominal, settings, (), quiet=True, greenlets=True)
+        again = run_again(controller, nominal, settings, (), RunOptions(quiet=True), greenlets=True)
     except (TraceRiskError, RuntimeError) as error:
         return f"nothing to read: {error}"
     threads, greenlets = (

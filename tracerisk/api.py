@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.check.overrides import Override
     from tracerisk.pipeline.check.refresh import Refreshed
     from tracerisk.pipeline.evidence.sweep import SweepPoint
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.pipeline.run.fault_run import FaultRun
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -271,16 +271,17 @@ def run_with_faults(
     controller = pipeline.load_controller(path)
     loaded = pipeline.load_settings(controller, settings)
     require_simulator("running a controller")
+    from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
 
-    nominal = nominal_run(controller, loaded, hardware_of=pipeline.load_hardware, progress=progress)
+    nominal = nominal_run(controller, loaded, RunOptions(progress=progress))
     if not nominal.trace.is_usable:
         raise RunFailedError(nominal.trace)
     if not nominal.trace.functions:
         raise _nothing_commanded(nominal.trace, controller)
     if on_nominal is not None:
         on_nominal(nominal.trace)
-    return run_with_faults(controller, loaded, nominal, parsed, keep=keep, progress=progress)
+    return run_with_faults(controller, loaded, nominal, parsed, RunOptions(keep, progress))
 
 
 def write_blocks(assessed: Assessed) -> Assessed:

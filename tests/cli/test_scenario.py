@@ -332,7 +332,6 @@ def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, mo
         controller,
         Settings(wall_limit_s=1e6),
         None,
-        hardware_of=pipeline.load_hardware,
         own_s=100.0,
     )
     assert not found.cut
@@ -356,7 +355,7 @@ def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
 
     rounds_trace = rounds.trace_attempts
     monkeypatch.setattr(rounds, "trace_attempts", interrupted)
-    found = rounds.draft_scenario(controller, Settings(), None, hardware_of=pipeline.load_hardware)
+    found = rounds.draft_scenario(controller, Settings(), None)
     assert found.cut == "the search was interrupted"
     # No run with it has ended, and how another ended says nothing of it.
     assert found.trace is None

@@ -14,8 +14,9 @@ from tracerisk.errors import InputError
 from tracerisk.pipeline.run.branching import branches as branches_module
 from tracerisk.pipeline.run.branching import watch as watch_module
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
+from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
-from tracerisk.pipeline.stages import load_hardware, load_settings
+from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.twin.faults.fault import Fault, modes_of
 
@@ -84,7 +85,7 @@ def jam(joint: int, index: int | None = None, time_s: float = 0.2) -> Branch:
 def prepared(path: Path, **options):
     controller = load_controller(str(path))
     settings = load_settings(controller, options)
-    return controller, settings, nominal_run(controller, settings, hardware_of=load_hardware)
+    return controller, settings, nominal_run(controller, settings)
 
 
 def odd(folder: Path, before: str = "pass", **options):
@@ -107,7 +108,9 @@ def check_equal(controller, settings, nominal, wanted, folder: Path) -> None:
     assert [each.reason for each in results] == [""] * len(wanted)
     for result in results:
         index, faults = result.branch.index, result.branch.faults
-        full = run_with_faults(controller, settings, nominal, faults, keep=folder / f"full{index}")
+        full = run_with_faults(
+            controller, settings, nominal, faults, RunOptions(folder / f"full{index}")
+        )
         assert trace_json.dumps(result.run.trace) == trace_json.dumps(full.trace)
         assert recorded(kept / str(index)) == recorded(folder / f"full{index}")
         if not faults:

@@ -9,8 +9,9 @@ import pytest
 from tracerisk import trace_json
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_again
+from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.run.fault_run import nominal_run
-from tracerisk.pipeline.stages import load_hardware, load_settings
+from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.workspace.controller import load_controller
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
@@ -35,15 +36,14 @@ def test_every_byte_is_the_same_on_threads_and_on_greenlets(name, tmp_path):
     controller = load_controller(str(SAMPLES / name))
     settings = load_settings(controller)
     on_threads, on_greenlets = tmp_path / "threads", tmp_path / "greenlets"
-    nominal = nominal_run(controller, settings, hardware_of=load_hardware)
+    nominal = nominal_run(controller, settings)
     runs = [
         run_again(
             controller,
             nominal,
             with_scenario(settings),
             (),
-            keep=folder,
-            quiet=True,
+            RunOptions(folder, quiet=True),
             greenlets=folder is on_greenlets,
         )
         for folder in (on_threads, on_greenlets)

@@ -131,18 +131,12 @@ def _output(options: argparse.Namespace, controller: Controller) -> Path:
 def _drafted(
     options: argparse.Namespace, controller: Controller, settings: Any, base: Path | None
 ) -> tuple[ScenarioDraft, tuple[Missed, ...]]:
-    from tracerisk import pipeline
     from tracerisk.pipeline.scenarios.rounds import draft_scenario
     from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
     with progress_bar(quiet=options.quiet) as progress:
         draft = draft_scenario(
-            controller,
-            settings,
-            base,
-            hardware_of=pipeline.load_hardware,
-            progress=progress,
-            own_s=options.search_limit_s,
+            controller, settings, base, progress=progress, own_s=options.search_limit_s
         )
     found = (*draft.given, *draft.missing)
     asked = tuple(

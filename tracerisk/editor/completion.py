@@ -15,11 +15,11 @@ from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.config import read_settings
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import lock_of
-from tracerisk.pipeline.stages import load_hardware
 from tracerisk.source.language import is_c
 
 _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")

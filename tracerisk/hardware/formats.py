@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path, PurePath
 from typing import Literal
 
+from tracerisk.config import Settings
 from tracerisk.errors import HardwareError, Location, one_of
 from tracerisk.hardware.model import Hardware
 
@@ -35,6 +36,28 @@ def read_description(path: Path, *, shown: str | None = None) -> Hardware:
     from tracerisk.hardware.yaml.reader import read_hardware
 
     return read_hardware(path, shown=shown)
+
+
+def load_hardware(settings: Settings, robot: str) -> Hardware:
+    """Return the hardware description of the settings, else the one shipped for the robot.
+
+    A robot for which none is shipped has the generic one, whose figures are all assumed.
+    One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
+    Raises HardwareError when it is malformed, or is that of another robot.
+    """
+    from tracerisk.hardware.shipped import hardware_of
+
+    if settings.hardware is None:
+        return hardware_of(robot)
+    hardware = read_description(Path(settings.hardware))
+    if hardware.robot is not None and robot not in ("", hardware.robot):
+        raise HardwareError(
+            f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
+            "description of that robot, or leave 'robot' out of one that fits several; if the "
+            f"controller drives '{hardware.robot}', say so by --robot or the setting robot",
+            Location(hardware.file),
+        )
+    return hardware
 
 
 def write_description(hardware: Hardware, format_: HardwareFormat) -> str:

@@ -25,7 +25,8 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.dependencies import require_simulator
-from tracerisk.errors import HardwareError, InputError, Location
+from tracerisk.errors import InputError, Location
+from tracerisk.hardware.formats import load_hardware as load_hardware
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
@@ -38,7 +39,7 @@ from tracerisk.source.language import is_c_like
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.twin.robots.robot import Robot
@@ -134,29 +135,6 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     return choose_launched_robot(controller, settings, launch).robot
 
 
-def load_hardware(settings: Settings, robot: str) -> Hardware:
-    """Return the hardware description of the settings, else the one shipped for the robot.
-
-    A robot for which none is shipped has the generic one, whose figures are all assumed.
-    One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
-    Raises HardwareError when it is malformed, or is that of another robot.
-    """
-    from tracerisk.hardware.formats import read_description
-    from tracerisk.hardware.shipped import hardware_of
-
-    if settings.hardware is None:
-        return hardware_of(robot)
-    hardware = read_description(Path(settings.hardware))
-    if hardware.robot is not None and robot not in ("", hardware.robot):
-        raise HardwareError(
-            f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
-            "description of that robot, or leave 'robot' out of one that fits several; if the "
-            f"controller drives '{hardware.robot}', say so by --robot or the setting robot",
-            Location(hardware.file),
-        )
-    return hardware
-
-
 def check_blocks(controller: Controller) -> None:
     """Read what is there of blocks and lock, so that a fault in them is reported before a run.
 
@@ -205,22 +183,16 @@ def trace_controller(
             Location(str(controller.path)),
         )
     require_simulator("running a controller")
+    from tracerisk.pipeline.run.ended_run import RunOptions
+
+    options = RunOptions(keep, progress, live_speed=live_speed)
     if live_speed is not None:
         from tracerisk.pipeline.run.live.live_trace import trace_live
 
-        return trace_live(
-            controller,
-            settings,
-            speed=live_speed,
-            hardware_of=load_hardware,
-            keep=keep,
-            progress=progress,
-        )
+        return trace_live(controller, settings, options)
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
-    return trace_with_draft(
-        controller, settings, hardware_of=load_hardware, keep=keep, progress=progress
-    )
+    return trace_with_draft(controller, settings, options)
 
 
 def annotate(

@@ -26,7 +26,7 @@ from tracerisk.trace import verdict_line
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.api import Assessed
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section

@@ -21,7 +21,7 @@ from tracerisk.pipeline.freshness.watched_files import watched_files
 from tracerisk.sandbox.fork_server import several_come
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
 
 RUNNING = ("starting the twin", "simulating")
 """The phases of the progress in which the controller's own process is at work."""

@@ -20,13 +20,13 @@ from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.cli.verdict import verdict_details
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.evidence import EVIDENCE_NAME
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
 from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change
 from tracerisk.pipeline.review.history import history, history_rows
 from tracerisk.pipeline.review.overview import KnownController, overview
-from tracerisk.pipeline.stages import load_hardware
 from tracerisk.report.html.model.components import importance_section
 from tracerisk.report.html.model.functions import functions_section
 from tracerisk.report.html.notes import assumptions_section, findings_section

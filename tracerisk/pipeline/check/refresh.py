@@ -12,17 +12,12 @@ from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.config import SANDBOX_SETTINGS, read_settings
 from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.limits import SandboxMode
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
-from tracerisk.pipeline.stages import (
-    Annotated,
-    annotate,
-    check_blocks,
-    load_hardware,
-    trace_controller,
-)
+from tracerisk.pipeline.stages import Annotated, annotate, check_blocks, trace_controller
 from tracerisk.pipeline.trace.cache import TraceCache
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller

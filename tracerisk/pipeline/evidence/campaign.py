@@ -108,7 +108,7 @@ def plan_campaign(
     the settings by default. Raises ControllerFailedError where the run came to a bad end or
     commanded nothing, InputError where there is nothing to fail.
     """
-    from tracerisk.pipeline.stages import load_hardware
+    from tracerisk.hardware.formats import load_hardware
 
     _check_cells(1 if cells is None else cells)
     given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))

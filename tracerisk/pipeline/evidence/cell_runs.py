@@ -26,7 +26,7 @@ from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.controller_run import run_again
-from tracerisk.pipeline.run.ended_run import ControllerRun
+from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, GRAPH_USE, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
@@ -191,9 +191,8 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
     fault = Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
     request = replace(nominal.run.request, duration_s=_duration_s(nominal))
     before = replace(nominal.run, request=request)
-    done = run_again(
-        nominal.controller, before, nominal.settings, (fault,), keep=folder, quiet=True
-    )
+    options = RunOptions(folder, quiet=True)
+    done = run_again(nominal.controller, before, nominal.settings, (fault,), options)
     judged = _judged(nominal, cell, done, None, folder)
     assert judged is not None, "it was followed to its end"
     return judged
@@ -205,14 +204,14 @@ def nominal_of(controller: str, options: tuple[tuple[str, Any], ...]) -> Nominal
 
     Raises as `trace_controller`.
     """
-    from tracerisk.pipeline.stages import load_hardware, load_settings
+    from tracerisk.pipeline.stages import load_settings
 
     folder = new_scratch("evidence-")
     loaded = load_controller(controller)
     settings = load_settings(loaded, dict(options))
     with contextlib.redirect_stderr(io.StringIO()):
         # What the controller prints was seen in its own run.
-        run = nominal_run(loaded, settings, hardware_of=load_hardware, keep=folder)
+        run = nominal_run(loaded, settings, RunOptions(folder))
     with (folder / _KEPT).open("wb") as kept:
         _Pickler(kept).dump((loaded, settings, run))
     return _nominal(loaded, settings, run, folder)

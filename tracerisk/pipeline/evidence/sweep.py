@@ -15,9 +15,10 @@ from typing import Any
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons
-from tracerisk.pipeline.stages import annotate, build, load_hardware, load_settings, solve
+from tracerisk.pipeline.stages import annotate, build, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
 from tracerisk.pipeline.trace.cache import FOLDER
 from tracerisk.pipeline.workspace.controller import Controller, load_controller

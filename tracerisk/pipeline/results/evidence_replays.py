@@ -13,12 +13,12 @@ from markupsafe import Markup
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.errors import InputError, LogError
 from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.hardware.model import FaultMode, Hardware
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
 from tracerisk.pipeline.evidence.workers import CellProgress
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
-from tracerisk.pipeline.stages import load_hardware
 from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
 from tracerisk.report.html.evidence import render_evidence
 from tracerisk.report.html.fault_report import render_fault_report

@@ -14,7 +14,7 @@ from tracerisk.errors import InputError, Location, LogError
 from tracerisk.hardware.binding import bind
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.png.drawn import FilmFormat
@@ -63,7 +63,7 @@ def write_pictures(
     Raises RenderError where nothing can be drawn on this machine, InputError where the folder
     cannot be written, LogError where the recording is not of the trace.
     """
-    from tracerisk.pipeline.stages import load_hardware
+    from tracerisk.hardware.formats import load_hardware
     from tracerisk.report.png.drawn import drawn
     from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 

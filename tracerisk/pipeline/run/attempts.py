@@ -6,23 +6,20 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.hardware.binding import bind
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.companions.find import find_companions
-from tracerisk.pipeline.run.controller_run import Progress, run_controller
-from tracerisk.pipeline.run.ended_run import ControllerRun
-from tracerisk.pipeline.trace.run_files import Companion, DraftsNoted
+from tracerisk.pipeline.run.controller_run import run_controller
+from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
+from tracerisk.pipeline.trace.run_files import Companion
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import EndCause, Trace
-
-if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
 
 _MOST_COMPANIONS = 4
 _MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may take
@@ -33,14 +30,7 @@ _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its g
 
 
 def trace_attempts(
-    controller: Controller,
-    settings: Settings,
-    *,
-    hardware_of: Callable[[Settings, str], Hardware],
-    keep: Path | None = None,
-    progress: Progress | None = None,
-    on_run: Callable[[ControllerRun], None] | None = None,
-    drafts: DraftsNoted = "never",
+    controller: Controller, settings: Settings, options: RunOptions = PLAIN
 ) -> Trace:
     """Return what the run showed whose launch file and robot fit the controller.
 
@@ -52,8 +42,6 @@ def trace_attempts(
     done again with these beside it.
     Simulated time and the number of runs bound the attempts. A run that a limit of the machine
     ended is the last: nothing is concluded from it.
-    `on_run` is called with each run; `drafts` says when a run notes what a scenario could say for
-    its needs.
     """
     settings = with_scenario(settings)
     simulated_s = 0.0
@@ -65,19 +53,10 @@ def trace_attempts(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
     ) -> ControllerRun:
         nonlocal simulated_s
-        done = _with_robot(
-            controller,
-            settings,
-            choice,
-            hardware_of,
-            companions,
-            keep,
-            progress,
-            drafts=drafts,
-        )
+        done = _with_robot(controller, settings, choice, companions, replace(options, keep=keep))
         simulated_s += done.trace.end.simulated_s or 0.0
-        if on_run is not None:
-            on_run(done)
+        if options.on_run is not None:
+            options.on_run(done)
         return done
 
     def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
@@ -92,7 +71,7 @@ def trace_attempts(
         return run(choice, keep, found[1]).trace
 
     choice = choose_launch(controller, settings)
-    trace = attempt(choice, keep)
+    trace = attempt(choice, options.keep)
     is_found = choice.setup is not None and settings.launch is True
     if not is_found or not may_go_on() or _is_final(trace):
         return trace
@@ -109,7 +88,7 @@ def trace_attempts(
     if not _shows_risk(plain):
         # What is kept is the recording of the run that is reported.
         return trace
-    return plain if keep is None else attempt(without, keep)
+    return plain if options.keep is None else attempt(without, options.keep)
 
 
 def _shows_risk(trace: Trace) -> bool:
@@ -157,29 +136,16 @@ def _with_robot(
     controller: Controller,
     settings: Settings,
     launch: LaunchChoice,
-    hardware_of: Callable[[Settings, str], Hardware],
     companions: tuple[Companion, ...],
-    keep: Path | None,
-    progress: Progress | None,
-    *,
-    drafts: DraftsNoted,
+    options: RunOptions,
 ) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
     choice = choose_launched_robot(controller, settings, launch)
     for _ in range(_ROBOTS_TRIED):
         # What the robot has no place for is reported before a minute is spent on simulation.
-        bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
-        done = run_controller(
-            controller,
-            choice.robot,
-            settings,
-            launch,
-            companions=companions,
-            keep=keep,
-            progress=progress,
-            drafts=drafts,
-        )
+        bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
+        done = run_controller(controller, choice.robot, settings, launch, options, companions)
         if _is_cut_short(done.trace):
             break
         if settings.robot is not None or not set(done.joints_asked) - set(asked):

@@ -9,17 +9,16 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location
-from tracerisk.instrument.recording import Recording
 from tracerisk.limits import Limit, Sandbox
 from tracerisk.pipeline.run.child_output import PassingOn
-from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, ended_run
+from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, ProcessEnd, RunOptions, ended_run
 from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
     EVENTS,
@@ -28,7 +27,6 @@ from tracerisk.pipeline.trace.run_files import (
     STACKS,
     TEMPORARY,
     Companion,
-    DraftsNoted,
     RunRequest,
     WallTime,
 )
@@ -43,19 +41,30 @@ if TYPE_CHECKING:
     from tracerisk.twin.faults.fault import Fault
     from tracerisk.twin.robots.robot import Robot
 
-Progress = Callable[[str, float], None]
-"""Called with the phase and the simulated time [s]."""
-
 _STARTING = "starting the twin"
 _LIVE = "tracerisk.pipeline.run.live.child"
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 
-Watch = Callable[
-    ["subprocess.Popen[bytes]", StartMark, RunRequest, Settings, "Progress | None"], ProcessEnd
-]
-"""Waits for the end of the process of a run, whose work begins at a mark."""
+@dataclass(frozen=True, slots=True)
+class RunningChild:
+    """The process of a run, whose work begins at a mark."""
+
+    process: subprocess.Popen[bytes]
+    start: StartMark
+    request: RunRequest
+    settings: Settings
+    options: RunOptions
+
+    def show(self, phase: str, simulated_ns: int) -> None:
+        """Show how far the run has come."""
+        if self.options.progress is not None:
+            self.options.progress(phase, max(simulated_ns, 0) / 1e9)
+
+
+Watch = Callable[[RunningChild], ProcessEnd]
+"""Waits for the end of the process of a run."""
 
 
 def run_controller(
@@ -63,17 +72,12 @@ def run_controller(
     robot: Robot,
     settings: Settings,
     choice: LaunchChoice,
-    *,
+    options: RunOptions = PLAIN,
     companions: tuple[Companion, ...] = (),
-    keep: Path | None = None,
-    progress: Progress | None = None,
-    drafts: DraftsNoted = "never",
-    live_speed: float | None = None,
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
-    `choice` is what a launch file gives it, `companions` are started beside it. `drafts` says
-    when what a scenario could say is noted. With `live_speed` it runs on real rospy.
+    `choice` is what a launch file gives it, `companions` are started beside it.
     Where there is a `progress`, what they print goes through `sys.stderr`, of which that may have
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
@@ -85,7 +89,7 @@ def run_controller(
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
     launch = choice.setup
     workspace = find_workspace(controller.root)
-    with run_folders(keep) as (folder, written):
+    with run_folders(options.keep) as (folder, written):
         request = RunRequest(
             controller=str(controller.path.resolve()),
             root=str(controller.root.resolve()),
@@ -104,11 +108,11 @@ def run_controller(
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
-            drafts=drafts,
+            drafts=options.drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
-            live_speed=live_speed,
+            live_speed=options.live_speed,
         )
-        return run_request(controller, robot, settings, request, written, progress)
+        return run_request(controller, robot, settings, request, written, options)
 
 
 def run_again(
@@ -116,32 +120,19 @@ def run_again(
     before: ControllerRun,
     settings: Settings,
     faults: tuple[Fault, ...],
+    options: RunOptions = PLAIN,
     *,
-    keep: Path | None = None,
-    progress: Progress | None = None,
-    quiet: bool = False,
     greenlets: bool = False,
-    beside: Recording | None = None,
 ) -> ControllerRun:
     """Run the controller once more as `before`, on a robot in which units fail.
 
-    What it prints is dropped where the run is `quiet`. With `greenlets` these are what the
-    controller's threads are, in the place of real ones. The trace is to be judged `beside`
-    another run, as `make_trace` says. Raises as `run_controller`.
+    With `greenlets` these are what the controller's threads are, in the place of real ones.
+    Raises as `run_controller`.
     """
-    with run_folders(keep) as (folder, written):
+    with run_folders(options.keep) as (folder, written):
         asked = before.request
         request = replace(asked, folder=str(folder), faults=faults, greenlets=greenlets)
-        return run_request(
-            controller,
-            before.robot,
-            settings,
-            request,
-            written,
-            progress,
-            quiet=quiet,
-            beside=beside,
-        )
+        return run_request(controller, before.robot, settings, request, written, options)
 
 
 def run_request(
@@ -150,11 +141,8 @@ def run_request(
     settings: Settings,
     request: RunRequest,
     written: Path,
-    progress: Progress | None = None,
-    *,
-    quiet: bool = False,
+    options: RunOptions,
     watch: Watch | None = None,
-    beside: Recording | None = None,
 ) -> ControllerRun:
     """Run the controller as the request says, whose folder is that of the recording.
 
@@ -169,10 +157,10 @@ def run_request(
         writes = (str(folder), str(written), *branches, *settings.writable)
         request = replace(request, written=str(written), readable=reads, writable=writes)
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
-    if progress is not None:
-        progress(_STARTING, 0.0)
-    process_end = _run_child(request, folder, settings, progress, watch or _watch, quiet=quiet)
-    done = ended_run(controller, robot, settings, request, process_end, progress, beside=beside)
+    if options.progress is not None:
+        options.progress(_STARTING, 0.0)
+    process_end = _run_child(request, settings, options, watch or _watch)
+    done = ended_run(controller, robot, settings, request, process_end, options)
     return replace(done, request=asked_for)
 
 
@@ -188,15 +176,9 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
 
 
 def _run_child(
-    request: RunRequest,
-    folder: Path,
-    settings: Settings,
-    progress: Progress | None,
-    watch: Watch,
-    *,
-    quiet: bool = False,
+    request: RunRequest, settings: Settings, options: RunOptions, watch: Watch
 ) -> ProcessEnd:
-    request_path = folder / "request.json"
+    request_path = Path(request.folder) / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
     is_live = request.live_speed is not None
     # Its network has loopback alone; processes of a ROS that is installed are not contained.
@@ -227,12 +209,12 @@ def _run_child(
     )
     assert child.stdout is not None
     # A controller that is run again and again for its drafts prints the same each time.
-    shown = request.drafts != "always" and not quiet
-    passing = PassingOn(child.stdout, is_drawn=progress is not None, is_shown=shown)
+    shown = request.drafts != "always" and not options.quiet
+    passing = PassingOn(child.stdout, is_drawn=options.progress is not None, is_shown=shown)
     passing.start()
     try:
         start.handed_over()
-        ended = watch(child, start, request, settings, progress)
+        ended = watch(RunningChild(child, start, request, settings, options))
         has_begun = start.pid is not None
     finally:
         # Whatever the controller started goes with it.
@@ -242,38 +224,31 @@ def _run_child(
     return replace(ended, has_begun=has_begun, last_line=passing.last_line)
 
 
-def _watch(
-    child: subprocess.Popen[bytes],
-    start: StartMark,
-    request: RunRequest,
-    settings: Settings,
-    progress: Progress | None,
-) -> ProcessEnd:
+def _watch(child: RunningChild) -> ProcessEnd:
     """Wait for the end of the child, or for a limit; these count from its start mark."""
-    folder = Path(request.folder)
+    start, folder = child.start, Path(child.request.folder)
     began = time.monotonic()
     own: OwnTime | None = None
     own_s = changed_s = 0.0
     seen = (-1, -1)
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return ProcessEnd(child.wait(timeout=POLL_S), own_s=own_s)
+            return ProcessEnd(child.process.wait(timeout=POLL_S), own_s=own_s)
         if own is None and (cpu_s := start.cpu_s) is not None:
-            own, began = OwnTime(start.pid or child.pid, cpu_s), time.monotonic()
+            own, began = OwnTime(start.pid or child.process.pid, cpu_s), time.monotonic()
         if own is not None:
             own.look()
             own_s = own.seconds
         grown = (size_of(folder / EVENTS), simulated_so_far(folder))
         if grown != seen:
             seen, changed_s = grown, own_s
-            if progress is not None:
-                progress("simulating" if grown[1] > 0 else _STARTING, max(grown[1], 0) / 1e9)
-        reached = reached_limit(own, changed_s, time.monotonic() - began, settings)
+            child.show("simulating" if grown[1] > 0 else _STARTING, grown[1])
+        reached = reached_limit(own, changed_s, time.monotonic() - began, child.settings)
         if reached is not None and WallTime.is_in(folder):
             # All of the run is recorded, and what is left of the process does not matter.
             return ProcessEnd(0, own_s=own_s)
         if reached is not None:
-            return replace(_stop(child, start.pid, request, reached), own_s=own_s)
+            return replace(_stop(child.process, start.pid, child.request, reached), own_s=own_s)
 
 
 def reached_limit(

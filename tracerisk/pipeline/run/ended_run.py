@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from tracerisk.pipeline.trace.run_files import (
     NEEDS,
     SCENARIO,
     STARTED,
+    DraftsNoted,
     RunRequest,
 )
 from tracerisk.pipeline.trace.run_trace import make_trace
@@ -36,10 +37,12 @@ from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.twin.robots.robot import Robot
 
+
+Progress = Callable[[str, float], None]
+"""Called with the phase and the simulated time [s]."""
 
 _LEAST_FREE = 4 * 1024**2
 """A disk with less is full for a recording, which is written in larger pieces [bytes]."""
@@ -80,26 +83,44 @@ class ControllerRun:
     shift: PlaceAndShift | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What is asked of a run beside its settings.
+
+    `keep` is a folder for its recording. `drafts` says when it notes what a scenario could say
+    for its needs. With `live_speed` it is on real rospy, at most so many times as fast as the wall
+    clock. `on_run` is called with each run that is tried. What a `quiet` run prints is dropped.
+    Its trace is to be judged `beside` another run, as `make_trace` says.
+    """
+
+    keep: Path | None = None
+    progress: Progress | None = None
+    drafts: DraftsNoted = "never"
+    live_speed: float | None = None
+    on_run: Callable[[ControllerRun], None] | None = None
+    quiet: bool = False
+    beside: Recording | None = None
+
+
+PLAIN = RunOptions()
+
+
 def ended_run(
     controller: Controller,
     robot: Robot,
     settings: Settings,
     request: RunRequest,
     process_end: ProcessEnd,
-    progress: Progress | None = None,
-    *,
-    beside: Recording | None = None,
+    options: RunOptions = PLAIN,
 ) -> ControllerRun:
     """Return what a run showed whose process has ended, by what it left in its folder.
-
-    Its trace is to be judged `beside` another run, as `make_trace` says.
 
     Raises LogError or LimitError at what is no recording, the error with which it refused, and
     MachineError where it ended badly and the disk is full: nobody knows whose doing that was.
     """
     folder = Path(request.folder)
     try:
-        done = _read(controller, robot, settings, request, process_end, progress, beside)
+        done = _read(controller, robot, settings, request, process_end, options)
     except (TraceRiskError, RuntimeError) as error:
         if _is_full(folder):
             raise errors.disk_full(str(folder.parent)) from error
@@ -119,8 +140,7 @@ def _read(
     settings: Settings,
     request: RunRequest,
     process_end: ProcessEnd,
-    progress: Progress | None,
-    beside: Recording | None,
+    options: RunOptions,
 ) -> ControllerRun:
     folder = Path(request.folder)
     recording = _recording(folder, request)
@@ -128,17 +148,10 @@ def _read(
     _raise_unstarted(recording, process_end, settings)
     ran = controller.as_ran(recording.sources)
     end = _run_end(recording, process_end, ran)
-    if progress is not None:
-        progress("attributing", end.simulated_s or 0.0)
+    if options.progress is not None:
+        options.progress("attributing", end.simulated_s or 0.0)
     trace = make_trace(
-        ran,
-        robot,
-        request.scene,
-        settings,
-        recording,
-        folder,
-        end,
-        beside=beside,
+        ran, robot, request.scene, settings, recording, folder, end, beside=options.beside
     )
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [

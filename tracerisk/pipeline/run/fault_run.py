@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.attempts import trace_attempts
-from tracerisk.pipeline.run.controller_run import Progress, run_again
-from tracerisk.pipeline.run.ended_run import ControllerRun
+from tracerisk.pipeline.run.controller_run import run_again
+from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import NOTES, Finding, Reason, Trace
 from tracerisk.twin.faults.fault import Fault, check_faults
-
-if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
 
 REPORTED = frozenset(
     {
@@ -86,26 +81,14 @@ class FaultRun:
 
 
 def nominal_run(
-    controller: Controller,
-    settings: Settings,
-    *,
-    hardware_of: Callable[[Settings, str], Hardware],
-    keep: Path | None = None,
-    progress: Progress | None = None,
+    controller: Controller, settings: Settings, options: RunOptions = PLAIN
 ) -> ControllerRun:
     """Run a controller without a fault, as `trace_attempts`, and return the run it chose.
 
     Nothing is drafted for it: a run with a fault must differ from it by the fault alone.
     """
     runs: list[ControllerRun] = []
-    trace = trace_attempts(
-        controller,
-        settings,
-        hardware_of=hardware_of,
-        keep=keep,
-        progress=progress,
-        on_run=runs.append,
-    )
+    trace = trace_attempts(controller, settings, replace(options, on_run=runs.append))
     return next(each for each in runs if each.trace is trace)
 
 
@@ -114,20 +97,15 @@ def run_with_faults(
     settings: Settings,
     nominal: ControllerRun,
     faults: Sequence[Fault],
-    *,
-    keep: Path | None = None,
-    progress: Progress | None = None,
+    options: RunOptions = PLAIN,
 ) -> FaultRun:
     """Run a controller once more as in its nominal run, but that units of its robot fail.
 
-    `keep` is a folder for the recording of this run.
     Raises InputError for a unit or mode that the robot does not have, and for an instant that the
     nominal run does not reach.
     """
     checked = check_faults(faults, nominal.robot, before_s=nominal.trace.end.simulated_s)
-    done = run_again(
-        controller, nominal, with_scenario(settings), checked, keep=keep, progress=progress
-    )
+    done = run_again(controller, nominal, with_scenario(settings), checked, options)
     return FaultRun(checked, nominal.trace, with_faults_named(done.trace, checked))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from difflib import SequenceMatcher
 from pathlib import Path
@@ -18,15 +18,14 @@ from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
-from tracerisk.pipeline.run.ended_run import ControllerRun
+from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
+from tracerisk.pipeline.trace.run_files import DraftsNoted
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import DRAFTED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
 from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
 
 if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
-    from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries
     from tracerisk.pipeline.scenarios.rounds import Rounds
 
@@ -41,12 +40,7 @@ _OF_ARGUMENTS = re.compile(r"arg")
 
 
 def trace_with_draft(
-    controller: Controller,
-    settings: Settings,
-    *,
-    hardware_of: Callable[[Settings, str], Hardware],
-    keep: Path | None = None,
-    progress: Progress | None = None,
+    controller: Controller, settings: Settings, options: RunOptions = PLAIN
 ) -> Trace:
     """Return what the run of a controller showed, with a drafted scenario if it needs one.
 
@@ -54,19 +48,9 @@ def trace_with_draft(
     values are drafted as `tracerisk scenario` does; where no draft helps, or a limit of the machine
     ends a run, the first run's outcome stands.
     """
-    began = time.monotonic()
+    began, keep = time.monotonic(), options.keep
     runs: list[ControllerRun] = []
-
-    def plain() -> Trace:
-        return trace_attempts(
-            controller,
-            settings,
-            hardware_of=hardware_of,
-            keep=keep,
-            progress=progress,
-            on_run=runs.append,
-            drafts="without_risk" if settings.draft else "never",
-        )
+    drafts: DraftsNoted = "without_risk" if settings.draft else "never"
 
     def rounds() -> Rounds:
         # Most runs need none of it.
@@ -79,14 +63,14 @@ def trace_with_draft(
             controller,
             within,
             base,
-            hardware_of,
-            progress,
+            options.progress,
             most_runs=_MOST_RUNS,
             most_durations=_MOST_DURATIONS,
         )
 
     try:
-        trace = plain()
+        noted = replace(options, drafts=drafts, on_run=runs.append)
+        trace = trace_attempts(controller, settings, noted)
     except (SeveralRobotsError, UnreadableRobotError) as error:
         found = None
         if settings.draft and may_be_assumed(controller, error):
@@ -142,7 +126,7 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
     trace = best.trace
     if keep is not None:
         # What is kept is the recording of the run that is reported.
-        trace = search.trace(best.entries, keep=keep)
+        trace = search.trace(best.entries, RunOptions(keep))
     return _with_drafts(controller, search, best.entries, trace)
 
 

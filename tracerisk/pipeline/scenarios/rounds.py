@@ -7,7 +7,7 @@ it is left out.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.companions.find import find_companions
-from tracerisk.pipeline.run.ended_run import ControllerRun
+from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.scenarios.entries import (
     Attempt,
     Entries,
@@ -48,8 +48,7 @@ from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
-    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.ended_run import Progress
 
 _MOST_RUNS = 12
 _MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
@@ -70,7 +69,6 @@ def draft_scenario(
     settings: Settings,
     base: Path | None,
     *,
-    hardware_of: Callable[[Settings, str], Hardware],
     progress: Progress | None = None,
     own_s: float | None = None,
 ) -> ScenarioDraft:
@@ -82,8 +80,7 @@ def draft_scenario(
     is in the result.
     """
     several_come()
-    rounds = Rounds(controller, settings, base, hardware_of, progress, own_s)
-    return rounds.result()
+    return Rounds(controller, settings, base, progress, own_s).result()
 
 
 class Rounds:
@@ -99,7 +96,6 @@ class Rounds:
         controller: Controller,
         settings: Settings,
         base: Path | None,
-        hardware_of: Callable[[Settings, str], Hardware],
         progress: Progress | None,
         own_s: float | None = None,
         most_runs: int = _MOST_RUNS,
@@ -112,7 +108,6 @@ class Rounds:
         self._settings = settings
         self.base = base
         self._known = Scenario() if base is None else read_scenario(base)
-        self._hardware_of = hardware_of
         self._progress = progress
         root = controller.root.resolve()
         script = controller.path.resolve()
@@ -252,18 +247,12 @@ class Rounds:
     def _run(self, entries: Entries) -> Attempt:
         runs: list[ControllerRun] = []
         try:
-            trace = self.trace(entries, on_run=runs.append)
+            trace = self.trace(entries, RunOptions(on_run=runs.append))
         except TraceRiskError as error:
             return Attempt(entries, error=error)
         return self.attempt(entries, trace, runs)
 
-    def trace(
-        self,
-        entries: Entries,
-        *,
-        keep: Path | None = None,
-        on_run: Callable[[ControllerRun], None] | None = None,
-    ) -> Trace:
+    def trace(self, entries: Entries, options: RunOptions = PLAIN) -> Trace:
         """Run the controller with these entries; raise what keeps it from running."""
         wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
         with scratch() as folder:
@@ -278,15 +267,8 @@ class Rounds:
                 or (None if entries.robot is None else entries.robot.name),
                 wall_limit_s=max(wall_s, _LEAST_WALL_S),
             )
-            return trace_attempts(
-                self._controller,
-                settings,
-                hardware_of=self._hardware_of,
-                keep=keep,
-                progress=self._progress,
-                on_run=on_run,
-                drafts="always",
-            )
+            noted = replace(options, progress=self._progress, drafts="always")
+            return trace_attempts(self._controller, settings, noted)
 
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import contextlib
 import shutil
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 from tracerisk import dependencies
@@ -16,8 +15,8 @@ from tracerisk.errors import InputError, MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.branching.watch import BranchWatch
-from tracerisk.pipeline.run.controller_run import Progress, run_again, run_request
-from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, ended_run
+from tracerisk.pipeline.run.controller_run import run_again, run_request
+from tracerisk.pipeline.run.ended_run import ControllerRun, ProcessEnd, RunOptions, ended_run
 from tracerisk.pipeline.run.fault_run import FaultRun, with_faults_named
 from tracerisk.pipeline.run.run_folders import keep_recording, run_folders
 from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest, claimed
@@ -26,6 +25,8 @@ from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import check_faults
 
 __all__ = ["Branch", "BranchResult", "run_branches"]
+
+_TRUNK = RunOptions(quiet=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,6 @@ def run_branches(
     *,
     at_once: int = 1,
     keep: Path | None = None,
-    progress: Progress | None = None,
     beside: Recording | None = None,
     claims: str = "",
 ) -> Iterator[BranchResult]:
@@ -87,48 +87,9 @@ def run_branches(
         raise InputError("two branches have the same index")
     if at_once < 1:
         raise InputError(f"{at_once} branches at once are none; expected 1 or more")
-    settings = with_scenario(settings)
-    return _results(controller, settings, nominal, wanted, at_once, keep, progress, beside, claims)
-
-
-def _results(
-    controller: Controller,
-    settings: Settings,
-    nominal: ControllerRun,
-    branches: Sequence[Branch],
-    at_once: int,
-    keep: Path | None,
-    progress: Progress | None,
-    beside: Recording | None,
-    claims: str,
-) -> Iterator[BranchResult]:
-    found = _Found(_cannot_branch())
-    if not found.reason and branches:
-        plan = partial(BranchPlan, at_once=at_once, cpu_limit_s=settings.cpu_limit_s, claims=claims)
-        found = _branched(controller, settings, nominal, branches, plan, keep, progress, beside)
-    for branch in branches:
-        done, error = found.done.pop(branch.index, None), None
-        is_ours = done is not None or branch.index in found.left
-        if claims and not is_ours and not claimed(claims, branch.index):
-            continue
-        reason = "" if done else found.reason or found.reasons.get(branch.index, "")
-        if done is None:
-            kept = None if keep is None else keep / str(branch.index)
-            try:
-                done = run_again(
-                    controller,
-                    nominal,
-                    settings,
-                    branch.faults,
-                    keep=kept,
-                    quiet=True,
-                    beside=beside,
-                )
-            except MachineError:
-                raise
-            except (TraceRiskError, RuntimeError) as raised:
-                error = raised
-        yield BranchResult(branch, nominal.trace, done, not reason, reason, error)
+    options = RunOptions(keep, quiet=True, beside=beside)
+    branching = _Branching(controller, with_scenario(settings), nominal, tuple(wanted), options)
+    return branching.results(at_once, claims)
 
 
 def _cannot_branch() -> str:
@@ -153,72 +114,95 @@ class _Found:
     reasons: dict[int, str] = field(default_factory=dict)
 
 
-def _branched(
-    controller: Controller,
-    settings: Settings,
-    nominal: ControllerRun,
-    branches: Sequence[Branch],
-    plan_of: Callable[[str, tuple[Branch, ...]], BranchPlan],
-    keep: Path | None,
-    progress: Progress | None,
-    beside: Recording | None,
-) -> _Found:
-    found = _Found()
-    faults = {each.index: each.faults for each in branches}
+@dataclass(frozen=True, slots=True)
+class _Branching:
+    """A run that is to branch, and what its branches are run with."""
 
-    def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
-        folder = Path(request.folder)
-        try:
-            done = ended_run(controller, nominal.robot, settings, request, end, beside=beside)
-            if done.trace.end.cause == "died":
-                found.reasons[index] = f"its branch died: {done.trace.end.message}"
+    controller: Controller
+    settings: Settings
+    nominal: ControllerRun
+    branches: tuple[Branch, ...]
+    options: RunOptions
+
+    def results(self, at_once: int, claims: str) -> Iterator[BranchResult]:
+        found = _Found(_cannot_branch())
+        if not found.reason and self.branches:
+            found = self._branched(at_once, claims)
+        for branch in self.branches:
+            done, error = found.done.pop(branch.index, None), None
+            is_ours = done is not None or branch.index in found.left
+            if claims and not is_ours and not claimed(claims, branch.index):
+                continue
+            reason = "" if done else found.reason or found.reasons.get(branch.index, "")
+            if done is None:
+                options = replace(self.options, keep=self._kept(branch.index))
+                try:
+                    done = run_again(
+                        self.controller, self.nominal, self.settings, branch.faults, options
+                    )
+                except MachineError:
+                    raise
+                except (TraceRiskError, RuntimeError) as raised:
+                    error = raised
+            yield BranchResult(branch, self.nominal.trace, done, not reason, reason, error)
+
+    def _kept(self, index: int) -> Path | None:
+        return None if self.options.keep is None else self.options.keep / str(index)
+
+    def _branched(self, at_once: int, claims: str) -> _Found:
+        found = _Found()
+        nominal, settings = self.nominal, self.settings
+        faults = {each.index: each.faults for each in self.branches}
+
+        def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
+            folder = Path(request.folder)
+            try:
+                done = ended_run(
+                    self.controller, nominal.robot, settings, request, end, self.options
+                )
+                if done.trace.end.cause == "died":
+                    found.reasons[index] = f"its branch died: {done.trace.end.message}"
+                    return
+                kept = self._kept(index)
+                if kept is not None:
+                    kept.mkdir(parents=True, exist_ok=True)
+                    keep_recording(folder, kept)
+            except MachineError:
+                raise
+            except (TraceRiskError, RuntimeError, OSError) as error:
+                found.reasons[index] = f"its branch left nothing to read: {error}"
                 return
-            if keep is not None:
-                (keep / str(index)).mkdir(parents=True, exist_ok=True)
-                keep_recording(folder, keep / str(index))
-        except MachineError:
-            raise
-        except (TraceRiskError, RuntimeError, OSError) as error:
-            found.reasons[index] = f"its branch left nothing to read: {error}"
-            return
-        finally:
-            # The run sees by the name that it may go on.
-            over = folder.parent.with_suffix(".over")
-            with contextlib.suppress(OSError):
-                folder.parent.rename(over)
-            shutil.rmtree(over, ignore_errors=True)
-        asked = replace(nominal.request, faults=faults[index])
-        found.done[index] = replace(done, request=asked)
+            finally:
+                # The run sees by the name that it may go on.
+                over = folder.parent.with_suffix(".over")
+                with contextlib.suppress(OSError):
+                    folder.parent.rename(over)
+                shutil.rmtree(over, ignore_errors=True)
+            asked = replace(nominal.request, faults=faults[index])
+            found.done[index] = replace(done, request=asked)
 
-    watch = BranchWatch(ended)
-    with run_folders(None) as (folder, written):
-        top = str(folder.parent / "branches")
-        plan = plan_of(top, tuple(branches))
-        for each in plan.writable:
-            Path(each).mkdir(parents=True, exist_ok=True)
-        request = replace(nominal.request, folder=str(folder), greenlets=True, plan=plan)
-        try:
-            trunk = run_request(
-                controller,
-                nominal.robot,
-                settings,
-                request,
-                written,
-                progress,
-                quiet=True,
-                watch=watch,
-            )
-        except MachineError:
-            raise
-        except (TraceRiskError, RuntimeError) as error:
-            left = frozenset({*watch.left, *watch.refused})
-            return _Found(f"the run on greenlets left nothing to read: {error}", left)
-    found.left = frozenset({*watch.left, *watch.refused})
-    if replace(trunk.trace, inputs=()) != replace(nominal.trace, inputs=()):
-        # The files that its robot was chosen by are those of the first run alone.
-        return _Found(f"on greenlets the run is another: {trunk.trace.end.message}", found.left)
-    found.reasons |= watch.refused
-    for branch in branches:
-        if branch.index not in found.done:
-            found.reasons.setdefault(branch.index, "the run ended before it")
-    return found
+        watch = BranchWatch(ended)
+        with run_folders(None) as (folder, written):
+            top = str(folder.parent / "branches")
+            plan = BranchPlan(top, self.branches, at_once, settings.cpu_limit_s, claims)
+            for each in plan.writable:
+                Path(each).mkdir(parents=True, exist_ok=True)
+            request = replace(nominal.request, folder=str(folder), greenlets=True, plan=plan)
+            try:
+                trunk = run_request(
+                    self.controller, nominal.robot, settings, request, written, _TRUNK, watch
+                )
+            except MachineError:
+                raise
+            except (TraceRiskError, RuntimeError) as error:
+                left = frozenset({*watch.left, *watch.refused})
+                return _Found(f"the run on greenlets left nothing to read: {error}", left)
+        found.left = frozenset({*watch.left, *watch.refused})
+        if replace(trunk.trace, inputs=()) != replace(nominal.trace, inputs=()):
+            # The files that its robot was chosen by are those of the first run alone.
+            return _Found(f"on greenlets the run is another: {trunk.trace.end.message}", found.left)
+        found.reasons |= watch.refused
+        for branch in self.branches:
+            if branch.index not in found.done:
+                found.reasons.setdefault(branch.index, "the run ended before it")
+        return found

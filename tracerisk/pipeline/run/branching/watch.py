@@ -16,7 +16,7 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.controller_run import (
-    Progress,
+    RunningChild,
     place_in,
     reached_limit,
     simulated_so_far,
@@ -83,37 +83,23 @@ class BranchWatch:
         self.left: set[int] = set()
         self.refused: dict[int, str] = {}
 
-    def __call__(
-        self,
-        child: subprocess.Popen[bytes],
-        start: StartMark,
-        request: RunRequest,
-        settings: Settings,
-        progress: Progress | None,
-    ) -> ProcessEnd:
+    def __call__(self, child: RunningChild) -> ProcessEnd:
         """Wait for the end of the child, or for a limit, and so with each of its branches."""
         try:
-            return self._wait(child, start, request, settings, progress)
+            return self._wait(child)
         finally:
-            self._read_log(request, start)
+            self._read_log(child.request, child.start)
             for each in self._live.values():
                 each.close()
 
-    def _wait(
-        self,
-        child: subprocess.Popen[bytes],
-        start: StartMark,
-        request: RunRequest,
-        settings: Settings,
-        progress: Progress | None,
-    ) -> ProcessEnd:
-        folder = Path(request.folder)
+    def _wait(self, child: RunningChild) -> ProcessEnd:
+        start, settings, folder = child.start, child.settings, Path(child.request.folder)
         own: OwnTime | None = None
         looked, wall_s, changed_s, seen = time.monotonic(), 0.0, 0.0, (-1, -1)
         while True:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                return ProcessEnd(child.wait(timeout=POLL_S))
-            self._read_log(request, start)
+                return ProcessEnd(child.process.wait(timeout=POLL_S))
+            self._read_log(child.request, start)
             for each in self._live.values():
                 self._look(each, settings)
             now = time.monotonic()
@@ -121,14 +107,13 @@ class BranchWatch:
             may_wait = any(each.runs for each in self._live.values())
             wall_s, looked = wall_s + (0.0 if may_wait else now - looked), now
             if own is None and (cpu_s := start.cpu_s) is not None:
-                own, wall_s = OwnTime(start.pid or child.pid, cpu_s), 0.0
+                own, wall_s = OwnTime(start.pid or child.process.pid, cpu_s), 0.0
             if own is not None:
                 own.look()
             grown = (size_of(folder / EVENTS), simulated_so_far(folder))
             if grown != seen or may_wait:
                 seen, changed_s = grown, 0.0 if own is None else own.seconds
-                if progress is not None:
-                    progress("branching", max(grown[1], 0) / 1e9)
+                child.show("branching", grown[1])
             reached = reached_limit(own, changed_s, wall_s, settings)
             if reached is not None:
                 return ProcessEnd(0) if WallTime.is_in(folder) else ProcessEnd(1, reached)

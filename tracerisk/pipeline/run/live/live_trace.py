@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SandboxError
 from tracerisk.hardware.binding import bind
+from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
-from tracerisk.pipeline.run.controller_run import Progress, run_controller
+from tracerisk.pipeline.run.controller_run import run_controller
+from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import LOST, MEASURED, Trace
-
-if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
 
 _MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"
 _LOST = (
@@ -31,18 +27,8 @@ _LOST = (
 )
 
 
-def trace_live(
-    controller: Controller,
-    settings: Settings,
-    *,
-    speed: float,
-    hardware_of: Callable[[Settings, str], Hardware],
-    keep: Path | None = None,
-    progress: Progress | None = None,
-) -> Trace:
+def trace_live(controller: Controller, settings: Settings, options: RunOptions) -> Trace:
     """Run the controller once on real rospy, and return what the run showed.
-
-    `speed` is how many times as fast as the wall clock the run may go.
 
     Raises:
         InputError: the controller is not of ROS 1.
@@ -65,9 +51,7 @@ def trace_live(
     settings = with_scenario(settings)
     launch = choose_launch(controller, settings)
     choice = choose_launched_robot(controller, settings, launch)
-    bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
-    done = run_controller(
-        controller, choice.robot, settings, launch, keep=keep, progress=progress, live_speed=speed
-    )
+    bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
+    done = run_controller(controller, choice.robot, settings, launch, options)
     assumptions = (_MEASURED, *(f"{LOST} {each}" for each in _LOST))
     return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))
