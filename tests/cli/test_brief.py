@@ -12,6 +12,7 @@ import pytest
 
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
+from tracerisk.text.paper import Paper
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
@@ -34,7 +35,7 @@ def assessed(tmp_path_factory, annotated_source):
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_thirty_functions_fit_a_screen(assessed, width):
     findings = [f"finding {number}" for number in range(9)]
-    text = render_brief(assessed, findings=findings, following=["Next: look."], width=width)
+    text = render_brief(assessed, findings=findings, following=["Next: look."], paper=Paper(width))
     lines = text.rstrip().splitlines()
     assert len(lines) <= (22 if width >= 80 else 25)
     assert all(len(line) <= width for line in lines)
@@ -48,15 +49,15 @@ def test_thirty_functions_fit_a_screen(assessed, width):
 
 def test_what_follows_the_first_line_of_a_finding_is_set_in(assessed):
     finding = "cell.py:7: " + "the gripper closed on nothing " * 4
-    text = render_brief(assessed, findings=[finding], width=80)
+    text = render_brief(assessed, findings=[finding], paper=Paper(80))
     first, *others = text[text.index("- cell.py:7") :].split("\n")[:2]
     assert len(first) <= 80
     assert all(line.startswith("  ") for line in others)
 
 
 def test_its_figures_are_those_of_the_whole(assessed):
-    whole = render_assessment(assessed, width=80)
-    brief = render_brief(assessed, width=80)
+    whole = render_assessment(assessed, paper=Paper(80))
+    brief = render_brief(assessed, paper=Paper(80))
     assert brief.splitlines()[:2] == whole.splitlines()[:2]
     figure = re.search(r"step_29\s+(\S+)", brief)
     assert figure is not None

@@ -10,6 +10,7 @@ from tracerisk import api
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence.sweep import Factor, SweepPoint, parse_factor
 from tracerisk.report.series.sweep import csv_text, plot_svg, render_points
+from tracerisk.text.paper import Paper
 
 SWEEP = (
     "sweep",
@@ -143,7 +144,7 @@ def test_a_point_whose_run_raised_says_what(example, quick):
 
 
 def test_a_point_without_a_figure_says_why():
-    text = render_points(POINTS, width=100)
+    text = render_points(POINTS, paper=Paper(100))
     assert "none" in text
     assert "it hangs" in text
     assert "faulted" in text

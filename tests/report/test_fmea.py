@@ -7,6 +7,7 @@ import pytest
 
 from tests.pipeline.evidence.test_file import CELL, EVIDENCE
 from tracerisk.report.fmea import csv_text, end_effect, fmea_rows, render_fmea
+from tracerisk.text.paper import Paper
 
 LOST = replace(
     CELL, effect="wrong_position", told_after_s=None, told_by="", contact="", followed_s=None
@@ -43,8 +44,8 @@ def test_no_line_of_the_table_wraps(width):
         LOST, component="electric_motor", function="TubePicker.put_back", followed_s=21.0
     )
     power = replace(cell, component="power_system", mode="lost_without_brakes")
-    text = render_fmea(replace(EVIDENCE, cells=(cell, power)), width=width)
+    text = render_fmea(replace(EVIDENCE, cells=(cell, power)), paper=Paper(width))
     assert "\n  lost without brakes\n" in text
-    text = render_fmea(replace(EVIDENCE, cells=(cell,)), width=width)
+    text = render_fmea(replace(EVIDENCE, cells=(cell,)), paper=Paper(width))
     assert sum("TubePicker.put_back" in line for line in text.splitlines()) == 1
     assert sum("wrong position or worse" in line for line in text.splitlines()) == 1

@@ -17,6 +17,7 @@ from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
+from tracerisk.text.paper import Paper
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -207,7 +208,7 @@ def test_instances_of_long_names_and_sources_fit_every_terminal(figures, width):
     )
     seconds = {f"{long}{number}": float(number) for number in range(1, 13)}
     _, found = figures(lines, trace_of(**seconds))
-    text = render_parts(found.tables(width), width=width)
+    text = render_parts(found.tables(width), paper=Paper(width))
     assert max(map(len, text.splitlines())) <= width
     assert "\N{HORIZONTAL ELLIPSIS}" not in text
     shown = [line.split()[0] for line in text.splitlines() if line.strip().startswith("and ")]
@@ -218,7 +219,7 @@ def test_instances_of_long_names_and_sources_fit_every_terminal(figures, width):
 def test_a_wide_terminal_has_the_instances_of_components_side_by_side(figures):
     components = MOTOR % "" + MOTOR.replace("motor", "encoder") % ""
     _, found = figures(components, trace_of(one=1.0, two=4.0))
-    narrow, wide = (render_parts(found.tables(width), width=width) for width in (109, 110))
+    narrow, wide = (render_parts(found.tables(width), paper=Paper(width)) for width in (109, 110))
     assert not any("motor" in line and "encoder" in line for line in narrow.splitlines())
     assert "motor encoder" in " ".join(wide.split())
     row = next(line.split() for line in wide.splitlines() if line.startswith("two "))

@@ -8,6 +8,7 @@ import pytest
 
 from tracerisk.report import tables
 from tracerisk.report.tables import Column, render_table
+from tracerisk.text.paper import Paper
 
 HEADINGS = ["top", "probability", "a longer heading", "x"]
 CELLS = ["", "a", "1.0e-3", " lead", "trail ", "a b  c", "[b]x[/b]", "\u00e9t\u00e9", "q" * 30]
@@ -27,6 +28,6 @@ def test_a_plain_table_is_as_that_of_the_library(seed, monkeypatch):
         given.append((title, columns, rows, chance.choice([40, 60, 80])))
     plain = tables._plain_table
     assert any(plain(*each) is not None for each in given)
-    found = [render_table(*each[:3], width=each[3]) for each in given]
+    found = [render_table(*each[:3], paper=Paper(each[3])) for each in given]
     monkeypatch.setattr(tables, "_plain_table", lambda *_: None)
-    assert found == [render_table(*each[:3], width=each[3]) for each in given]
+    assert found == [render_table(*each[:3], paper=Paper(each[3])) for each in given]

@@ -23,6 +23,7 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.report.terminal import render_assessment
+from tracerisk.text.paper import Paper
 
 ANSI = re.compile("\\x1b\\[[0-9;]*m")
 BAR = "\u2588\u258f\u258e\u258d\u258c\u258b\u258a\u2589"
@@ -71,7 +72,7 @@ def test_table_with_exposures_still_fits_and_shows_the_seconds(assessment):
 
 
 def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment):
-    lines = render_assessment(assessment, width=120).splitlines()
+    lines = render_assessment(assessment, paper=Paper(120)).splitlines()
     assert lines[0] == (
         "Probability that a hardware failure ends a mission of racks: 2.50e-08, 24 % of it through "
         "component_f."
@@ -141,7 +142,7 @@ def test_the_table_fits_every_terminal_and_loses_no_letter_of_a_name(width, name
     parameters = tuple(Parameter(*each) for each in parts.items())
     model = HybridModel("cell.py", f"{name}1", tuple(states), parameters)
     exposures = {f"{name}1": dict.fromkeys(parts, 12345.678)}
-    text = render_assessment(solve(model), exposures=exposures, width=width, color=color)
+    text = render_assessment(solve(model), exposures=exposures, paper=Paper(width, color=color))
     lines = [line.rstrip() for line in ANSI.sub("", text).splitlines()]
     assert max(map(cell_len, lines)) <= min(width, 160)
     # Folded names are whole when the lines of their column are joined.
@@ -154,7 +155,7 @@ def test_the_table_fits_every_terminal_and_loses_no_letter_of_a_name(width, name
 
 
 def test_a_wide_terminal_gets_bars_as_long_as_the_shares(assessment):
-    narrow, wide = (render_assessment(assessment, width=width) for width in (109, 110))
+    narrow, wide = (render_assessment(assessment, paper=Paper(width)) for width in (109, 110))
     assert not any(mark in narrow for mark in BAR)
     assert "absorbed" in wide
     assert "absorbed" not in narrow
@@ -167,8 +168,8 @@ def test_a_wide_terminal_gets_bars_as_long_as_the_shares(assessment):
 
 def test_colours_say_nothing_that_is_not_in_the_text(assessment):
     for width in (80, 120):
-        plain = render_assessment(assessment, width=width)
-        colored = render_assessment(assessment, width=width, color=True)
+        plain = render_assessment(assessment, paper=Paper(width))
+        colored = render_assessment(assessment, paper=Paper(width, color=True))
         bare = "".join(f"{line.rstrip()}\n" for line in ANSI.sub("", colored).splitlines())
         assert bare == plain
 
@@ -222,7 +223,7 @@ def test_output_depends_on_neither_environment_nor_repetition(assessment, monkey
         monkeypatch.setenv(name, value)
     assert render_assessment(assessment) == first
     assert "\x1b[" not in first
-    assert "\x1b[" in render_assessment(assessment, color=True)
+    assert "\x1b[" in render_assessment(assessment, paper=Paper(color=True))
 
 
 def test_importing_the_report_does_not_import_rich():
@@ -252,7 +253,7 @@ def test_of_very_many_functions_those_with_the_greatest_share_are_shown():
         for number in range(1, 401)
     )
     model = HybridModel("many", "step_1", states, (Parameter("arm", 1e-6),))
-    shown = render_assessment(solve(model), width=100)
+    shown = render_assessment(solve(model), paper=Paper(100))
     assert "Functions (200 of 400, those with the greatest share)" in shown
     assert "step_399" in shown
     assert "step_400" not in shown

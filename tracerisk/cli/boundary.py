@@ -9,7 +9,7 @@ import sys
 import warnings
 from importlib import import_module
 
-from tracerisk.cli.shared.output import note, print_json, scenario_advice
+from tracerisk.cli.shared.output import note, place_data, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError, disk_full
 
 TYPE_CHECKING = False
@@ -88,13 +88,10 @@ def _terminated(number: int, _: object) -> NoReturn:
 
 
 def _error_data(error: TraceRiskError) -> dict[str, object]:
-    place = error.location
     return {
         "kind": type(error).__name__,
         "code": error.code,
         "message": error.message,
-        "file": None if place is None else place.file,
-        "line": None if place is None else place.line,
-        "column": None if place is None else place.column,
+        **place_data(error.location),
         "scenario": getattr(error, "scenario", "") or None,
     }

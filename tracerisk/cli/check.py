@@ -7,7 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_json, show, write_sarif
+from tracerisk.cli.shared.output import (
+    note,
+    note_without_controllers,
+    print_json,
+    show,
+    write_sarif,
+)
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.source.language import is_c
 from tracerisk.trace import GAPS, verdict_line
@@ -79,8 +85,6 @@ def _check(options: argparse.Namespace) -> int:
 
     paths = _paths(options)
     if options.files:
-        from tracerisk.cli.shared.without_controllers import note_without_controllers
-
         note_without_controllers(options)
     limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
     found = check_controllers(paths, limits)

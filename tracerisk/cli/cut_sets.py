@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, read_model
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.shared.output import note, paper, print_json, print_text
 from tracerisk.errors import InputError, ModelError, one_of
 
 if TYPE_CHECKING:
@@ -122,8 +122,7 @@ def run(options: argparse.Namespace) -> int:
             total=total,
             top_probability=top,
             max_order=options.max_order,
-            width=terminal_width(),
-            color=use_color(),
+            paper=paper(),
         ).rstrip("\n")
         + "\n"
     )

@@ -7,37 +7,37 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text
+from tracerisk.cli.shared.output import print_json, show
 
 if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
 
+_ACTIONS = {
+    "list": "list the drivers that are shipped or installed",
+    "check": "check a description, and its fields against the messages of its workspace",
+    "schema": "print the JSON Schema by which editors complete descriptions",
+}
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what can be done with descriptions, each with its options."""
-    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    for name, summary in (
-        ("list", "list the drivers that are shipped or installed"),
-        ("check", "check a description, and its fields against the messages of its workspace"),
-        ("schema", "print the JSON Schema by which editors complete descriptions"),
-    ):
-        action = actions.add_parser(
-            name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
-        )
-        action.verb = getattr(parser, "verb", None)  # type: ignore[attr-defined]
+    for name, action in add_actions(parser, _ACTIONS):
         if name == "check":
             action.add_argument("files", metavar="FILE", nargs="+", help="the description, YAML")
         if name == "schema":
-            action.add_argument(
-                "-o", "--output", metavar="FILE", help="output file (default: standard output)"
-            )
+            add_output(action)
         shared.add_json(action)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     if options.action == "schema":
-        return _schema(options)
+        text = schema_text("tracerisk.vendors", "driver.schema.json")
+        deliver(options, text)
+        if options.json:
+            print_json("drivers", action="schema", file=options.output, text=text)
+        return 0
     from tracerisk.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
     if options.action == "list":
@@ -54,22 +54,6 @@ def run(options: argparse.Namespace) -> int:
         if options.action == "check":
             for each in driver.interfaces:
                 show(f"  {each.kind.rstrip('s').replace('_', ' ')} {each.name} ({each.types[0]})")
-    return 0
-
-
-def _schema(options: argparse.Namespace) -> int:
-    from importlib.resources import files
-
-    from tracerisk.adder.sources.write import FileWrite, write_all
-
-    text = files("tracerisk.vendors").joinpath("driver.schema.json").read_text(encoding="utf-8")
-    if options.output is not None:
-        write_all([FileWrite(Path(options.output), text.encode())])
-        note(f"{options.output}: written", quiet=options.quiet)
-    if options.json:
-        print_json("drivers", action="schema", file=options.output, text=text)
-    elif options.output is None:
-        print(text, end="")
     return 0
 
 

@@ -10,11 +10,10 @@ from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
+    paper,
     print_json,
     print_text,
     show,
-    terminal_width,
-    use_color,
     write_file,
 )
 from tracerisk.errors import ExitCode, InputError
@@ -117,7 +116,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             tried=len(found.cells),
         )
         return
-    print_text(fmea.render_fmea(found, width=terminal_width(), color=use_color()))
+    print_text(fmea.render_fmea(found, paper()))
     for line in fmea.summary_lines(found):
         show(line)
     if not found.is_complete and found.edited is None:

@@ -26,25 +26,11 @@ if TYPE_CHECKING:
     from tracerisk.report.html.section import Section
 
 _SHOWN = 5
-_NOT_WITH_IT = {
-    "record": "--record",
-    "check": "--check",
-    "diff": "--diff",
-    "accept_edits": "--accept-edits",
-    "discard_edits": "--discard-edits",
-    "fresh": "--fresh",
-    "profile": "--profile",
-    "explain": "--explain",
-    "uncertainty": "--uncertainty",
-    "samples": "--samples",
-    "log": "--log",
-    "trace": "--trace",
-    "model": "--model",
-    "sarif": "--sarif",
-    "against": "--against",
-    "max_failure_probability": "--max-failure-probability",
-    "fail_on": "--fail-on",
-}
+_NOT_WITH_IT = (
+    *("record", "check", "diff", "accept_edits", "discard_edits", "fresh", "profile", "explain"),
+    *("uncertainty", "samples", "log", "trace", "model", "sarif", "against"),
+    *("max_failure_probability", "fail_on"),
+)
 """The options of risk blocks and figures: a run with a fault has neither."""
 
 
@@ -65,11 +51,12 @@ def check_fault_options(options: argparse.Namespace) -> None:
     """Raise InputError for what does not go with `--fault`."""
     if not options.faults:
         return
-    for name, option in _NOT_WITH_IT.items():
+    for name in _NOT_WITH_IT:
         if getattr(options, name) not in (None, False, []):
             raise InputError(
-                f"{option} does not go with --fault: a run with a fault has no risk figures; "
-                "allowed: --report, --keep, --json, --quiet and the options of the run"
+                f"--{name.replace('_', '-')} does not go with --fault: a run with a fault has no "
+                "risk figures; allowed: --report, --keep, --json, --quiet and the options of the "
+                "run"
             )
 
 

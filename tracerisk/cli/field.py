@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
+    paper,
     print_json,
     print_text,
     show,
-    terminal_width,
-    use_color,
     write_file,
 )
 from tracerisk.cli.shared.recordings import add_reading, check_robot, read_recording
@@ -72,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
             "field", exit_code=int(code), field=field_data(found), apart=list(map(str, apart))
         )
         return int(code)
-    print_text(render_field(found, width=terminal_width(), color=use_color()))
+    print_text(render_field(found, paper()))
     if options.against is not None:
         show(*(map(str, apart) if apart else ["the twin lies within the field's intervals"]))
     return int(code)

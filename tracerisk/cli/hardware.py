@@ -4,30 +4,29 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.hardware.binding import BoundComponent
     from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.results.hardware_update import Update
     from tracerisk.twin.robots.robot import Robot
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what can be done with a description, each with its options."""
-    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    for name, (add, _, summary) in _ACTIONS.items():
-        action = actions.add_parser(
-            name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
-        )
-        # Usage errors are JSON too where that was asked for.
-        action.verb = getattr(parser, "verb", None)  # type: ignore[attr-defined]
+    summaries = {name: summary for name, (_, _, summary) in _ACTIONS.items()}
+    for name, action in add_actions(parser, summaries):
+        add, _, _ = _ACTIONS[name]
         add(action)
+        shared.add_json(action)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -41,7 +40,6 @@ def _add_convert(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", required=True, help="the file to write, .yaml or .sysml"
     )
-    shared.add_json(parser)
 
 
 def _convert(options: argparse.Namespace) -> int:
@@ -55,7 +53,7 @@ def _convert(options: argparse.Namespace) -> int:
             "is the file that is converted, whose comments would be lost; name another output",
             Location(options.output),
         )
-    _write(options.output, write_description(hardware, target))
+    write(options.output, write_description(hardware, target))
     if options.json:
         print_json(
             "hardware",
@@ -78,7 +76,6 @@ def _add_show(parser: argparse.ArgumentParser) -> None:
         metavar="NAME|FILE",
         help="robot, which says how many of each component there are",
     )
-    shared.add_json(parser)
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -132,15 +129,12 @@ def _of_settings() -> str:
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", metavar="NAME|FILE", required=True, help="the arm")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help="output file (default: standard output)"
-    )
+    add_output(parser)
     parser.add_argument(
         "--format",
         choices=("yaml", "sysml"),
         help="output format (default: by the ending of the output, or YAML)",
     )
-    shared.add_json(parser)
 
 
 def _init(options: argparse.Namespace) -> int:
@@ -164,43 +158,25 @@ def _init(options: argparse.Namespace) -> int:
     kind = named or options.format or "yaml"
     text = (starting_sysml if kind == "sysml" else starting_yaml)(hardware, robot.title)
     names = [each.name for each in hardware.components]
-    _deliver(options, text, is_new=True, format=kind, components=names)
+    deliver(options, text, is_new=True)
+    if options.json:
+        print_json(
+            "hardware",
+            action="init",
+            components=names,
+            file=options.output,
+            format=kind,
+            text=text,
+        )
     return 0
-
-
-def _add_schema(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help="output file (default: standard output)"
-    )
-    shared.add_json(parser)
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from importlib.resources import files
-
-    path = files("tracerisk.hardware").joinpath("hardware.schema.json")
-    _deliver(options, path.read_text(encoding="utf-8"), is_new=False)
-    return 0
-
-
-def _deliver(options: argparse.Namespace, text: str, *, is_new: bool, **shown: Any) -> None:
-    """Write a file, or print what would be in it; one that `is_new` takes no other's place."""
-    if options.output is not None:
-        _write(options.output, text, is_new=is_new)
-        note(f"{options.output}: written", quiet=options.quiet)
+    text = schema_text("tracerisk.hardware", "hardware.schema.json")
+    deliver(options, text)
     if options.json:
-        print_json("hardware", action=options.action, file=options.output, text=text, **shown)
-    elif options.output is None:
-        print(text, end="")
-
-
-def _write(name: str, text: str, *, is_new: bool = False) -> None:
-    from tracerisk.adder.sources.write import FileWrite, write_all
-
-    path = Path(name)
-    if is_new and path.exists():
-        raise InputError("is there already; give another name, or move it away", Location(name))
-    write_all([FileWrite(path, text.encode())])
+        print_json("hardware", action="schema", file=options.output, text=text)
+    return 0
 
 
 def _robot(name: str) -> Robot:
@@ -255,7 +231,6 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="OUT", help="file to write (default: the description itself)"
     )
     parser.add_argument("--dry-run", action="store_true", help="print the new figures alone")
-    shared.add_json(parser)
 
 
 def _update(options: argparse.Namespace) -> int:
@@ -282,33 +257,25 @@ def _update(options: argparse.Namespace) -> int:
         units = {each: bound[each].elements for each in bound}
     rows = read_failures(Path(options.failures))
     found = updates(hardware, rows, options.failures, field, units)
-    if not options.dry_run:
-        target = options.output or options.file
-        _write(target, updated_yaml(Path(options.file), found))
-        note(f"{target}: {len(found)} figures of the field", quiet=options.quiet)
+    _write_updated(options, found, "the field", updated_yaml)
     if options.json:
-        print_json(
-            "hardware",
-            action="update",
-            updates=[
-                {
-                    "component": each.component,
-                    "before": each.before.value,
-                    "after": each.after.value,
-                    "error_factor": each.after.error_factor,
-                    "failures": each.failures,
-                    "exposure": each.exposure,
-                    "per": each.before.per.value,
-                    "alpha": each.posterior.alpha,
-                    "beta": each.posterior.beta,
-                    "source": each.after.source,
-                }
-                for each in found
-            ],
-        )
-        return 0
-    show(*map(str, found))
+        print_json("hardware", action="update", updates=list(map(_update_data, found)))
     return 0
+
+
+def _update_data(update: Update) -> dict[str, Any]:
+    return {
+        "component": update.component,
+        "before": update.before.value,
+        "after": update.after.value,
+        "error_factor": update.after.error_factor,
+        "failures": update.failures,
+        "exposure": update.exposure,
+        "per": update.before.per.value,
+        "alpha": update.posterior.alpha,
+        "beta": update.posterior.beta,
+        "source": update.after.source,
+    }
 
 
 def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
@@ -318,15 +285,25 @@ def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
     from tracerisk.pipeline.results.hardware_figures import read_figures, with_figures
 
     found = read_figures(Path(options.figures), hardware)
-    if not options.dry_run:
-        target = options.output or options.file
-        _write(target, with_figures(Path(options.file), found))
-        note(f"{target}: {len(found)} figures of {options.figures}", quiet=options.quiet)
+    _write_updated(options, found, options.figures, with_figures)
     if options.json:
         print_json("hardware", action="update", figures=[asdict(each) for each in found])
-        return 0
-    show(*map(str, found))
     return 0
+
+
+def _write_updated(
+    options: argparse.Namespace,
+    found: Sequence[Any],
+    source: str,
+    text_with: Callable[[Path, Any], str],
+) -> None:
+    """Write a description with the figures that were found, and print these."""
+    if not options.dry_run:
+        target = options.output or options.file
+        write(target, text_with(Path(options.file), found))
+        note(f"{target}: {len(found)} figures of {source}", quiet=options.quiet)
+    if not options.json:
+        show(*map(str, found))
 
 
 _Action = tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int], str]
@@ -339,5 +316,5 @@ _ACTIONS: dict[str, _Action] = {
         _update,
         "bring figures up to date: with failures in the field, or from a table",
     ),
-    "schema": (_add_schema, _schema, "print the JSON Schema by which editors complete the YAML"),
+    "schema": (add_output, _schema, "print the JSON Schema by which editors complete the YAML"),
 }

@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
+    paper,
     print_json,
     print_text,
     show,
-    terminal_width,
-    use_color,
     write_file,
 )
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.review.history import HistoryPoint
-    from tracerisk.report.series.history import HistoryRow
+    from tracerisk.report.series.history import HistoryPoint
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -50,12 +48,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.freshness.known_controllers import all_controllers
-    from tracerisk.pipeline.review.history import (
-        first_above,
-        histories,
-        history_rows,
-        is_cut_short,
-    )
+    from tracerisk.pipeline.review.history import first_above, histories, is_cut_short
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
@@ -70,9 +63,8 @@ def run(options: argparse.Namespace) -> int:
             "this clone is shallow, and older commits are not in it: `git fetch --unshallow`",
             quiet=options.quiet,
         )
-    rows = {name: history_rows(points) for name, points in found.items()}
     if options.svg is not None:
-        write_file(options.svg, history_svg(rows))
+        write_file(options.svg, history_svg(found))
         note(f"{options.svg}: drawn", quiet=options.quiet)
     if options.badge is not None:
         last = next(iter(found.values()))[-1:]
@@ -88,16 +80,14 @@ def run(options: argparse.Namespace) -> int:
         print_json(
             "history",
             exit_code=int(code),
-            controllers={
-                name: _data(points, rows[name], above[name]) for name, points in found.items()
-            },
+            controllers={name: _data(points, above[name]) for name, points in found.items()},
         )
         return int(code)
     for number, (name, points) in enumerate(found.items()):
         if number:
             show("")
-        print_text(render_history(name, rows[name], width=terminal_width(), color=use_color()))
-        show(*_answers(points, rows[name]))
+        print_text(render_history(name, points, paper()))
+        show(*_answers(points))
         if options.above is not None:
             since = above[name]
             text = f"not above {options.above:g}"
@@ -107,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     return int(code)
 
 
-def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:
+def _answers(points: list[HistoryPoint]) -> list[str]:
     from tracerisk.pipeline.review.history import largest_rise
 
     rise = largest_rise(points)
@@ -115,17 +105,14 @@ def _answers(points: list[HistoryPoint], rows: list[HistoryRow]) -> list[str]:
         known = sum(each.failure_probability is not None for each in points)
         return ["the figure never rose" if known > 1 else "nothing to compare with yet"]
     point, factor = rise
-    change = rows[points.index(point)].change
-    return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {change}"]
+    return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {point.change}"]
 
 
 def _text(point: HistoryPoint) -> str:
     return f"{point.name} ({point.date}): {point.subject}" if point.commit else point.name
 
 
-def _data(
-    points: list[HistoryPoint], rows: list[HistoryRow], above: HistoryPoint | None
-) -> dict[str, Any]:
+def _data(points: list[HistoryPoint], above: HistoryPoint | None) -> dict[str, Any]:
     from tracerisk.pipeline.review.history import largest_rise
 
     rise = largest_rise(points)
@@ -134,7 +121,7 @@ def _data(
         "largest_rise": None if rise is None else {"commit": rise[0].commit, "ratio": rise[1]},
         "commits": [
             {
-                "change": row.change,
+                "change": point.change,
                 "commit": point.commit,
                 "date": point.date,
                 "error": point.error,
@@ -143,6 +130,6 @@ def _data(
                 "subject": point.subject,
                 "verdict": None if point.verdict is None else point.verdict.kind,
             }
-            for point, row in zip(points, rows, strict=True)
+            for point in points
         ],
     }

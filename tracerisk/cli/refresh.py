@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_diffs, print_json
+from tracerisk.cli.shared.output import (
+    note,
+    note_without_controllers,
+    print_diffs,
+    print_json,
+)
 from tracerisk.cli.shared.run_report import note_draft
-from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import as_typed, verdict_exit, verdict_json
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError

@@ -16,7 +16,7 @@ from tracerisk.cli.shared.report_pictures import (
     wants_pictures,
     write_report_pictures,
 )
-from tracerisk.cli.shared.sources import model_of_sources, read_file
+from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file
 from tracerisk.cli.verdict import sources_verdict, verdict_details
 from tracerisk.errors import ExitCode, InputError, SourceError
 
@@ -149,10 +149,4 @@ def _given_trace(file: str | None) -> Trace | None:
         return None
     from tracerisk import trace_json
 
-    try:
-        text = read_file(file).decode("utf-8")
-    except UnicodeDecodeError as error:
-        from tracerisk.errors import Location
-
-        raise InputError("is not UTF-8 text", Location(file)) from error
-    return trace_json.loads(text, file)
+    return trace_json.loads(decoded(read_file(file), file), file)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.assessment import print_assessment, risk_exit
 from tracerisk.cli.shared.model_files import OWN, format_of
-from tracerisk.cli.shared.output import print_json, show
+from tracerisk.cli.shared.output import paper, print_json, print_text, show
+from tracerisk.cli.shared.risk_limit import risk_exit
 from tracerisk.cli.shared.sources import linked_model, model_of_files
 from tracerisk.errors import InputError
 from tracerisk.records import asdict
@@ -74,7 +74,8 @@ def run(options: argparse.Namespace) -> int:
     spreads = spreads_of_files(options.files, model, options) if options.uncertainty else None
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
-    code = risk_exit(assessment, options.max_failure_probability)
+    risks = {"mission failure": assessment.mission.failure_probability}
+    code = risk_exit(risks, options.max_failure_probability)
     from tracerisk.cli.verdict import sources_verdict
 
     verdicts = sources_verdict(options.files)
@@ -89,11 +90,13 @@ def run(options: argparse.Namespace) -> int:
             **notes_data(spreads),
         )
     else:
+        from tracerisk.report.terminal import render_assessment
+
         for line in () if verdicts is None else verdicts.lines:
             show(line)
         print_spreads(spreads, options)
         asked.print_set(changes)
-        print_assessment(assessment)
+        print_text(render_assessment(assessment, paper=paper()))
         asked.print_what_if(
             assessment, sweeps, uncertainty, importance=options.importance, pairs=pairs
         )

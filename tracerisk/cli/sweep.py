@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
+    paper,
     print_json,
     print_text,
-    terminal_width,
-    use_color,
     write_file,
 )
 
@@ -63,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json("sweep", points=[_data(each) for each in points])
     else:
-        print_text(report.render_points(points, width=terminal_width(), color=use_color()))
+        print_text(report.render_points(points, paper()))
     return 0
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from tracerisk.cli.hardware_spread import add_hardware_spread
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import print_text, terminal_width, use_color
+from tracerisk.cli.shared.output import paper, print_text
 from tracerisk.errors import InputError, one_of
 from tracerisk.records import asdict
 
@@ -340,7 +340,7 @@ def print_what_if(
     tables: list[str] = []
 
     def show(render: Callable[..., str], what: object) -> None:
-        tables.append(render(what, width=terminal_width(), color=use_color()))
+        tables.append(render(what, paper=paper()))
 
     if importance:
         show(report.render_importances, assessment.components)
@@ -359,7 +359,7 @@ def print_set(changes: list[SetValue]) -> None:
     if changes:
         from tracerisk.report.what_if import render_set_values
 
-        print_text(render_set_values(changes, width=terminal_width(), color=use_color()))
+        print_text(render_set_values(changes, paper()))
 
 
 def _named(text: str, option: str, form: str) -> tuple[str, str]:

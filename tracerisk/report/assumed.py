@@ -59,8 +59,7 @@ def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | 
     title = "Assumed figures that drive the result"
     if len(figures) > len(shown):
         title += f" ({len(shown)} of {len(figures)})"
-    table = table_of(title)
-    table.add_column("component", overflow="fold")
+    table = table_of(title, ["component"])
     add_share_columns(table, width)
     table.add_column("source", overflow="fold")
     for each in shown:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from tracerisk.report.tables import plain, render_parts, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -22,8 +23,7 @@ def render_cut_sets(
     total: float | None,
     top_probability: float | None,
     max_order: int | None,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return how many cut sets there are by order, their sum, and those that are listed.
 
@@ -45,11 +45,7 @@ def render_cut_sets(
     if listed:
         first = "most probable" if total is not None else "of the lowest orders"
         title = f"The {len(listed)} {first}" if len(listed) < count else "All of them"
-        table = table_of("")
-        table.add_column("events", overflow="fold")
-        if total is not None:
-            table.add_column("probability", justify="right", no_wrap=True)
-            table.add_column("share", justify="right", no_wrap=True)
+        table = table_of("", ["events"], ("probability", "share") if total is not None else ())
         for each in listed:
             events = ", ".join([*each.events, *(f"not {name}" for name in each.absent)])
             cells = [events or "(always)"]
@@ -58,4 +54,4 @@ def render_cut_sets(
                 cells += [f"{each.probability:.6e}", f"{100.0 * share:.3g} %"]
             table.add_row(*plain(cells))
         parts += [*plain([title]), table]
-    return render_parts(parts, width=width, color=color)
+    return render_parts(parts, paper)

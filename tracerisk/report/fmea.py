@@ -5,8 +5,6 @@ The table has the columns of IEC 60812; severity is left to the engineer.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import statistics
 from collections.abc import Iterable, Sequence
@@ -14,7 +12,8 @@ from dataclasses import dataclass
 
 from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence
 from tracerisk.evidence.share_interval import clopper_pearson
-from tracerisk.report.tables import rendered, table_of
+from tracerisk.report.tables import csv_of, rendered, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 HEADINGS = (
     "component",
@@ -170,7 +169,7 @@ def confusion(cells: Iterable[Cell]) -> tuple[int, int, int, int]:
     return in_use, harmless, idle, idle_harmless
 
 
-def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str:
+def render_fmea(found: Evidence, paper: Paper = PAPER) -> str:
     """Return the table for a terminal."""
     table = table_of("Failures and their effects")
     for heading in ("failure in function", "end effect", "detected s", "failed", "c 90 %"):
@@ -197,7 +196,7 @@ def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str
             f"{row.failed} of {len(row.cells)}",
             f"{low:.2f}..{high:.2f}",
         )
-    return rendered(lambda console: console.print(table), width=width, color=color)
+    return rendered(lambda console: console.print(table), paper)
 
 
 def summary_lines(found: Evidence) -> list[str]:
@@ -236,11 +235,7 @@ def summary_lines(found: Evidence) -> list[str]:
 
 def csv_text(found: Evidence) -> str:
     """Return the table as CSV."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(HEADINGS)
-    writer.writerows(row.values for row in fmea_rows(found))
-    return stream.getvalue()
+    return csv_of(HEADINGS, (row.values for row in fmea_rows(found)))
 
 
 def markdown_text(found: Evidence, name: str) -> str:

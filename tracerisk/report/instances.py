@@ -116,12 +116,8 @@ def instances_table(
 
 
 def _stacked(rows: Mapping[str, Sequence[InstanceImportance]], width: int) -> Table:
-    table = table_of(_TITLE)
-    table.add_column("component", overflow="fold")
-    table.add_column("instance", overflow="fold")
     headings = ("p mission", "share", *(("Fussell-Vesely",) if width >= ROOMY else ()))
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
+    table = table_of(_TITLE, ("component", "instance"), headings)
     most = MOST_INSTANCES
     for component, found in rows.items():
         shown, left = _shown(found, most)

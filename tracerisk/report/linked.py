@@ -7,32 +7,25 @@ from collections.abc import Mapping, Sequence
 from tracerisk.prm.linked.importance import ParameterImportance
 from tracerisk.prm.linked.what_if import FigureSweep
 from tracerisk.report.tables import plain, render_parts, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 
-def render_figures(
-    name: str, figures: Mapping[str, float], *, width: int = 80, color: bool = False
-) -> str:
+def render_figures(name: str, figures: Mapping[str, float], paper: Paper = PAPER) -> str:
     """Return the figures of a model."""
-    table = table_of(name)
-    table.add_column("figure", overflow="fold")
-    table.add_column("value", justify="right", no_wrap=True)
+    table = table_of(name, ["figure"], ["value"])
     for figure, value in figures.items():
         table.add_row(*plain([figure, f"{value:.6e}"]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([table], paper)
 
 
 def render_importances(
     figure: str,
     parameters: Sequence[ParameterImportance],
-    *,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return the importance of every parameter for a figure."""
-    table = table_of(f"Importance for {figure}")
-    table.add_column("parameter", overflow="fold")
-    for heading in ("derivative", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold"):
-        table.add_column(heading, justify="right", no_wrap=True)
+    measures = ("derivative", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold")
+    table = table_of(f"Importance for {figure}", ["parameter"], measures)
     for each in parameters:
         cells = [
             _shown(value)
@@ -46,12 +39,10 @@ def render_importances(
             )
         ]
         table.add_row(*plain([each.name, *cells]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([table], paper)
 
 
-def render_sweeps(
-    figure: str, sweeps: Sequence[FigureSweep], *, width: int = 80, color: bool = False
-) -> str:
+def render_sweeps(figure: str, sweeps: Sequence[FigureSweep], paper: Paper = PAPER) -> str:
     """Return one figure along each sweep."""
     tables = []
     for swept in sweeps:
@@ -61,7 +52,7 @@ def render_sweeps(
         for point in swept.points:
             table.add_row(*plain([f"{point.value:.4g}", f"{point.figures[figure]:.6e}"]))
         tables.append(table)
-    return render_parts(tables, width=width, color=color)
+    return render_parts(tables, paper)
 
 
 def _shown(value: float | None) -> str:

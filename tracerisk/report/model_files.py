@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from tracerisk.report.tables import WIDE, Column, plain, render_parts, render_table, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -18,9 +19,7 @@ MOST_ROWS = 50
 """How many states or events are shown, those with the greatest figures."""
 
 
-def render_tops(
-    name: str, tops: Mapping[str, tuple[float, float]], *, width: int = 80, color: bool = False
-) -> str:
+def render_tops(name: str, tops: Mapping[str, tuple[float, float]], paper: Paper = PAPER) -> str:
     """Return the probability of each top; of a likely one its complement too."""
     likely = any(p > 0.5 for p, _ in tops.values())
     columns = [Column("top"), Column("probability", is_number=True)]
@@ -32,15 +31,13 @@ def render_tops(
         if likely:
             cells.append(f"{q:.6e}" if p > 0.5 else "")
         rows.append(cells)
-    return render_table(name, columns, rows, width=width, color=color)
+    return render_table(name, columns, rows, paper)
 
 
 def render_top_importance(
     top: str,
     rows: Sequence[EventImportance | DynamicImportance],
-    *,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return the importance of each parameter, or of each event of a dynamic tree, for a top."""
     kept = rows[:MOST_ROWS]
@@ -55,44 +52,36 @@ def render_top_importance(
         "diagnostic_importance": "DIF",
         "tenfold": "tenfold",
     }
-    if width < WIDE:
+    if paper.width < WIDE:
         del headings["diagnostic_importance"]
     used = [name for name in headings if kept and hasattr(kept[0], name)]
     columns = [Column("event"), *(Column(headings[name], is_number=True) for name in used)]
     cells = [[row.name, *(f"{getattr(row, name):.4g}" for name in used)] for row in kept]
-    return render_table(title, columns, cells, width=width, color=color)
+    return render_table(title, columns, cells, paper)
 
 
-def render_event_tree(found: EventTreeSolution, *, width: int = 80, color: bool = False) -> str:
+def render_event_tree(found: EventTreeSolution, paper: Paper = PAPER) -> str:
     """Return the sequences and outcomes of an event tree."""
     unit = f" per {found.initiating.per}" if found.initiating.per else ""
-    sequences = table_of("")
-    for heading in ("sequence", "end state"):
-        sequences.add_column(heading, overflow="fold")
-    for heading in ("probability", f"value{unit}"):
-        sequences.add_column(heading, justify="right", no_wrap=True)
+    sequences = table_of("", ("sequence", "end state"), ("probability", f"value{unit}"))
     for each in found.sequences:
         figures = (f"{each.probability:.6e}", f"{each.value:.6e}")
         sequences.add_row(*plain([each.name, each.end_state, *figures]))
     parts = [*plain([f"Event tree {found.event_tree}, from {found.initiating.name}"]), sequences]
     if not any(found.outcomes):
-        return render_parts(parts, width=width, color=color)
-    outcomes = table_of("")
-    outcomes.add_column("end state", overflow="fold")
-    outcomes.add_column(f"value{unit}", justify="right", no_wrap=True)
+        return render_parts(parts, paper)
+    outcomes = table_of("", ["end state"], [f"value{unit}"])
     for name, value in found.outcomes.items():
         outcomes.add_row(*plain([name, f"{value:.6e}"]))
     parts += [*plain([f"Outcomes of {found.event_tree}"]), outcomes]
-    return render_parts(parts, width=width, color=color)
+    return render_parts(parts, paper)
 
 
 def render_states(
     name: str,
     heading: str,
     values: Mapping[str, float],
-    *,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return a figure of each state; of many states, the greatest."""
     shown = list(values.items())
@@ -100,15 +89,12 @@ def render_states(
         shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
     columns = [Column("state"), Column(heading, is_number=True)]
     rows = [[state, f"{value:.6e}"] for state, value in shown]
-    return render_table(f"{name}{_cut(len(values))}", columns, rows, width=width, color=color)
+    return render_table(f"{name}{_cut(len(values))}", columns, rows, paper)
 
 
-def render_answers(
-    name: str, answers: Sequence[Answer], *, width: int = 80, color: bool = False
-) -> str:
+def render_answers(name: str, answers: Sequence[Answer], paper: Paper = PAPER) -> str:
     """Return the value of each property, a range where it differs by the start of the chain."""
-    title, table = name, table_of("")
-    table.add_column("property", overflow="fold")
+    title, table = name, table_of("", ["property"])
     table.add_column("value", justify="right", overflow="fold")
     limited = any(each.holds is not None for each in answers)
     if limited:
@@ -121,13 +107,12 @@ def render_answers(
         if limited:
             cells.append("" if each.holds is None else "yes" if each.holds else "no")
         table.add_row(*plain(cells))
-    return render_parts([*plain([title]), table], width=width, color=color)
+    return render_parts([*plain([title]), table], paper)
 
 
-def render_curve(curve: Curve, *, width: int = 80, color: bool = False) -> str:
+def render_curve(curve: Curve, paper: Paper = PAPER) -> str:
     """Return the figures along the mission time, their means, and the bands of these."""
-    table = table_of("")
-    table.add_column("hours", justify="right", no_wrap=True)
+    table = table_of("", numbers=["hours"])
     for name in curve.figures:
         table.add_column(name, justify="right", overflow="fold")
     for index, time in enumerate(curve.times_h):
@@ -144,12 +129,12 @@ def render_curve(curve: Curve, *, width: int = 80, color: bool = False) -> str:
                 "of a mean says nothing of architecture, systematic capability and proof tests."
             ]
         )
-    return render_parts(parts, width=width, color=color)
+    return render_parts(parts, paper)
 
 
-def render_line(text: str, *, width: int = 80, color: bool = False) -> str:
+def render_line(text: str, paper: Paper = PAPER) -> str:
     """Return a line of text."""
-    return render_parts(plain([text]), width=width, color=color)
+    return render_parts(plain([text]), paper)
 
 
 def _cut(count: int) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from tracerisk.records import dataclass
+from tracerisk.text.paper import PAPER, Paper
 from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
@@ -29,20 +30,19 @@ _GAP = "  "
 _UNIT = pattern(r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))")
 
 
-def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool = False) -> str:
+def rendered(write: Callable[[Console], None], paper: Paper = PAPER) -> str:
     """Return as text what `write` prints to a console.
 
-    `width` is the number of columns, taken as at least 60 and at most 160; `color` adds escape
-    sequences.
+    The number of columns is taken as at least 60 and at most 160.
     """
     from rich.console import Console
 
     stream = io.StringIO()
     console = Console(
         file=stream,
-        width=min(max(width, LEAST_WIDTH), MOST_WIDTH),
-        force_terminal=color,
-        color_system="standard" if color else None,
+        width=min(max(paper.width, LEAST_WIDTH), MOST_WIDTH),
+        force_terminal=paper.color,
+        color_system="standard" if paper.color else None,
         highlight=False,
         emoji=False,
         markup=False,
@@ -55,14 +55,14 @@ def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool =
     return "\n".join(lines) + "\n"
 
 
-def render_parts(parts: Sequence[RenderableType], *, width: int = 80, color: bool = False) -> str:
+def render_parts(parts: Sequence[RenderableType], paper: Paper = PAPER) -> str:
     """Return tables and lines as text, one below the other; see `rendered`."""
 
     def write(console: Console) -> None:
         for part in parts:
             console.print(part)
 
-    return rendered(write, width=width, color=color)
+    return rendered(write, paper)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,16 +78,14 @@ def render_table(
     title: str,
     columns: Sequence[Column],
     rows: Sequence[Sequence[str]],
-    *,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return a line of text and a table below it; `width` and `color` as of `rendered`.
 
     What fits as it is needs no library, which takes longer to load than a small model to solve.
     """
-    if not color:
-        text = _plain_table(title, columns, rows, min(max(width, LEAST_WIDTH), MOST_WIDTH))
+    if not paper.color:
+        text = _plain_table(title, columns, rows, min(max(paper.width, LEAST_WIDTH), MOST_WIDTH))
         if text is not None:
             return text
     table = table_of("")
@@ -98,7 +96,7 @@ def render_table(
             table.add_column(column.heading, overflow="fold")
     for row in rows:
         table.add_row(*plain(row))
-    return render_parts([*plain([title]), table], width=width, color=color)
+    return render_parts([*plain([title]), table], paper)
 
 
 def _plain_table(
@@ -124,13 +122,26 @@ def _plain_table(
     return "\n".join([*lines, "", ""])
 
 
-def table_of(title: str, *, style: str = "bold") -> Table:
+def csv_of(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table as CSV."""
+    import csv
+
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(headings)
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def table_of(
+    title: str, texts: Iterable[str] = (), numbers: Iterable[str] = (), *, style: str = "bold"
+) -> Table:
     """Return an empty table."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    return Table(
+    table = Table(
         title=Text(title, style=style, overflow="fold"),
         title_justify="left",
         box=box.SIMPLE_HEAD,
@@ -140,6 +151,11 @@ def table_of(title: str, *, style: str = "bold") -> Table:
         collapse_padding=True,
         caption=" ",
     )
+    for heading in texts:
+        table.add_column(heading, overflow="fold")
+    for heading in numbers:
+        table.add_column(heading, justify="right", no_wrap=True)
+    return table
 
 
 def plain(cells: Sequence[str]) -> list[RenderableType]:

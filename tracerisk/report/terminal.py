@@ -24,6 +24,7 @@ from tracerisk.report.tables import (
     share_text,
     table_of,
 )
+from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -39,70 +40,43 @@ MOST_COMPONENTS = 5
 
 def render_assessment(
     assessment: Assessment,
-    *,
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
     tables: Sequence[RenderableType] = (),
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return an assessment as text, the same for the same input on every machine.
 
     `exposures` are the seconds active where a run is known; `findings` and `assumptions` are
     the caller's lines, shown before those of the assessment; `tables` the caller's, shown below
     that of the components.
-    `width` is the number of columns, at least 60; from 110 on there are bars; `color` adds
-    escape sequences.
+    It has 60 columns at least; from 110 on there are bars.
     """
-    text = rendered(
-        lambda console: print_assessment(
-            console,
-            assessment,
-            exposures=exposures,
-            findings=findings,
-            assumptions=assumptions,
-            tables=tables,
-        ),
-        width=width,
-        color=color,
-    )
-    return text.rstrip("\n") + "\n"
-
-
-def print_assessment(
-    console: Console,
-    assessment: Assessment,
-    *,
-    exposures: Exposures | None = None,
-    findings: Sequence[str] = (),
-    assumptions: Sequence[str] = (),
-    tables: Sequence[RenderableType] = (),
-) -> None:
-    """Print the table to a console of rich, with the lines of `render_assessment`."""
     from rich.text import Text
 
-    console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
-    console.print(Text(assessment.statement, style="italic"))
-    console.print(Text(_readings(assessment)))
-    console.print()
-    console.print(functions_table(assessment, exposures, console.width))
-    _print_lines(console, "Findings", (*findings, *assessment.findings))
-    if assessment.components:
-        console.print(_components(assessment.components, console.width))
-    for table in tables:
-        console.print(table)
-    _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))
+    def write(console: Console) -> None:
+        console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
+        console.print(Text(assessment.statement, style="italic"))
+        console.print(Text(_readings(assessment)))
+        console.print()
+        console.print(functions_table(assessment, exposures, console.width))
+        _print_lines(console, "Findings", (*findings, *assessment.findings))
+        if assessment.components:
+            console.print(_components(assessment.components, console.width))
+        for table in tables:
+            console.print(table)
+        _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))
+
+    return rendered(write, paper).rstrip("\n") + "\n"
 
 
 def render_brief(
     assessment: Assessment,
-    *,
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     following: Sequence[str] = (),
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return what fits a screen: the sentence, a row a function, what matters most, what next.
 
@@ -119,7 +93,7 @@ def render_brief(
     headings = (*(("active s",) if exposures is not None else ()), "p failure", "visits")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
-    add_share_columns(table, width)
+    add_share_columns(table, paper.width)
     for state in assessment.states:
         if state.name not in shown:
             continue
@@ -127,7 +101,7 @@ def render_brief(
         figures = [*used, f"{state.top_event:.2e}", f"{state.expected_visits:.4g}"]
         share = state.absorption_probability / risk if risk > 0.0 else 0.0
         cells = plain([str(state.call_sequence), state.name, *figures])
-        table.add_row(*cells, *share_cells(share, width))
+        table.add_row(*cells, *share_cells(share, paper.width))
 
     def write(console: Console) -> None:
         console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
@@ -150,7 +124,7 @@ def render_brief(
         for line in following:
             console.print(Text(line))
 
-    return rendered(write, width=width, color=color)
+    return rendered(write, paper)
 
 
 def _title(count: int, shown: int) -> str:
@@ -214,8 +188,7 @@ def _components(components: Sequence[ComponentImportance], width: int) -> Table:
     title = "Components that matter most"
     if len(components) > len(shown):
         title += f" ({len(shown)} of {len(components)})"
-    table = table_of(title)
-    table.add_column("component", overflow="fold")
+    table = table_of(title, ["component"])
     add_share_columns(table, width, heading="Fussell-Vesely" if width >= ROOMY else "share")
     measures: dict[str, Callable[[ComponentImportance], str]] = {
         "criticality": lambda each: share_text(each.criticality),

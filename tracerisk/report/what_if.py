@@ -11,6 +11,7 @@ from tracerisk.prm.questions.pair_importance import PairImportance
 from tracerisk.prm.questions.uncertainty import Uncertainty
 from tracerisk.prm.questions.what_if import SetValue, Sweep
 from tracerisk.report.tables import plain, render_parts, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,31 +20,26 @@ MOST_PAIRS = 20
 """How many of the pairs that share most of the risk are shown."""
 
 
-def render_set_values(values: Sequence[SetValue], *, width: int = 80, color: bool = False) -> str:
+def render_set_values(values: Sequence[SetValue], paper: Paper = PAPER) -> str:
     """Return the parameters that were set, each with its value in the model."""
-    table = table_of("Set, for what follows")
-    table.add_column("parameter", overflow="fold")
+    table = table_of("Set, for what follows", ["parameter"])
     for heading in ("in the model", "now"):
         table.add_column(heading, justify="right")
     for each in values:
         before = "-" if math.isnan(each.before) else f"{each.before:.4g}"
         table.add_row(*plain([each.name, before, f"{each.now:.4g}"]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([table], paper)
 
 
-def render_sweeps(sweeps: Sequence[Sweep], *, width: int = 80, color: bool = False) -> str:
+def render_sweeps(sweeps: Sequence[Sweep], paper: Paper = PAPER) -> str:
     """Return the mission's figures along each sweep."""
-    return render_parts([_sweep(each) for each in sweeps], width=width, color=color)
+    return render_parts([_sweep(each) for each in sweeps], paper)
 
 
-def render_importances(
-    components: Sequence[ComponentImportance], *, width: int = 80, color: bool = False
-) -> str:
+def render_importances(components: Sequence[ComponentImportance], paper: Paper = PAPER) -> str:
     """Return every importance measure of every component, and its parts by state and unit."""
-    measures = table_of("Importance over the mission")
-    measures.add_column("component", overflow="fold")
-    for heading in ("Birnbaum", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold"):
-        measures.add_column(heading, justify="right", no_wrap=True)
+    headings = ("Birnbaum", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold")
+    measures = table_of("Importance over the mission", ["component"], headings)
     for component in components:
         measures.add_row(
             *plain(
@@ -64,22 +60,18 @@ def render_importances(
             _shares("Criticality by function", "function", components),
             _shares("Criticality by unit", "unit", components),
         ],
-        width=width,
-        color=color,
+        paper,
     )
 
 
-def render_pairs(pairs: Sequence[PairImportance], *, width: int = 80, color: bool = False) -> str:
+def render_pairs(pairs: Sequence[PairImportance], paper: Paper = PAPER) -> str:
     """Return what pairs of components do together, those that share most of the risk first."""
     shown = pairs[:MOST_PAIRS]
     title = "Importance of pairs"
     if len(pairs) > len(shown):
         title += f" ({len(shown)} of {len(pairs)})"
-    table = table_of(title)
-    for heading in ("component", "and"):
-        table.add_column(heading, overflow="fold")
-    for heading in ("Fussell-V.", "interaction", "joint B.", "joint crit."):
-        table.add_column(heading, justify="right", no_wrap=True)
+    headings = ("Fussell-V.", "interaction", "joint B.", "joint crit.")
+    table = table_of(title, ("component", "and"), headings)
     for pair in shown:
         figures = (
             pair.fussell_vesely,
@@ -89,15 +81,13 @@ def render_pairs(pairs: Sequence[PairImportance], *, width: int = 80, color: boo
         )
         cells = [f"{each:.4g}" for each in figures]
         table.add_row(*plain([pair.first, pair.second, *cells]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([table], paper)
 
 
 def render_uncertainty(
     found: Uncertainty,
     figure: str = "Mission failure probability",
-    *,
-    width: int = 80,
-    color: bool = False,
+    paper: Paper = PAPER,
 ) -> str:
     """Return the percentiles of a figure, and the share of each input."""
     spread = table_of(f"{figure}, {found.samples} samples, seed {found.seed}")
@@ -110,8 +100,7 @@ def render_uncertainty(
         ends = ["" if each[end] is None else f"{each[end]:.3e}" for each in found.intervals]
         if ends:
             spread.add_row(*plain([name, "", *ends, ""]))
-    inputs = table_of("Share of each input in that spread")
-    inputs.add_column("parameter", overflow="fold")
+    inputs = table_of("Share of each input in that spread", ["parameter"])
     for heading in ("point", *headings, "share"):
         inputs.add_column(heading, justify="right")
     for each in found.inputs:
@@ -146,7 +135,7 @@ def render_uncertainty(
             f"The mean is {found.mean / found.point:.3g} times the point, in which each parameter "
             "has its own value: the median of its distribution, unless it says otherwise."
         )
-    return render_parts([spread, *lines, inputs, *cut], width=width, color=color)
+    return render_parts([spread, *lines, inputs, *cut], paper)
 
 
 def _sweep(swept: Sweep) -> Table:
@@ -161,9 +150,7 @@ def _sweep(swept: Sweep) -> Table:
 
 
 def _shares(title: str, by: str, components: Sequence[ComponentImportance]) -> Table:
-    table = table_of(title)
-    for heading in ("component", by):
-        table.add_column(heading, overflow="fold")
+    table = table_of(title, ("component", by))
     for heading in ("Birnbaum", "criticality"):
         table.add_column(heading, justify="right")
     for component in components:

@@ -8,7 +8,7 @@ import pytest
 from tracerisk.report.html.page import page
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.repository.overview import OverviewRow, overview_lead, overview_section
-from tracerisk.report.series.history import HistoryRow
+from tracerisk.report.series.history import HistoryPoint
 from tracerisk.trace import Coverage, Verdict
 
 WIDTHS = (360, 768, 1280, 1920)
@@ -202,7 +202,7 @@ def test_axe_finds_nothing_serious_on_the_page_over_all_controllers(
         OverviewRow("gone.py", None, None, error="gone.py: cannot be read"),
     ]
     went = [
-        HistoryRow(f"{n}a2b3c4d", "2026-01-02", "Add <b>", 1e-6 * n, None, None, "") for n in (1, 4)
+        HistoryPoint(f"{n}a2b3c4d", "2026-01-02", "Add <b>", "c.py", 1e-6 * n, None) for n in (1, 4)
     ]
     lead = overview_lead("repository", rows)
     text = page("All", lead, [overview_section(rows), history_section("arm.py", went)])

@@ -24,7 +24,7 @@ from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.section import Data, Section, json_in_script
 from tracerisk.report.html.sources import shown_sources
-from tracerisk.report.series.history import HistoryRow
+from tracerisk.report.series.history import HistoryPoint
 
 
 @pytest.fixture(scope="module")
@@ -422,7 +422,7 @@ def test_the_replay_stands_before_what_changed_and_that_before_the_tables(
 
 
 def test_of_a_long_history_the_latest_commits_are_in_sight_and_the_others_folded(parsed):
-    went = [HistoryRow(f"c{n}", "2026-01-02", "Change", 1e-6, None, None, "") for n in range(50)]
+    went = [HistoryPoint(f"c{n}", "2026-01-02", "Change", "c.py", 1e-6, None) for n in range(50)]
     for count, shown, folded in ((20, 20, 0), (21, 21, 0), (22, 20, 2), (50, 20, 30)):
         document = parsed(page("h", Markup(""), [history_section("a.py", went[:count])]))
         assert len(rows(document, "history")) == shown

@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING
 from tracerisk import trace_json
 from tracerisk.cli.explain import derivation_json, print_derivation
 from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
-from tracerisk.cli.shared.assessment import print_assessment, risk_exit
-from tracerisk.cli.shared.output import note, print_diffs, print_json, terminal_width, write_file
+from tracerisk.cli.shared.output import (
+    note,
+    paper,
+    print_diffs,
+    print_json,
+    print_text,
+    terminal_width,
+    write_file,
+)
+from tracerisk.cli.shared.risk_limit import risk_exit
 from tracerisk.cli.shared.run_report import (
     blocks_line,
     failure_of,
@@ -28,6 +36,7 @@ from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ExitCode
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.formats.assessment_json import assessment_to_json
+from tracerisk.report.terminal import render_assessment, render_brief
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -55,9 +64,10 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     assessed = done.assessed
     trace, annotated, assessment = assessed.trace, assessed.annotated, assessed.assessment
     note_draft(trace, quiet=options.quiet)
+    risks = {"mission failure": assessment.mission.failure_probability}
     code = max(
         verdict_exit(trace.verdict),
-        risk_exit(assessment, options.max_failure_probability),
+        risk_exit(risks, options.max_failure_probability),
         finding_exit(trace, assessed.settings.fail_on),
     )
     if options.check and annotated.is_changed:
@@ -85,16 +95,15 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     for line in _notes(options, assessed, typed):
         note(line, quiet=options.quiet)
     if not (options.diff or options.quiet):
-        print_assessment(
-            assessment,
-            exposures=annotated.computed.exposures_by_name,
-            findings=finding_lines(typed),
-            assumptions=(*trace.assumptions, *annotated.computed.assumptions),
-            tables=done.figures.tables(terminal_width()),
-            following=_following(options, typed)
-            if sys.stdout.isatty() and not options.verbose
-            else None,
-        )
+        exposures, findings = annotated.computed.exposures_by_name, finding_lines(typed)
+        if sys.stdout.isatty() and not options.verbose:
+            following = _following(options, typed)
+            text = render_brief(assessment, exposures, findings, following, paper())
+        else:
+            assumed = (*trace.assumptions, *annotated.computed.assumptions)
+            tables = done.figures.tables(terminal_width())
+            text = render_assessment(assessment, exposures, findings, assumed, tables, paper())
+        print_text(text)
     if not options.diff:
         print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
     print_derivation(done.derivation, assessed.model, assessment)

@@ -25,7 +25,7 @@ from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
 from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change
-from tracerisk.pipeline.review.history import history, history_rows
+from tracerisk.pipeline.review.history import history
 from tracerisk.pipeline.review.overview import KnownController, overview
 from tracerisk.report.html.model.components import importance_section
 from tracerisk.report.html.model.functions import functions_section
@@ -162,9 +162,10 @@ class Site:
 
     def _history(self, name: str, _: str) -> Reply:
         known = self._named(name)
-        rows = history_rows(history(known.path))
         html = rendered("heading.html.j2", name=known.name, sentence=f"How {known.name} went")
-        return _shown(f"History of {known.name}", html, [history_section(known.name, rows)])
+        return _shown(
+            f"History of {known.name}", html, [history_section(known.name, history(known.path))]
+        )
 
     def _what_if(self, name: str, query: str) -> Reply:
         with self._one_at_a_time:

@@ -7,7 +7,7 @@ import stat
 from collections.abc import Mapping, Sequence
 
 from tracerisk.cli.shared.model_format import ModelFormat, detected
-from tracerisk.cli.shared.sources import read_file
+from tracerisk.cli.shared.sources import decoded, read_file
 from tracerisk.errors import InputError, Location
 
 TYPE_CHECKING = False
@@ -101,7 +101,4 @@ def labels_beside(transitions: str) -> str:
 
 def read_text(name: str) -> str:
     """Return the text of a file; raise InputError where it cannot be read."""
-    try:
-        return read_file(name).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError("is not UTF-8 text", Location(name)) from error
+    return decoded(read_file(name), name, "utf-8-sig")

@@ -8,10 +8,12 @@ from collections.abc import Sequence
 
 from tracerisk.errors import InputError, Location
 from tracerisk.text.columns import columns_of
+from tracerisk.text.paper import Paper
 from tracerisk.text.printable import printable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
     from typing import Any, TextIO
 
     from tracerisk.hardware.model import Hardware
@@ -22,6 +24,7 @@ SCHEMA = "tracerisk"
 VERSION = 1
 """Version of the JSON that every verb prints with `--json`."""
 
+_MOST_NAMED = 5  # files without blocks
 _NARROWEST = 40  # columns of a terminal to which lines are fitted
 
 _PLAIN_SIGNS = str.maketrans(
@@ -107,6 +110,24 @@ def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
         note(f"warning: {warning}", quiet=quiet)
 
 
+def note_without_controllers(options: argparse.Namespace) -> None:
+    """Print a line for each named file without risk blocks on which no controller depends."""
+    from tracerisk.pipeline.freshness.known_controllers import without_controllers
+
+    found = without_controllers(options.files)
+    for name in found[:_MOST_NAMED]:
+        message = "no risk blocks, and no controller depends on it"
+        note(f"{name}: {message}; `tracerisk run {name}` writes blocks", quiet=options.quiet)
+    if len(found) > _MOST_NAMED:
+        note(f"and {len(found) - _MOST_NAMED} more files without blocks", quiet=options.quiet)
+
+
+def place_data(place: Location | None) -> dict[str, object]:
+    """Return a place as plain data, as errors in JSON have it."""
+    names = ("file", "line", "column")
+    return {name: None if place is None else getattr(place, name) for name in names}
+
+
 def print_diff(before: bytes, after: bytes, name: str) -> None:
     """Print a unified diff of two versions of a file."""
     import difflib
@@ -141,6 +162,11 @@ def use_color() -> bool:
 def terminal_width() -> int:
     """Return the columns of the terminal, 80 where there is none."""
     return columns_of(sys.stdout) if sys.stdout.isatty() else 80
+
+
+def paper() -> Paper:
+    """Return what tables on standard output are written for."""
+    return Paper(terminal_width(), use_color())
 
 
 def print_text(text: str) -> None:

@@ -178,12 +178,11 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
-        from tracerisk.cli.shared.output import print_json, show
+        from tracerisk.cli.shared.output import place_data, print_json, show
 
         show(f"{self.prog}: {message} [usage]", to_errors=True)
         if self.verb is not None:
-            place = {"file": None, "line": None, "column": None}
-            data = {"kind": "UsageError", "code": "usage", "message": message, **place}
+            data = {"kind": "UsageError", "code": "usage", "message": message, **place_data(None)}
             print_json(self.verb, exit_code=2, error=data)
         self.exit(2)
 

@@ -139,10 +139,10 @@ def history_shown(file: str) -> tuple[Section, ...]:
 
     Raises InputError outside a repository, and for a file that git does not know.
     """
-    from tracerisk.pipeline.review.history import history, history_rows
+    from tracerisk.pipeline.review.history import history
     from tracerisk.report.html.repository.history import history_section
 
-    return (history_section(Path(file).name, history_rows(history(Path(file)))),)
+    return (history_section(Path(file).name, history(Path(file))),)
 
 
 def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:

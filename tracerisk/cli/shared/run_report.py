@@ -11,7 +11,7 @@ from typing import Any
 
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks
-from tracerisk.cli.shared.output import note, scenario_advice, write_file
+from tracerisk.cli.shared.output import note, place_data, scenario_advice, write_file
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
@@ -171,14 +171,11 @@ def failure_of(trace: Trace) -> dict[str, Any] | None:
     """Return the error that a badly ended run amounts to, as data; `None` after a good end."""
     if trace.end.is_good:
         return None
-    place = trace.end.location
     return {
         "kind": ("SourceError" if trace.end.cause == "not_importable" else "ControllerFailedError"),
         "code": trace.end.code,
         "message": trace.end.message,
-        "file": None if place is None else place.file,
-        "line": None if place is None else place.line,
-        "column": None if place is None else place.column,
+        **place_data(trace.end.location),
         "scenario": trace.end.scenario or None,
     }
 

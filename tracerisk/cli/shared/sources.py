@@ -67,7 +67,9 @@ def model_of_files(files: Sequence[str], profile: ProfileText) -> HybridModel:
         if data.lstrip().startswith(b"{"):
             if profile:
                 raise InputError("--profile goes with sources; a model file has its own `next`")
-            return _read_model(data, files[0])
+            from tracerisk.prm.formats import model_json
+
+            return model_json.loads(decoded(data, files[0]), files[0])
     return model_of_sources(files, profile)
 
 
@@ -80,18 +82,13 @@ def linked_model(files: Sequence[str]) -> LinkedModel | None:
         return None
     from tracerisk.prm.formats import linked_json
 
-    text = _decoded(data, files[0])
+    text = decoded(data, files[0])
     return linked_json.loads(text, files[0]) if linked_json.is_linked(text) else None
 
 
-def _read_model(data: bytes, name: str) -> HybridModel:
-    from tracerisk.prm.formats import model_json
-
-    return model_json.loads(_decoded(data, name), name)
-
-
-def _decoded(data: bytes, name: str) -> str:
+def decoded(data: bytes, name: str, encoding: str = "utf-8") -> str:
+    """Return the text of a file; raise InputError where it is none."""
     try:
-        return data.decode("utf-8")
+        return data.decode(encoding)
     except UnicodeDecodeError as error:
         raise InputError("is not UTF-8 text", Location(name)) from error

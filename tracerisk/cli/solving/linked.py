@@ -7,8 +7,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
-from tracerisk.errors import ExitCode, InputError, one_of
+from tracerisk.cli.shared.output import paper, print_json, print_text
+from tracerisk.cli.shared.risk_limit import risk_exit
+from tracerisk.errors import InputError, one_of
 
 if TYPE_CHECKING:
     import argparse
@@ -39,8 +40,7 @@ def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
     ]
     ranked = importances(changed, figure) if options.importance else ()
     spread = _spread(changed, figure, options)
-    risk = solution.figure(figure).p
-    code = _risk_exit(figure, risk, options.max_failure_probability)
+    code = risk_exit({figure: solution.figure(figure).p}, options.max_failure_probability)
     if options.json:
         data: dict[str, Any] = {"model": model.name, "figures": solution.figures}
         data |= {"parameters": solution.parameters, "figure": figure}
@@ -103,12 +103,5 @@ def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Unc
     )
 
 
-def _risk_exit(figure: str, risk: float, limit: float | None) -> ExitCode:
-    if limit is None or risk <= limit:
-        return ExitCode.FINE
-    note(f"tracerisk: {figure} {risk:.4g} is over --max-failure-probability {limit:g}")
-    return ExitCode.WOULD_CHANGE
-
-
 def _show(render: Callable[..., str], *what: object) -> None:
-    print_text(render(*what, width=terminal_width(), color=use_color()) + "\n")
+    print_text(render(*what, paper=paper()) + "\n")

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.shared.output import note, paper, print_json, print_text
+from tracerisk.cli.shared.risk_limit import risk_exit
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
 from tracerisk.records import asdict
@@ -198,14 +199,10 @@ def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:
             "--max-failure-probability: say with --figure which is a risk; "
             f"{one_of(solved.figures)}"
         )
-    over = [(name, solved.figures[name]) for name in names if solved.figures[name] > limit]
-    for name, value in over:
-        note(f"tracerisk: {name} {value:.4g} is over --max-failure-probability {limit:g}")
-    return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
+    return risk_exit({name: solved.figures[name] for name in names}, limit)
 
 
 def _show(parts: Sequence[tuple[Render, tuple[Any, ...]]]) -> None:
     """Print the parts with an empty line between two."""
-    width, color = terminal_width(), use_color()
-    texts = [render(*what, width=width, color=color).rstrip("\n") for render, what in parts]
+    texts = [render(*what, paper=paper()).rstrip("\n") for render, what in parts]
     print_text("\n\n".join(texts) + "\n")

@@ -17,50 +17,14 @@ from tracerisk.pipeline.review.controllers import (
     ReviewedController,
     version_of,
 )
-from tracerisk.pipeline.review.git_versions import WORKING_TREE, GitVersion
+from tracerisk.pipeline.review.git_versions import GitVersion
 from tracerisk.pipeline.review.review import difference
 from tracerisk.pipeline.review.run_verdicts import version_verdict
-from tracerisk.prm.review.risk_change import RiskDiff
-from tracerisk.report.series.history import HistoryRow
-from tracerisk.trace import Verdict
+from tracerisk.prm.review.risk_change import WORKING_TREE
+from tracerisk.report.series.history import HistoryPoint
 
 _FORMAT = "--format=%x01%H%x00%cs%x00%s"
 _NOTHING = ControllerVersion({}, None, ".")
-
-
-@dataclass(frozen=True, slots=True)
-class HistoryPoint:
-    """A controller after one commit that changed it."""
-
-    commit: str
-    """The hash; empty for the working tree."""
-    date: str
-    """Of the commit, as 2026-11-23; empty for the working tree."""
-    subject: str
-    path: str
-    """Where its script is, from the top of the repository."""
-    failure_probability: float | None
-    """Of a mission by hardware; `None` where it has no blocks, or none that can be read."""
-    verdict: Verdict | None
-    """Of the run behind the blocks; `None` where it is unknown."""
-    diff: RiskDiff | None = None
-    """What the commit did to the risk; `None` where nothing of it changed."""
-    error: str = ""
-    """Why its blocks cannot be read, in words."""
-
-    @property
-    def is_news(self) -> bool:
-        """Whether it says something: another risk, another verdict, or that it cannot be read."""
-        if self.diff is None:
-            return bool(self.error)
-        verdicts = self.diff.verdicts
-        is_judged = verdicts is not None and verdicts.before != verdicts.after
-        return not self.diff.is_unchanged or is_judged
-
-    @property
-    def name(self) -> str:
-        """What a table calls it."""
-        return self.commit[:8] or WORKING_TREE
 
 
 def history(controller: Path, *, most: int | None = None) -> list[HistoryPoint]:
@@ -225,22 +189,6 @@ def _point(
         return HistoryPoint(*commit.plain, None, None, error=error.message)
     figure = None if diff.after is None else diff.after.failure_probability
     return HistoryPoint(*commit.plain, figure, verdict, diff)
-
-
-def history_rows(points: Sequence[HistoryPoint]) -> list[HistoryRow]:
-    """Return the commits as tables, charts and pages show them."""
-    return [
-        HistoryRow(
-            each.name,
-            each.date,
-            each.subject,
-            each.failure_probability,
-            each.verdict,
-            each.diff,
-            each.error,
-        )
-        for each in points
-    ]
 
 
 def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] | None:

@@ -335,6 +335,9 @@ class Review:
         return f"{self.prefixes[0 if is_gone else 1]}{location}"
 
 
+WORKING_TREE = "working tree"
+"""What a version is called that is no commit."""
+
 NOISE = 0.01
 """The relative change of a figure that counts as no change."""
 

@@ -10,7 +10,7 @@ from tracerisk.report.diff import sentences
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
 
 _NONE = "none"
 
@@ -88,7 +88,7 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
         )
         for label, kind in kinds.items()
     )
-    columns = (Column("figure"), *_before_and_after(review), Column("ratio", is_number=True))
+    columns = (Column("figure"), *numbers(review.before, review.after, "ratio"))
     return Table(f"{name}-mission", "The mission", columns, rows)
 
 
@@ -113,8 +113,7 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     columns = (
         Column("change"),
         Column("alone", "what only it does to mission failure", is_number=True),
-        Column("cause"),
-        Column("where"),
+        *texts("cause", "where"),
     )
     return Table(f"{name}-changes", "What changed", columns, tuple(rows))
 
@@ -143,10 +142,6 @@ def _functions(name: str, diff: RiskDiff) -> Table:
         Column("visits", "after", is_number=True),
     )
     return Table(f"{name}-functions", "Functions", columns, rows)
-
-
-def _before_and_after(review: Review) -> tuple[Column, Column]:
-    return Column(review.before, is_number=True), Column(review.after, is_number=True)
 
 
 def _figure(mission: MissionFigures | None, kind: str) -> str:

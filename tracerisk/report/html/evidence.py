@@ -12,7 +12,7 @@ from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, number
 from tracerisk.report.html.tables import Cell as TableCell
-from tracerisk.report.html.tables import Column, Row, Table
+from tracerisk.report.html.tables import Column, Row, Table, texts
 
 T = TypeVar("T")
 
@@ -138,8 +138,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
     if not cells:
         return None
     columns = (
-        Column("failure"),
-        Column("function"),
+        *texts("failure", "function"),
         Column("at s", "instant of the failure", is_number=True),
         Column("end effect"),
         Column("see it", "the option of tracerisk run"),
@@ -165,8 +164,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
 
 def _table(found: Evidence, pages: Pages) -> Table:
     columns = (
-        Column("failure"),
-        Column("function"),
+        *texts("failure", "function"),
         Column("end effect", "the worst of the tries"),
         Column("detected after s", "median, of those reported", is_number=True),
         Column("detected by"),

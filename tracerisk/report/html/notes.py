@@ -9,19 +9,16 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import Pin, ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import line_links
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
 
 
 def pins_section(report: ReportInput) -> Section:
     """Return what users set by hand, why, and how far it is from what is computed."""
     links = line_links(report.sources)
     columns = (
-        Column("field"),
-        Column("set by hand"),
-        Column("computed now"),
+        *texts("field", "set by hand", "computed now"),
         Column("drift", "of the one from the other", is_number=True),
-        Column("reason"),
-        Column("place"),
+        *texts("reason", "place"),
     )
     rows = tuple(
         Row(
@@ -52,7 +49,7 @@ def coverage_section(report: ReportInput) -> Section:
     trace = report.trace
     table = None
     if trace is not None and trace.uncovered:
-        columns = (Column("function"), Column("file"), Column("line", is_number=True))
+        columns = (*texts("function", "file"), *numbers("line"))
         rows = tuple(
             Row((Cell(each.ref.name), Cell(each.ref.file), Cell(str(each.line))))
             for each in trace.uncovered

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 
 
@@ -33,6 +34,21 @@ class Cell:
     component: str | None = None
     note: str = ""
     rows: int = 1
+
+
+def texts(*headings: str) -> tuple[Column, ...]:
+    """Return columns of texts."""
+    return tuple(map(Column, headings))
+
+
+def numbers(*headings: str) -> tuple[Column, ...]:
+    """Return columns of numbers."""
+    return tuple(Column(heading, is_number=True) for heading in headings)
+
+
+def share_cell(share: float) -> Cell:
+    """Return a cell with a share and its bar."""
+    return Cell(figures.percent(share), share=min(max(share, 0.0), 1.0))
 
 
 @dataclass(frozen=True, slots=True)

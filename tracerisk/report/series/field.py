@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from tracerisk.field.profile import Estimate, FieldProfile
 from tracerisk.report.tables import Column, counted, render_table
+from tracerisk.text.paper import PAPER, Paper
 
 
-def render_field(found: FieldProfile, *, width: int = 80, color: bool = False) -> str:
+def render_field(found: FieldProfile, paper: Paper = PAPER) -> str:
     """Return the functions with visits, times and what follows, with 90 % intervals."""
     on = f" on {found.robot}" if found.robot else ""
     title = f"{found.controller or 'A log'}{on}: {counted(found.missions, 'mission')} in the field"
@@ -28,7 +29,7 @@ def render_field(found: FieldProfile, *, width: int = 80, color: bool = False) -
         )
         for step in found.steps
     ]
-    return render_table(title, columns, rows, width=width, color=color)
+    return render_table(title, columns, rows, paper)
 
 
 def _words(found: Estimate) -> str:

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
+from tracerisk.prm.review.risk_change import WORKING_TREE
 from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.series.sweep import plot_svg
 from tracerisk.report.tables import render_parts, table_of
+from tracerisk.text.paper import PAPER, Paper
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict
 
 if TYPE_CHECKING:
@@ -27,28 +29,46 @@ _CHARACTER = 6.6
 
 
 @dataclass(frozen=True, slots=True)
-class HistoryRow:
-    """One commit of a history, as it is shown."""
+class HistoryPoint:
+    """A controller after one commit that changed it."""
 
-    name: str
+    commit: str
+    """The hash; empty for the working tree."""
     date: str
+    """Of the commit, as 2026-11-23; empty for the working tree."""
     subject: str
+    path: str
+    """Where its script is, from the top of the repository."""
     failure_probability: float | None
+    """Of a mission by hardware; `None` where it has no blocks, or none that can be read."""
     verdict: Verdict | None
-    diff: RiskDiff | None
-    error: str
+    """Of the run behind the blocks; `None` where it is unknown."""
+    diff: RiskDiff | None = None
+    """What the commit did to the risk; `None` where nothing of it changed."""
+    error: str = ""
+    """Why its blocks cannot be read, in words."""
+
+    @property
+    def is_news(self) -> bool:
+        """Whether it says something: another risk, another verdict, or that it cannot be read."""
+        if self.diff is None:
+            return bool(self.error)
+        verdicts = self.diff.verdicts
+        is_judged = verdicts is not None and verdicts.before != verdicts.after
+        return not self.diff.is_unchanged or is_judged
 
     @property
     def change(self) -> str:
         """What the commit did to the risk, in words."""
-        if self.diff is None:
-            return self.error
-        return sentence(self.diff)
+        return self.error if self.diff is None else sentence(self.diff)
+
+    @property
+    def name(self) -> str:
+        """What a table calls it."""
+        return self.commit[:8] or WORKING_TREE
 
 
-def render_history(
-    name: str, rows: Sequence[HistoryRow], *, width: int = 80, color: bool = False
-) -> str:
+def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER) -> str:
     """Return the table of one controller for a terminal, the oldest commit first."""
     table = table_of(name)
     for heading in ("commit", "date", "mission failure", "ratio", "verdict", "subject"):
@@ -69,10 +89,10 @@ def render_history(
             row.subject,
         )
         last = figure if figure is not None else last
-    return render_parts([table], width=width, color=color)
+    return render_parts([table], paper)
 
 
-def history_svg(histories: Mapping[str, Sequence[HistoryRow]]) -> str:
+def history_svg(histories: Mapping[str, Sequence[HistoryPoint]]) -> str:
     """Return a chart: the figure after each commit, a line for each controller."""
     points = [
         _Point(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from tracerisk.report.tables import rendered, share_text, table_of
+from tracerisk.report.tables import csv_of, rendered, share_text, table_of
+from tracerisk.text.paper import PAPER, Paper
 
 _WIDTH, _HEIGHT = 640.0, 360.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 84.0, 20.0, 24.0, 56.0
@@ -57,7 +56,7 @@ class Point(PlotPoint, Protocol):
         """Why there is no figure."""
 
 
-def render_points(points: Sequence[Point], *, width: int = 80, color: bool = False) -> str:
+def render_points(points: Sequence[Point], paper: Paper = PAPER) -> str:
     """Return the points as a table for a terminal."""
     table = table_of("Probability that a hardware failure ends the mission")
     names = list(points[0].values) if points else []
@@ -76,23 +75,28 @@ def render_points(points: Sequence[Point], *, width: int = 80, color: bool = Fal
             "" if each.simulated_s is None else f"{each.simulated_s:.1f}",
             most,
         )
-    return rendered(lambda console: console.print(table), width=width, color=color)
+    return rendered(lambda console: console.print(table), paper)
 
 
 def csv_text(points: Sequence[Point]) -> str:
     """Return the points as CSV."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
     names = list(points[0].values) if points else []
-    writer.writerow(
-        [*names, "failure_probability", "verdict", "simulated_s", "leading", "share", "error"]
+    headings = (
+        *names,
+        "failure_probability",
+        "verdict",
+        "simulated_s",
+        "leading",
+        "share",
+        "error",
     )
+    rows = []
     for each in points:
         p = "" if each.failure_probability is None else repr(each.failure_probability)
         seconds = "" if each.simulated_s is None else repr(each.simulated_s)
         row = [p, each.verdict, seconds, each.leading, repr(each.share), each.error]
-        writer.writerow([*(each.values[name] for name in names), *row])
-    return stream.getvalue()
+        rows.append([*(each.values[name] for name in names), *row])
+    return csv_of(headings, rows)
 
 
 def plot_svg(points: Sequence[PlotPoint]) -> str:

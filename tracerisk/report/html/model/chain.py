@@ -15,7 +15,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, Point, add_title, box, number, text_width, word
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Row, Table, numbers, texts
 
 Edge = tuple[str, str]
 
@@ -185,17 +185,15 @@ def _ports(
     return found
 
 
+def _draw_arrow(drawing: Drawing, way: str, kind: str, edge: Edge) -> None:
+    drawing.path(way, kind, arrow=True, edge=f"{edge[0]} {edge[1]}", function=edge[0])
+
+
 def _draw_onward(drawing: Drawing, edge: Edge, places: _Places) -> Point:
     """Draw the way to the next state, and return where its share is written."""
     (x, y), (_, to_y) = places.centres[edge[0]], places.centres[edge[1]]
     start, end = y + _HEIGHT / 2, to_y - _HEIGHT / 2
-    drawing.path(
-        f"M{number(x)} {number(start)} V{number(end)}",
-        "edge",
-        arrow=True,
-        edge=f"{edge[0]} {edge[1]}",
-        function=edge[0],
-    )
+    _draw_arrow(drawing, f"M{number(x)} {number(start)} V{number(end)}", "edge", edge)
     return (x, (start + end) / 2 - 2.0)
 
 
@@ -206,13 +204,12 @@ def _draw_around(drawing: Drawing, edge: Edge, places: _Places) -> Point:
     bend = min(7.0, abs(end - start) / 2)
     turn = bend if end > start else -bend
     n = number
-    drawing.path(
+    _draw_arrow(
+        drawing,
         f"M{n(x)} {n(start)} H{n(lane + bend)} Q{n(lane)} {n(start)} {n(lane)} {n(start + turn)} "
         f"V{n(end - turn)} Q{n(lane)} {n(end)} {n(lane + bend)} {n(end)} H{n(to_x)}",
         "edge",
-        arrow=True,
-        edge=f"{edge[0]} {edge[1]}",
-        function=edge[0],
+        edge,
     )
     return (lane, _free_height(edge, places))
 
@@ -237,13 +234,7 @@ def _draw_failing(drawing: Drawing, edge: Edge, places: _Places) -> Point:
     """Draw the way into a state's failure, and return where its probability is written."""
     (x, y), (to_x, _) = places.centres[edge[0]], places.centres[edge[1]]
     start, end = x + _width(edge[0]) / 2, to_x - places.beside / 2
-    drawing.path(
-        f"M{number(start)} {number(y)} H{number(end)}",
-        "edge failing",
-        arrow=True,
-        edge=f"{edge[0]} {edge[1]}",
-        function=edge[0],
-    )
+    _draw_arrow(drawing, f"M{number(start)} {number(y)} H{number(end)}", "edge failing", edge)
     # In a column, whatever the states are called.
     return (end - _ASIDE / 2 - 2.0, y)
 
@@ -301,11 +292,6 @@ def _transitions(model: HybridModel, states: dict[str, StateAssessment]) -> Tabl
     return Table(
         "transitions",
         "Every transition of the chain",
-        (
-            Column("from"),
-            Column("to"),
-            Column("probability", is_number=True),
-            Column("share of what follows", is_number=True),
-        ),
+        (*texts("from", "to"), *numbers("probability", "share of what follows")),
         tuple(rows),
     )

@@ -9,7 +9,7 @@ from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, share_cell, texts
 from tracerisk.report.run_figures import RunFigures
 
 _MEANINGS = (
@@ -70,20 +70,14 @@ def hardware_section(report: ReportInput) -> Section | None:
 def _measures(components: tuple[ComponentImportance, ...]) -> Table:
     columns = (
         Column("component"),
-        *(
-            Column(heading, is_number=True)
-            for heading in ("Fussell-Vesely", "criticality", "Birnbaum", "RRW", "RAW", "tenfold")
-        ),
+        *numbers("Fussell-Vesely", "criticality", "Birnbaum", "RRW", "RAW", "tenfold"),
         Column("one unit", "greatest in a visit", is_number=True),
     )
     rows = tuple(
         Row(
             (
                 Cell(each.name, component=component_of(each.name)),
-                Cell(
-                    figures.percent(each.fussell_vesely),
-                    share=min(max(each.fussell_vesely, 0.0), 1.0),
-                ),
+                share_cell(each.fussell_vesely),
                 Cell(figures.percent(each.criticality)),
                 Cell(figures.ratio(each.birnbaum)),
                 Cell(figures.ratio(each.risk_reduction_worth)),
@@ -109,7 +103,7 @@ def _by_instance(found: RunFigures | None) -> Table | None:
                 Cell(each.component, component=each.component),
                 Cell(each.instance.element),
                 Cell(figures.probability(each.instance.p_failure)),
-                Cell(figures.percent(each.share), share=min(max(each.share, 0.0), 1.0)),
+                share_cell(each.share),
                 Cell(figures.percent(each.fussell_vesely)),
             ),
             component=each.component,
@@ -118,8 +112,7 @@ def _by_instance(found: RunFigures | None) -> Table | None:
         if each.component in unlike
     )
     columns = (
-        Column("component"),
-        Column("instance"),
+        *texts("component", "instance"),
         Column("fails", "in a mission", is_number=True),
         Column("share", "of the component's failures", is_number=True),
         Column("Fussell-Vesely", is_number=True),
@@ -135,10 +128,7 @@ def _assumed(found: RunFigures | None) -> Table | None:
         Row(
             (
                 Cell(each.component, component=each.component),
-                Cell(
-                    figures.percent(each.fussell_vesely),
-                    share=min(max(each.fussell_vesely, 0.0), 1.0),
-                ),
+                share_cell(each.fussell_vesely),
                 Cell(each.source),
             ),
             component=each.component,
@@ -165,24 +155,15 @@ def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
         if len(each.by_unit) > 1
         for part in each.by_unit
     )
-    columns = (
-        Column("component"),
-        Column("unit"),
-        Column("Birnbaum", is_number=True),
-        Column("criticality", is_number=True),
-    )
+    columns = (*texts("component", "unit"), *numbers("Birnbaum", "criticality"))
     return Table("units", "Importance of single units", columns, rows) if rows else None
 
 
 def _described(hardware: Hardware, used: set[str]) -> Table:
     has_sources = any(_source(each) for each in hardware.components)
     columns = (
-        Column("component"),
-        Column("units"),
-        Column("redundancy"),
-        Column("figures of one unit"),
-        *([Column("source")] if has_sources else []),
-        Column("in this mission"),
+        *texts("component", "units", "redundancy", "figures of one unit"),
+        *texts(*(["source"] if has_sources else []), "in this mission"),
     )
     rows = tuple(
         Row(

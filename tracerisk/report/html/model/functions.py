@@ -10,7 +10,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import definitions
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, share_cell, texts
 
 MOST_COLUMNS = 12
 """How many components the table of shares has; those that matter most."""
@@ -30,9 +30,7 @@ def functions_section(report: ReportInput) -> Section:
 def _functions(report: ReportInput) -> Table:
     has_times = report.exposures is not None
     columns = [
-        Column("function"),
-        Column("component"),
-        Column("units needed"),
+        *texts("function", "component", "units needed"),
         *([Column("active", "seconds of the run", is_number=True)] if has_times else []),
         Column("one unit", "fails in a visit", is_number=True),
         Column("fails in a visit", is_number=True),
@@ -105,13 +103,9 @@ def _shares(report: ReportInput) -> Table | None:
         cells = [Cell(state.name, function=state.name)]
         for each in components:
             share = shares.get((state.name, each.name))
-            cells.append(
-                Cell(figures.NOTHING)
-                if share is None
-                else Cell(figures.percent(share), share=min(max(share, 0.0), 1.0))
-            )
+            cells.append(Cell(figures.NOTHING) if share is None else share_cell(share))
         rows.append(Row(tuple(cells), state.name))
-    columns = (Column("function"), *(Column(each.name, is_number=True) for each in components))
+    columns = (Column("function"), *numbers(*(each.name for each in components)))
     return Table(
         "shares",
         "Share of each component, in each function, in the mission's failure",

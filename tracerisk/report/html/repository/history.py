@@ -9,8 +9,8 @@ from markupsafe import Markup
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table
-from tracerisk.report.series.history import HistoryRow, history_svg
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
+from tracerisk.report.series.history import HistoryPoint, history_svg
 from tracerisk.trace import UNKNOWN_VERDICT
 
 MOST_SHOWN = 20
@@ -20,7 +20,7 @@ _LATEST = "The latest commits that changed the risk, the oldest first"
 _EARLIER = "Earlier commits that changed the risk, the oldest first"
 
 
-def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
+def history_section(name: str, rows: Sequence[HistoryPoint]) -> Section:
     """Return the section of a history, the oldest commit first in chart and table."""
     table_rows = _rows(rows)
     earlier = table_rows[:-MOST_SHOWN] if len(table_rows) > MOST_SHOWN + 1 else []
@@ -36,7 +36,7 @@ def history_section(name: str, rows: Sequence[HistoryRow]) -> Section:
     return Section("history", "History", html)
 
 
-def _rows(rows: Sequence[HistoryRow]) -> list[Row]:
+def _rows(rows: Sequence[HistoryPoint]) -> list[Row]:
     found = []
     last: float | None = None
     for row in rows:
@@ -60,10 +60,9 @@ def _rows(rows: Sequence[HistoryRow]) -> list[Row]:
 
 def _table(name: str, caption: str, rows: Sequence[Row]) -> Table:
     columns = (
-        Column("commit"),
-        Column("mission failure", is_number=True),
-        Column("ratio", is_number=True),
-        Column("verdict"),
+        *texts("commit"),
+        *numbers("mission failure", "ratio"),
+        *texts("verdict"),
         Column("subject", "and what it did to the risk"),
     )
     return Table(name, caption, columns, tuple(rows))

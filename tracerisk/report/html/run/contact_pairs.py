@@ -10,7 +10,7 @@ from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.html.tables import Cell, Column, Row, Table, texts
 from tracerisk.trace import Contact, FunctionRef, Payload, Trace
 
 MOST_UNFOLDED = 12
@@ -72,9 +72,7 @@ def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Tabl
     if not pairs:
         return None
     columns = (
-        Column("function"),
-        Column("link, or thing held"),
-        Column("other body"),
+        *texts("function", "link, or thing held", "other body"),
         Column("greatest force", "N", is_number=True),
         Column("touching", "seconds of the run", is_number=True),
         Column("first at", "seconds", is_number=True),
@@ -126,9 +124,7 @@ def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
     if not held:
         return None
     columns = (
-        Column("function"),
-        Column("gripper"),
-        Column("object"),
+        *texts("function", "gripper", "object"),
         Column("mass", "kg", is_number=True),
         Column("held", "seconds of the run", is_number=True),
         Column("mean pad force", "N, while held", is_number=True),
