@@ -186,8 +186,9 @@ def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], N
         from tracerisk.instrument.recording import Recorder
         from tracerisk.pipeline.run.companions.companion_run import Companions
         from tracerisk.pipeline.trace.run_files import Companion
+        from tracerisk.text.read_back import read_back
 
-        companions = tuple(Companion.from_json(each) for each in started["beside"])
+        companions = tuple(read_back(Companion, each) for each in started["beside"])
         Companions(companions, runtime, Recorder(io.BytesIO(), clock=lambda: 0)).start()
     sys.argv = list(runtime.argv)
     text = Path(job["file"]).read_bytes()

@@ -36,7 +36,7 @@ from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
-from tracerisk.pipeline.trace.cache import FOLDER
+from tracerisk.pipeline.trace.cache import FOLDER, make_kept
 
 MOST_IN_BATCH = 48
 """How many cells a worker has at a time: they branch off one run, and go with a dead one."""
@@ -378,10 +378,7 @@ def _journaled(path: Path) -> list[Cell]:
 def _journal(path: Path) -> Iterator[Callable[[Sequence[Cell]], None]]:
     def write(text: str) -> None:
         try:
-            path.parent.mkdir(exist_ok=True)
-            ignore = path.parent / ".gitignore"
-            if not ignore.exists():
-                atomic_write(ignore, b"*\n")
+            make_kept(path.parent)
             with path.open("a", encoding="utf-8") as stream:
                 stream.write(text)
         except OSError as error:

@@ -12,7 +12,6 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
 from tracerisk.hardware.formats import load_hardware
@@ -20,7 +19,7 @@ from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons
 from tracerisk.pipeline.stages import annotate, build, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
-from tracerisk.pipeline.trace.cache import FOLDER
+from tracerisk.pipeline.trace.cache import FOLDER, make_kept
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.sandbox.scratch import scratch
 
@@ -301,10 +300,7 @@ class _Kept:
             return
         line = json.dumps({"of": of, "point": asdict(point), "inputs": inputs})
         with contextlib.suppress(OSError, InputError):
-            self._path.parent.mkdir(exist_ok=True)
-            ignore = self._path.parent / ".gitignore"
-            if not ignore.exists():
-                atomic_write(ignore, b"*\n")
+            make_kept(self._path.parent)
             with self._path.open("a", encoding="utf-8") as stream:
                 stream.write(f"{line}\n")
 

@@ -15,7 +15,7 @@ from typing import Any
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.records import asdict, dataclass, field, fields, replace
 from tracerisk.source.code_digest import code_digest
 from tracerisk.text.digests import sha256
@@ -126,7 +126,10 @@ def run_inputs(
     robot = map(str, robot_files(controller, settings))
     drivers = map(str, driver_files(root, settings))
     named = (settings.scenario, scene, *settings.params, *drivers, *robot)
-    listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
+    listed = {
+        *trace.inputs,
+        *(from_root(root, Path(file).resolve()) for file in named if file is not None),
+    }
     sources = {controller.file, *trace.files}
     inputs = RunInputs(
         settings=settings_data(settings, root),
@@ -275,13 +278,9 @@ def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
 def _plain(name: str, value: Any, root: Path) -> Any:
     """Return a setting as JSON; a file that it names is given from the root."""
     if name in ("params", "drivers"):
-        return [_from(root, Path(file)) for file in value]
+        return [from_root(root, Path(file).resolve()) for file in value]
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
-        return _from(root, Path(value))
+        return from_root(root, Path(value).resolve())
     if name == "accept":
         return [asdict(each) for each in value]
     return list(value) if isinstance(value, tuple) else value
-
-
-def _from(root: Path, path: Path) -> str:
-    return Path(os.path.relpath(path.resolve(), root)).as_posix()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -140,16 +140,17 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     program = program_of(script, root, workspace)
     asked = asked_by(script, controller.source, workspace.python_packages)
     ros = ros_version(script, root)
+    search = _Search(program, workspace, asked, root, settings.limits)
+    problems = search.problems
     if isinstance(settings.launch, str):
-        return _named(Path(settings.launch), ros, program, workspace, asked, root, settings.limits)
+        return search.named(Path(settings.launch), ros)
     files = find_launch_files(program, root, workspace, ros)
     direct = [file for file in files if file.is_direct][: _MOST_READ[ros]]
-    problems: list[str] = []
-    candidates = _candidates(direct, program, workspace, asked, problems, settings.limits)
+    candidates = search.candidates(direct)
     best = _best(candidates, asked)
     if direct and (best is None or best.gives(asked.required) < len(asked.required)):
         around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
-        candidates += _candidates(around, program, workspace, asked, problems, settings.limits)
+        candidates += search.candidates(around)
         best = _best(candidates, asked)
     robots: tuple[RobotSource, ...] = ()
     by = ""
@@ -167,72 +168,81 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     return LaunchChoice(robots=robots, file=by)
 
 
-def _named(
-    path: Path,
-    wanted_ros: Literal[1, 2],
-    program: Program,
-    workspace: Workspace,
-    asked: Asked,
-    root: Path,
-    limits: Limits,
-) -> LaunchChoice:
-    """Return what the launch file gives that the user has named."""
-    place = Location(str(path))
-    try:
-        ros = ros_of(path, read_text(path))
-    except ParameterTextError as error:
-        raise InputError(f"the launch file {error}", place) from error
-    if ros is None:
-        raise InputError(
-            "is not a launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2", place
-        )
-    if ros != wanted_ros:
-        raise InputError(
-            f"is a launch file of ROS {ros}, but the controller is of ROS {wanted_ros}; name one "
-            f"of ROS {wanted_ros}, or none with --no-launch",
-            place,
-        )
-    file = LaunchFile(path.resolve(), ros, True)
-    problems: list[str] = []
-    candidates = _candidates([file], program, workspace, asked, problems, limits)
-    if not candidates:
-        reading = read_launch_file(file, workspace, limits)
-        started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
-        wanted = f"{program.package}/{program.script.name}"
-        why = f" ({problems[0]})" if problems else ""
-        raise InputError(
-            f"does not start {wanted}{why}; it starts: {one_of(started).partition(': ')[2]}", place
-        )
-    setup = _setup(candidates[0], candidates, asked, root)
-    robots = candidates[0].reading.robots
-    return LaunchChoice(setup, () if setup is None else setup.notes, robots, shown([path], root)[0])
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """A search for what a program is given; `problems` are why files gave nothing."""
 
+    program: Program
+    workspace: Workspace
+    asked: Asked
+    root: Path
+    limits: Limits
+    problems: list[str] = field(default_factory=list)
 
-def _candidates(
-    files: Sequence[LaunchFile],
-    program: Program,
-    workspace: Workspace,
-    asked: Asked,
-    problems: list[str],
-    limits: Limits,
-) -> list[_Candidate]:
-    found = []
-    with ThreadPoolExecutor(_AT_ONCE) as pool:
-        readings = list(pool.map(lambda file: read_launch_file(file, workspace, limits), files))
-    for file, reading in zip(files, readings, strict=True):
-        nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
-        made = [
-            _Candidate(
-                file, reading, node, len(nodes), asked.nodes if node.name is None else (node.name,)
+    def named(self, path: Path, wanted_ros: Literal[1, 2]) -> LaunchChoice:
+        """Return what the launch file gives that the user has named."""
+        place = Location(str(path))
+        try:
+            ros = ros_of(path, read_text(path))
+        except ParameterTextError as error:
+            raise InputError(f"the launch file {error}", place) from error
+        if ros is None:
+            raise InputError(
+                "is not a launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2",
+                place,
             )
-            for node in nodes
-        ]
-        best = _best(made, asked)
-        if best is not None:
-            found.append(best)
-        else:
-            problems += reading.problems
-    return found
+        if ros != wanted_ros:
+            raise InputError(
+                f"is a launch file of ROS {ros}, but the controller is of ROS {wanted_ros}; name "
+                f"one of ROS {wanted_ros}, or none with --no-launch",
+                place,
+            )
+        file = LaunchFile(path.resolve(), ros, True)
+        candidates = self.candidates([file])
+        if not candidates:
+            reading = read_launch_file(file, self.workspace, self.limits)
+            started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
+            wanted = f"{self.program.package}/{self.program.script.name}"
+            why = f" ({self.problems[0]})" if self.problems else ""
+            raise InputError(
+                f"does not start {wanted}{why}; it starts: {one_of(started).partition(': ')[2]}",
+                place,
+            )
+        setup = _setup(candidates[0], candidates, self.asked, self.root)
+        robots = candidates[0].reading.robots
+        return LaunchChoice(
+            setup, () if setup is None else setup.notes, robots, shown([path], self.root)[0]
+        )
+
+    def candidates(self, files: Sequence[LaunchFile]) -> list[_Candidate]:
+        """Return of each file the node that is the program; what cannot be read is noted."""
+        found = []
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            readings = list(
+                pool.map(lambda file: read_launch_file(file, self.workspace, self.limits), files)
+            )
+        for file, reading in zip(files, readings, strict=True):
+            nodes = [
+                node
+                for each in reading.nodes
+                if (node := self.program.started_as(each)) is not None
+            ]
+            made = [
+                _Candidate(
+                    file,
+                    reading,
+                    node,
+                    len(nodes),
+                    self.asked.nodes if node.name is None else (node.name,),
+                )
+                for node in nodes
+            ]
+            best = _best(made, self.asked)
+            if best is not None:
+                found.append(best)
+            else:
+                self.problems.extend(reading.problems)
+        return found
 
 
 def read_launch_file(file: LaunchFile, workspace: Workspace, limits: Limits) -> LaunchReading:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tracerisk.pipeline.launch_files.records import StartedNode
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
+from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import Workspace
 
 _RENAMED = re.compile(
@@ -86,6 +87,4 @@ def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
 
 def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:
     """Return paths as messages name them: from the controller's root, each once, in their order."""
-    return tuple(
-        dict.fromkeys(Path(os.path.relpath(path.resolve(), root)).as_posix() for path in paths)
-    )
+    return tuple(dict.fromkeys(from_root(root, path.resolve()) for path in paths))

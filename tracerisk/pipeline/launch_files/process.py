@@ -12,6 +12,7 @@ from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, 
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.sandbox.limited_process import run_limited
 from tracerisk.sandbox.process import regular_within
+from tracerisk.text.read_back import read_back
 
 _LONGEST_REASON = 200
 # Launch files choose by it between what two releases name differently.
@@ -43,10 +44,10 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
     try:
         data = json.loads(done.stdout)
         return LaunchReading(
-            nodes=tuple(StartedNode.from_json(each) for each in data["nodes"]),
+            nodes=tuple(read_back(StartedNode, each) for each in data["nodes"]),
             sources=regular_within((str(each) for each in data["sources"]), around),
             problems=tuple(str(each)[:_LONGEST_REASON] for each in data["problems"]),
-            robots=tuple(RobotSource.from_json(each) for each in data["robots"]),
+            robots=tuple(read_back(RobotSource, each) for each in data["robots"]),
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         lines = done.stderr.decode(errors="replace").strip().splitlines()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from tracerisk.pipeline.launch_files.robot_sources import RobotSource
 from tracerisk.ros.graph.parameter_files import EVERY_NODE, Parameter
@@ -46,21 +46,6 @@ class StartedNode:
     environment: tuple[tuple[str, str], ...] = ()
     left_out: tuple[tuple[str, str], ...] = ()
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> StartedNode:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        pairs = ("remaps", "environment", "left_out")
-        return cls(
-            **{
-                **data,
-                **{key: tuple((one, two) for one, two in data[key]) for key in pairs},
-                "command": tuple(data["command"]),
-                "arguments": tuple(data["arguments"]),
-                "ros_arguments": tuple(data["ros_arguments"]),
-                "parameters": tuple(LaunchParameter(**each) for each in data["parameters"]),
-            }
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class LaunchReading:
@@ -100,23 +85,6 @@ class LaunchSetup:
     sources: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     own: tuple[LaunchParameter, ...] = ()
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> LaunchSetup:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        return cls(
-            **{
-                **data,
-                "remaps": tuple((one, two) for one, two in data["remaps"]),
-                "environment": tuple((one, two) for one, two in data["environment"]),
-                "parameters": tuple(LaunchParameter(**each) for each in data["parameters"]),
-                "own": tuple(LaunchParameter(**each) for each in data["own"]),
-                **{
-                    key: tuple(data[key])
-                    for key in ("arguments", "ros_arguments", "sources", "notes")
-                },
-            }
-        )
 
     def argv(self, given: Sequence[str]) -> tuple[str, ...]:
         """Return the command line of the controller: what is `given` goes before the launch file's.

@@ -25,12 +25,6 @@ class RobotSource:
     arguments: tuple[tuple[str, str], ...] = ()
     problem: str = ""
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> RobotSource:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        arguments = tuple((name, value) for name, value in data["arguments"])
-        return cls(data["path"], arguments, data["problem"])
-
 
 def source_of_command(command: str, folder: Path) -> RobotSource | None:
     """Return the file that a command line of xacro or `cat` names, `None` where it names none.

@@ -21,7 +21,7 @@ from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_s
 from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
 from tracerisk.pipeline.recordings.probed import Boundaries
 from tracerisk.pipeline.trace.run_trace import visits_of
-from tracerisk.pipeline.trace.sensors import with_sensors
+from tracerisk.pipeline.trace.sensors import RunActivity, with_sensors
 from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
 from tracerisk.twin.recording.activity import ElementActivity, Thresholds, joint_activity
 from tracerisk.twin.recording.exposure import exposure
@@ -108,9 +108,8 @@ def _trace(
     everywhere = np.ones(samples.n_steps, dtype=np.bool_)
     active = {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
     visits = visits_of(attribution, activity, samples)
-    active, visits = with_sensors(
-        elements, Recording(commands), attribution, activity, samples, active, visits
-    )
+    seen = RunActivity(elements, attribution, activity, samples)
+    active, visits = with_sensors(seen, Recording(commands), active, visits)
     without = frozenset(each.name for each in robot.arm_joints) - states.has_effort
     unknown = without | {each.name for each in robot.grippers}
     controller = declared.controller or bounds.controller

@@ -14,6 +14,7 @@ from typing import Literal
 
 from tracerisk.dependencies import missing_extras
 from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.workspace.controller import from_root
 
 Ci = Literal["github", "gitlab", "none"]
 
@@ -243,22 +244,19 @@ def _settings(
         folder = controller_root(path)
         if not is_root(folder):
             folder = root  # the settings written there will make it the root
-        name = Path(os.path.relpath(path, folder)).as_posix()
+        name = from_root(folder, path)
         names.setdefault(folder, {})[name] = robot_of.get(each, "")
     files: list[StartFile] = []
     lacking: list[str] = []
     for folder, found in names.items():
-        paths = {
-            robot: Path(os.path.relpath(root / file, folder)).as_posix()
-            for robot, file in described.items()
-        }
+        paths = {robot: from_root(folder, root / file) for robot, file in described.items()}
         path = folder / "pyproject.toml"
-        shown = Path(os.path.relpath(path, root)).as_posix()
+        shown = from_root(root, path)
         settings = read_settings(folder)
         before = path.read_bytes() if path.exists() else b""
         named = given
         if given is not None and Path(given).is_file():
-            named = Path(os.path.relpath(given, folder)).as_posix()
+            named = from_root(folder, Path(given))
         own = _lines_of(found, paths, named)
         if b"[tool.tracerisk" not in before:
             files.append(_settings_of(shown, before, own, found, paths))

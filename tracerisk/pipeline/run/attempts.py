@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,7 @@ from tracerisk.pipeline.run.controller_run import run_controller
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import Companion
 from tracerisk.pipeline.trace.sensors import elements_of
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.trace import EndCause, Trace
 
 _MOST_COMPANIONS = 4
@@ -156,6 +155,6 @@ def _with_robot(
             break
         choice = other
     root = controller.root.resolve()
-    read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
+    read = {from_root(root, file.resolve()) for file in choice.files}
     inputs = tuple(sorted({*done.trace.inputs, *read}))
     return replace(done, trace=replace(done.trace, inputs=inputs))

@@ -15,6 +15,7 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording, read_recording
 from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run.run_folders import check_left
+from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import (
     AROUND,
     DRAFTS,
@@ -150,9 +151,8 @@ def _read(
     end = _run_end(recording, process_end, ran)
     if options.progress is not None:
         options.progress("attributing", end.simulated_s or 0.0)
-    trace = make_trace(
-        ran, robot, request.scene, settings, recording, folder, end, beside=options.beside
-    )
+    left = Ran(ran, robot, request.scene, settings, recording, folder, end)
+    trace = make_trace(left, beside=options.beside)
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [
         name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]

@@ -5,7 +5,6 @@ Nobody has confirmed such a draft: each of its values is a reason of the verdict
 
 from __future__ import annotations
 
-import os
 import re
 import time
 from collections.abc import Mapping
@@ -20,7 +19,7 @@ from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import DraftsNoted
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.trace import DRAFTED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
 from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
@@ -145,7 +144,7 @@ def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace
         "confirm"
     )
     root = controller.root.resolve()
-    read = {_from(root, file) for file in search.read_for(entries)}
+    read = {from_root(root, file.resolve()) for file in search.read_for(entries)}
     return replace(
         trace,
         verdict=replace(trace.verdict, reasons=reasons),
@@ -175,7 +174,7 @@ class _Places:
         if place is None or Path(place.file).name != self._name or place.line is None:
             return place
         if self._base is not None and place.line in self._of_base:
-            name = self._base.name if is_shown else _from(self._root, self._base)
+            name = self._base.name if is_shown else from_root(self._root, self._base.resolve())
             return Location(name, self._of_base[place.line])
         key = self._search.entry_at(self._entries, place.line)
         return None if key is None else self._entries.drafts[key].location
@@ -204,7 +203,3 @@ def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:
     before = base.read_text(encoding="utf-8-sig").splitlines()
     blocks = SequenceMatcher(None, text.splitlines(), before, autojunk=False).get_matching_blocks()
     return {each.a + i + 1: each.b + i + 1 for each in blocks for i in range(each.size)}
-
-
-def _from(root: Path, path: Path) -> str:
-    return Path(os.path.relpath(path.resolve(), root)).as_posix()

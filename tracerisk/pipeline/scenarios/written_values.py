@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.pipeline.launch.program import Program
+from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.controller.needs import Need
 from tracerisk.source.filled_messages import filled_fields, plain_value
 from tracerisk.text.yaml_reader import plain_yaml
@@ -236,7 +237,7 @@ class WrittenValues:
         return tuple(texts)
 
     def _place(self, path: Path, line: int) -> str:
-        return f"{Path(os.path.relpath(path, self._top)).as_posix()}:{line}"
+        return f"{from_root(self._top, path)}:{line}"
 
 
 _NAME_START = r"[~/]?(?:[\w/]*/)?"

@@ -17,6 +17,14 @@ FOLDER = ".tracerisk_cache"
 _LENGTH = 16
 
 
+def make_kept(folder: Path) -> None:
+    """Make a folder of what is kept between commands, which git leaves out."""
+    folder.mkdir(exist_ok=True)
+    ignore = folder / ".gitignore"
+    if not ignore.exists():
+        atomic_write(ignore, b"*\n")
+
+
 class TraceCache:
     """The traces kept in the folder `root`: one a controller, by its fingerprint."""
 
@@ -39,10 +47,7 @@ class TraceCache:
 
         Raises InputError or OSError where the folder cannot be written.
         """
-        self._folder.mkdir(exist_ok=True)
-        ignore = self._folder / ".gitignore"
-        if not ignore.exists():
-            atomic_write(ignore, b"*\n")
+        make_kept(self._folder)
         path = self._path(fingerprint, trace.controller)
         atomic_write(path, trace_json.dumps(trace).encode())
         for old in self._folder.glob(f"{_short(trace.controller)}-*.json"):

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from tracerisk.errors import Location
 from tracerisk.instrument.ownership import Attribution
 from tracerisk.pipeline.trace.last_run import contact_text, unexpected_contacts
-from tracerisk.trace import Element, Exposure, Finding, Visit
-from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.pipeline.trace.sensors import RunActivity
+from tracerisk.trace import Exposure, Finding, Visit
 from tracerisk.twin.recording.contact_log import read_contacts
 from tracerisk.twin.recording.contact_pairs import moved_by
 from tracerisk.twin.recording.contacts import (
@@ -25,7 +25,6 @@ from tracerisk.twin.recording.contacts import (
     visit_payloads,
 )
 from tracerisk.twin.recording.exposure import exposure, exposures
-from tracerisk.twin.recording.samples import Samples
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
@@ -34,12 +33,9 @@ UNEXPECTED_CONTACT = "unexpected_contact"
 
 
 def with_contacts(
+    seen: RunActivity,
     folder: Path,
     robot: Robot,
-    elements: Sequence[Element],
-    attribution: Attribution,
-    activity: Mapping[str, ElementActivity],
-    samples: Samples,
     active: Mapping[str, Exposure],
     visits: tuple[Visit, ...],
 ) -> tuple[Mapping[str, Exposure], tuple[Visit, ...], RunContacts | None]:
@@ -48,6 +44,8 @@ def with_contacts(
     What was held, and when, comes third.
     Raises LogError when the log of contacts in `folder` is damaged.
     """
+    elements, attribution = seen.elements, seen.attribution
+    activity, samples = seen.activity, seen.samples
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     log = read_contacts(folder, n_steps)
     untouched = {each.name: Exposure() for each in elements if each.kind == "contact"}

@@ -3,10 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 from tracerisk.errors import Location
 from tracerisk.trace import Coverage, Finding, RunEnd
+
+if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.instrument.recording import Recording
+    from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.twin.robots.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """A controller that has run: with what, its recording in `folder`, and how it ended."""
+
+    controller: Controller
+    robot: Robot
+    scene: str
+    settings: Settings
+    recording: Recording
+    folder: Path
+    end: RunEnd
+
 
 Grip = Literal["closes", "opens"]
 

@@ -8,9 +8,10 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.text.read_back import read_back
 from tracerisk.twin.faults.fault import Fault
 
 MOST_TEXT = 512 * 1024**2
@@ -88,13 +89,6 @@ class Companion:
         """The line of the report that names it."""
         return f"started beside: {self.told}, which provides {', '.join(self.provides)}"
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Companion:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
-        lists = {name: tuple(data[name]) for name in ("provides", "files")}
-        return cls(**{**data, **lists, "launch": launch})
-
 
 @dataclass(frozen=True, slots=True)
 class Branch:
@@ -156,17 +150,6 @@ class BranchPlan:
         of_branches = (each for branch in self.branches for each in self.folders(branch.index))
         return (str(Path(self.log).parent), *([self.claims] if self.claims else []), *of_branches)
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> BranchPlan:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        branches = tuple(
-            Branch(
-                each["index"], tuple(Fault(**fault) for fault in each["faults"]), each["seconds"]
-            )
-            for each in data["branches"]
-        )
-        return cls(**{**data, "branches": branches})
-
 
 @dataclass(frozen=True, slots=True)
 class RunBeside:
@@ -183,14 +166,6 @@ class RunBeside:
     touches: tuple[tuple[str, str], ...] = ()
     arrivals: tuple[tuple[int, tuple[float, ...]], ...] = ()
     has_conditions: bool = False
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> RunBeside:
-        """Read what `dataclasses.asdict` made of one, through JSON."""
-        reports = tuple((kind, message, thing) for kind, message, thing in data["reports"])
-        touches = tuple((one, two) for one, two in data["touches"])
-        arrivals = tuple((number, tuple(positions)) for number, positions in data["arrivals"])
-        return cls(reports, touches, arrivals, data["has_conditions"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,22 +223,7 @@ class RunRequest:
     @classmethod
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
-        data = json.loads(text)
-        names = [each.name for each in dataclasses.fields(cls) if isinstance(data[each.name], list)]
-        lists = {name: tuple(data[name]) for name in names}
-        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
-        companions = tuple(Companion.from_json(each) for each in data["companions"])
-        faults = tuple(Fault(**each) for each in data["faults"])
-        plan = None if data["plan"] is None else BranchPlan.from_json(data["plan"])
-        beside = None if data["beside"] is None else RunBeside.from_json(data["beside"])
-        read = {
-            "launch": launch,
-            "companions": companions,
-            "faults": faults,
-            "plan": plan,
-            "beside": beside,
-        }
-        return cls(**{**data, **lists, **read})
+        return read_back(cls, json.loads(text))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +16,14 @@ from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
+from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import CYCLE, ELSEWHERE, ENTRY, GIVEN, LAUNCH, MISSION_END
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
-from tracerisk.pipeline.trace.sensors import elements_of, with_sensors
+from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
 from tracerisk.source.python_source import MODULE_NAME
-from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, RunEnd, Trace, Visit
+from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.exposure import exposure, exposures
@@ -31,31 +31,21 @@ from tracerisk.twin.recording.samples import Samples, has_samples, read_samples,
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
-    from tracerisk.twin.robots.robot import Robot
 
 
-def make_trace(
-    controller: Controller,
-    robot: Robot,
-    scene: str,
-    settings: Settings,
-    recording: Recording,
-    folder: Path,
-    end: RunEnd,
-    *,
-    beside: Recording | None = None,
-) -> Trace:
-    """Return the trace of a recording whose samples lie in `folder`.
+def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
+    """Return the trace of a run.
 
     One that is to be judged `beside` another run says when and where, contacts and verdict, and
     neither how long and how hard elements were used nor what never ran, in a third of the time;
     its functions are distinguished as in that run.
     """
+    controller, robot, settings, recording = ran.controller, ran.robot, ran.settings, ran.recording
     attribution = attribute(
         recording,
         states=settings.states,
         helpers=settings.helpers,
-        end_ns=round((end.simulated_s or 0.0) * 1e9),
+        end_ns=round((ran.end.simulated_s or 0.0) * 1e9),
         beside=beside,
     )
     elements = elements_of(robot, settings)
@@ -64,8 +54,8 @@ def make_trace(
     visits: tuple[Visit, ...] = ()
     samples: Samples | None = None
     contacts: RunContacts | None = None
-    if has_samples(folder):
-        samples = read_samples(folder)
+    if has_samples(ran.folder):
+        samples = read_samples(ran.folder)
         if mission_end is not None:
             # After it the controller only idled.
             samples = until(samples, mission_end["ns"])
@@ -75,36 +65,22 @@ def make_trace(
         measured = activity if beside is None else {}
         active = _exposures(measured, samples)
         visits = visits_of(attribution, measured, samples)
+        seen = RunActivity(elements, attribution, activity, samples)
         if beside is None:
-            active, visits = with_sensors(
-                elements, recording, attribution, activity, samples, active, visits
-            )
-        active, visits, contacts = with_contacts(
-            folder, robot, elements, attribution, activity, samples, active, visits
-        )
+            active, visits = with_sensors(seen, recording, active, visits)
+        active, visits, contacts = with_contacts(seen, ran.folder, robot, active, visits)
     coverage = Coverage(0, 0)
     if beside is None:
         libraries = Libraries(controller.path, controller.root, settings.states)
         coverage = _coverage(controller, recording, libraries)
     found = _findings(recording, attribution, collisions(robot, attribution, visits))
     findings = placed_findings(found, controller)
-    verdict, more = run_verdict(
-        controller,
-        robot,
-        scene,
-        settings,
-        recording,
-        end,
-        findings,
-        coverage,
-        samples,
-        contacts,
-    )
+    verdict, more = run_verdict(ran, findings, coverage, samples, contacts)
     return Trace(
         controller=controller.file,
         robot=robot.name,
-        scene=_with_objects(scene, recording),
-        end=end,
+        scene=_with_objects(ran.scene, recording),
+        end=ran.end,
         elements=elements,
         functions=attribution.functions,
         visits=visits,
@@ -112,7 +88,7 @@ def make_trace(
         uncovered=coverage.never_ran,
         findings=_in_time((*findings, *more)),
         objects=_objects(recording),
-        assumptions=_assumptions(robot, scene, settings, recording, end),
+        assumptions=_assumptions(ran),
         cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
         inputs=tuple(_launched(recording)["inputs"]),
@@ -240,14 +216,13 @@ def _started_by(recording: Recording) -> list[str]:
     return lines
 
 
-def _assumptions(
-    robot: Robot, scene: str, settings: Settings, recording: Recording, end: RunEnd
-) -> tuple[str, ...]:
+def _assumptions(ran: Ran) -> tuple[str, ...]:
+    robot, settings, recording, end = ran.robot, ran.settings, ran.recording, ran.end
     lines = []
     if settings.robot is None:
         lines.append(f"robot: {robot.name}, {robot.chosen_by}")
     if settings.scene is None:
-        lines.append(f"scene: {scene}, the default of the robot")
+        lines.append(f"scene: {ran.scene}, the default of the robot")
     lines += _started_by(recording)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -10,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.definitions import function_at, parse_python
-from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.motion_calls import missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Command, Recording
@@ -23,11 +21,13 @@ from tracerisk.pipeline.trace.recorded_run import (
     Grip,
     IssuedCommand,
     MissedCommand,
+    Ran,
     RecordedRun,
     UnmetNeed,
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, UNMET
-from tracerisk.trace import Acceptance, Coverage, Finding, RunEnd, Verdict
+from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.trace import Acceptance, Coverage, Finding, Verdict
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -80,12 +80,7 @@ def _function_at(source: bytes, file: str, line: int) -> str:
 
 
 def run_verdict(
-    controller: Controller,
-    robot: Robot,
-    scene: str,
-    settings: Settings,
-    recording: Recording,
-    end: RunEnd,
+    ran: Ran,
     findings: Sequence[Finding],
     coverage: Coverage,
     samples: Samples | None,
@@ -95,20 +90,21 @@ def run_verdict(
 
     `findings` have their functions: `placed_findings`.
     """
+    controller, settings, recording = ran.controller, ran.settings, ran.recording
     given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
-    commands = tuple(_commands(recording, robot, scene, samples, contacts))
+    commands = tuple(_commands(ran, samples, contacts))
     bodies = samples.header.free_bodies if samples is not None else ()
     named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
     run = RecordedRun(
-        end=end,
-        end_function=function_of(controller, end.location),
+        end=ran.end,
+        end_function=function_of(controller, ran.end.location),
         findings=tuple(findings),
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
         missed=tuple(_missed(recording, controller)),
         falls=falls(samples, contacts) if samples is not None else (),
-        assumed=tuple(_assumed(robot, recording)),
+        assumed=tuple(_assumed(ran.robot, recording)),
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
         has_objects=bool(named),
         is_duration_given=settings.duration_s is not None,
@@ -157,7 +153,7 @@ def _unconfirmed(
         text = f": {each['words']}" if each["words"] else ""
         section, name = each["section"], each["name"]
         what = name if name.startswith(section) else f"{section} {name}"
-        place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
+        place = Location(from_root(root, Path(file).resolve()), line)
         yield (
             each["name"],
             f"{what} of the scenario is assumed{text}; delete its mark to confirm it",
@@ -200,12 +196,9 @@ def _missed(recording: Recording, controller: Controller) -> Iterator[MissedComm
 
 
 def _commands(
-    recording: Recording,
-    robot: Robot,
-    scene: str,
-    samples: Samples | None,
-    contacts: RunContacts | None,
+    ran: Ran, samples: Samples | None, contacts: RunContacts | None
 ) -> Iterator[IssuedCommand]:
+    robot, recording = ran.robot, ran.recording
     grippers = {gripper.name: gripper for gripper in robot.grippers}
     joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
@@ -240,7 +233,7 @@ def _commands(
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
             if issued.grip == "closes" and not issued.holds:
-                stage = stage or load_scene(scene)
+                stage = stage or load_scene(ran.scene)
                 place = grasp_place(robot, gripper, stage, samples, command.issue_ns)
                 issued = replace(issued, place=place)
         yield issued

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,23 +48,31 @@ def reading_spans(recording: Recording, end_ns: int) -> tuple[ReadingSpan, ...]:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class RunActivity:
+    """What the elements of a robot did in a run; `activity` is that of joints and grippers."""
+
+    elements: Sequence[Element]
+    attribution: Attribution
+    activity: Mapping[str, ElementActivity]
+    samples: Samples
+
+
 def with_sensors(
-    elements: Sequence[Element],
+    seen: RunActivity,
     recording: Recording,
-    attribution: Attribution,
-    activity: Mapping[str, ElementActivity],
-    samples: Samples,
     active: Mapping[str, Exposure],
     visits: Sequence[Visit],
 ) -> tuple[dict[str, Exposure], tuple[Visit, ...]]:
     """Return the exposures over the run, and the visits, with the sensors among the elements.
 
-    `activity` is that of the joints and grippers, whose exposures `active` and `visits` have.
+    `active` and `visits` have the exposures of joints and grippers.
     A sensor in a joint belongs to whom the joint belongs to, another to the current visit.
     """
+    samples = seen.samples
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     spans = reading_spans(recording, n_steps * step_ns)
-    sensors = sensor_activity(elements, activity, spans, n_steps, step_ns)
+    sensors = sensor_activity(seen.elements, seen.activity, spans, n_steps, step_ns)
     everywhere = np.zeros(n_steps, dtype=np.int64)
     total = dict(active)
     exposures = [dict(visit.exposures) for visit in visits]
@@ -75,7 +83,7 @@ def with_sensors(
         # Without a reading its time is its joint's, whose owners have their shares already.
         owners = everywhere
         if sensor.reading is not None:
-            owners = attribution.assign(joint or name, n_steps, step_ns)
+            owners = seen.attribution.assign(joint or name, n_steps, step_ns)
         shares = None
         if joint is not None:
             shares = [visit.exposures.get(joint) or Exposure() for visit in visits]

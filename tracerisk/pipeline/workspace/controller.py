@@ -17,6 +17,11 @@ from tracerisk.text.patterns import pattern
 _PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
+def from_root(root: Path, path: Path) -> str:
+    """Return a path as seen from a controller's root, with forward slashes."""
+    return Path(os.path.relpath(path, root)).as_posix()
+
+
 @dataclass(frozen=True, slots=True)
 class Controller:
     """A controller's script: its path, the folder of its own sources, and its bytes.

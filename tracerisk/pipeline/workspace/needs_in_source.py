@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any, Literal
 
 from tracerisk.errors import Location
 from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
 from tracerisk.pipeline.workspace.workspace import project_top
@@ -60,7 +59,7 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
     ros = ros_version(controller.path.resolve(), root)
     found: dict[tuple[str, str, str], Missed] = {}
     for path in (controller.path.resolve(), *own_modules(controller)):
-        file = Path(os.path.relpath(path, root)).as_posix()
+        file = from_root(root, path)
         for each in asked_in_file(path, ros):
             need, place = each.need, each.location
             if place is not None:

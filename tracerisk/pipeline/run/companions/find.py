@@ -21,7 +21,7 @@ from tracerisk.pipeline.launch.find import find_launch_files
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.launch_files.records import LaunchSetup
 from tracerisk.pipeline.trace.run_files import Companion
-from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.pipeline.workspace.controller import Controller, from_root, load_controller
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.provided import Provided, provided_by
@@ -154,9 +154,9 @@ def _companion(path: Path, met: Sequence[Need], root: Path, settings: Settings) 
     return Companion(
         script=str(path),
         root=str(program.root.resolve()),
-        told=_from(root, path),
+        told=from_root(root, path),
         provides=tuple(need.words for need in met),
-        files=tuple(dict.fromkeys(_from(root, file) for file in files)),
+        files=tuple(dict.fromkeys(from_root(root, file) for file in files)),
         launch=launch,
     )
 
@@ -176,7 +176,3 @@ def _setup(program: Controller, settings: Settings) -> LaunchSetup | None:
         raise
     except TraceRiskError:
         return None
-
-
-def _from(root: Path, path: Path) -> str:
-    return Path(os.path.relpath(path, root)).as_posix()

@@ -1,0 +1,36 @@
+"""Dataclasses from what `dataclasses.asdict` and JSON made of them."""
+
+from __future__ import annotations
+
+import types
+import typing
+from dataclasses import is_dataclass
+from functools import cache
+from typing import Any, TypeVar, cast
+
+T = TypeVar("T")
+
+_hints = cache(typing.get_type_hints)
+
+
+def read_back(kind: type[T], data: Any) -> T:
+    """Return a value of the kind; lists become the tuples that its fields are declared to be.
+
+    Raises ValueError, TypeError or AttributeError for data of another shape.
+    """
+    return cast(T, _read(kind, data))
+
+
+def _read(kind: Any, data: Any) -> Any:
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if data is None:
+        return None
+    if origin in (typing.Union, types.UnionType):
+        return _read(next(each for each in arguments if each is not types.NoneType), data)
+    if is_dataclass(kind):
+        hints = _hints(cast(type, kind))
+        return kind(**{name: _read(hints.get(name), each) for name, each in data.items()})  # type: ignore[operator]
+    if origin is tuple:
+        kinds = arguments[:1] * len(data) if arguments[-1] is Ellipsis else arguments
+        return tuple(_read(each, value) for each, value in zip(kinds, data, strict=True))
+    return data
