@@ -43,13 +43,11 @@ def _shape(entry: YamlMap) -> Shape:
     size = entry.numbers("size", length=_SIZES[kind])
     if min(size) <= 0.0:
         entry.fail("size", "every length must be above 0")
-    xyz = entry.numbers("xyz", length=3) if "xyz" in entry else [0.0] * 3
-    rpy = entry.numbers("rpy", length=3) if "rpy" in entry else [0.0] * 3
     return Shape(
         kind=cast(ShapeKind, kind),
         size=tuple(size),
-        xyz=(xyz[0], xyz[1], xyz[2]),
-        rpy=(rpy[0], rpy[1], rpy[2]),
+        xyz=entry.triple("xyz"),
+        rpy=entry.triple("rpy"),
         contact=entry.boolean("contact", default=True),
         pad=entry.boolean("pad", default=False),
     )

@@ -230,6 +230,12 @@ def run_limited(
     return subprocess.CompletedProcess(child.args, child.returncode, out, err)
 
 
+def last_words(done: subprocess.CompletedProcess[bytes]) -> str:
+    """Return the last line of what a process that failed printed as its errors, or its code."""
+    lines = done.stderr.decode(errors="replace").strip().splitlines()
+    return lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+
+
 def _watched(
     child: subprocess.Popen[bytes],
     mark: StartMark,

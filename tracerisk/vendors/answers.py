@@ -3,7 +3,7 @@
 # ruff: noqa: ARG002 - what a name refers to is called with the command's outcome
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,27 +48,33 @@ class Result:
     pose: Pose | None = None
 
 
+@dataclass(eq=False)
 class Answers:
     """Fills messages with what outputs refer to."""
 
-    def __init__(
-        self,
-        driver: Driver,
-        arm: ArmMotion,
-        queue: MotionQueue,
-        grips: MotionQueue,
-        state: Mapping[str, Any],
-        messages: TwinMessages,
-        reading: SensorReading,
-    ) -> None:
-        self._driver = driver
-        self._arm = arm
-        self._queue, self._grips = queue, grips
-        self._state = state
-        self._messages = messages
-        self._reading = reading
-        self._scheduler = arm.scheduler
-        self.conventions = Conventions(driver.units, driver.rotation)
+    _driver: Driver
+    _arm: ArmMotion
+    _queue: MotionQueue
+    _grips: MotionQueue
+    _state: Mapping[str, Any]
+    _messages: TwinMessages
+    _reading: SensorReading
+
+    def __post_init__(self) -> None:
+        self._scheduler = self._arm.scheduler
+        self.conventions = Conventions(self._driver.units, self._driver.rotation)
+        # What a name refers to whatever came of the command; of the others there are methods.
+        self._plain: Mapping[str, Callable[[], Any]] = {
+            "enabled": lambda: self._queue.is_enabled,
+            "error": lambda: self._queue.error,
+            "gripper_moving": lambda: self._grips.is_busy,
+            "has_gripper": lambda: self._arm.gripper is not None,
+            "joint_names": lambda: list(self._arm.joints),
+            "moving": lambda: self._queue.is_busy,
+            "queued": lambda: self._queue.waiting,
+            "robot": lambda: self._arm.twin.robot.name,
+            "stamp": lambda: self._scheduler.now_ns * 1e-9,
+        }
 
     def fill(
         self,
@@ -145,7 +151,8 @@ class Answers:
             return None if request is None else read(request, name.removeprefix("request."))
         if name in self._state or name in self._driver.parameters:
             return self._state[name]
-        return getattr(self, f"_{name}")(result)
+        plain = self._plain.get(name)
+        return getattr(self, f"_{name}")(result) if plain is None else plain()
 
     # What a name refers to
 
@@ -165,9 +172,6 @@ class Answers:
         sliding = (each.type == "prismatic" for each in self._arm.arm)
         found: list[Dimension] = ["length" if each else "angle" for each in sliding]
         return tuple(found)
-
-    def _joint_names(self, result: Result) -> list[str]:
-        return list(self._arm.joints)
 
     def _pose(self, result: Result) -> Pose:
         pose = self._arm.tool_pose() if result.pose is None else result.pose
@@ -208,30 +212,12 @@ class Answers:
     def _gripper_width(self, result: Result) -> Quantity:
         return Quantity((self._arm.grip_width(),), ("length",), is_scalar=True)
 
-    def _gripper_moving(self, result: Result) -> bool:
-        return self._grips.is_busy
-
-    def _has_gripper(self, result: Result) -> bool:
-        return self._arm.gripper is not None
-
-    def _moving(self, result: Result) -> bool:
-        return self._queue.is_busy
-
-    def _queued(self, result: Result) -> int:
-        return self._queue.waiting
-
     def _status(self, result: Result) -> str:
         if self._queue.is_busy:
             return "moving"
         if not self._queue.is_enabled:
             return "disabled"
         return "error" if self._queue.error else "idle"
-
-    def _enabled(self, result: Result) -> bool:
-        return self._queue.is_enabled
-
-    def _error(self, result: Result) -> int:
-        return self._queue.error
 
     def _success(self, result: Result) -> bool:
         return result.outcome == "succeeded"
@@ -244,12 +230,6 @@ class Answers:
 
     def _message(self, result: Result) -> str:
         return result.message or result.outcome
-
-    def _stamp(self, result: Result) -> float:
-        return self._scheduler.now_ns * 1e-9
-
-    def _robot(self, result: Result) -> str:
-        return self._arm.twin.robot.name
 
 
 def _part(value: Any, output: Output) -> Any:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.joint_names import JointNames
-from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.arm_motion import ArmMotion, TwistFrame
 from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
 from tracerisk.ros.transforms.poses import compose, inverse, multiply
@@ -114,13 +114,8 @@ class DescribedMotions:
         if "twist" in case.roles:
             linear, angular = request.twist(case.roles["twist"])
             in_tool = request.word(case.roles.get("frame")) == "tool"
-            return lambda: self._arm.twist(
-                linear,
-                angular,
-                linear_in_tool=in_tool,
-                angular_in_tool=in_tool,
-                for_s=duration_s,
-            )
+            frame: TwistFrame = "tool" if in_tool else "base"
+            return lambda: self._arm.twist(linear, angular, frame, duration_s)
         speeds = self.speeds(case, request)
         names = [speeds.get(name, 0.0) for name in self._arm.joints]
         return lambda: self._arm.at_speeds(names, duration_s)

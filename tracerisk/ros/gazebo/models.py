@@ -7,7 +7,7 @@ wiki.ros.org/urdf/XML.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from tracerisk.errors import RobotError
 from tracerisk.geometry.shapes import Shape
@@ -17,6 +17,7 @@ from tracerisk.twin.physics.scene_body import HalfSpace, SceneBody
 from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
 
 _LONGEST_M = 1000.0
+_ROUND = {"sphere": ("radius",), "cylinder": ("radius", "length")}
 
 
 class ModelRefusedError(Exception):
@@ -53,7 +54,7 @@ def model_body(name: str, text: str, pose: Pose) -> SceneBody:
             geometry = collision.first("geometry")
             plane = None if geometry is None else geometry.first("plane")
             if plane is None:
-                shapes.append(_sdf_shape(geometry, place))
+                shapes.append(_shape_of(geometry, place, _text))
             else:
                 grounds.append(HalfSpace(place))
     is_static = (_text(model, "static") or "").strip() in ("1", "true")
@@ -71,7 +72,7 @@ def _from_urdf(name: str, top: XmlElement, pose: Pose) -> SceneBody:
         mass += _number(_attribute(_at(link, "inertial", "mass"), "value") or "0", "mass")
         for collision in link.all("collision"):
             place = compose(in_model, _origin(collision))
-            shapes.append(_urdf_shape(collision.first("geometry"), place))
+            shapes.append(_shape_of(collision.first("geometry"), place, _written))
     return _body(name, pose, shapes, [], mass, is_static=any(_says_static(top)))
 
 
@@ -101,33 +102,18 @@ def _body(
     )
 
 
-def _sdf_shape(geometry: XmlElement | None, place: Pose) -> Shape:
+def _shape_of(
+    geometry: XmlElement | None, place: Pose, length: Callable[[XmlElement, str], str | None]
+) -> Shape:
+    """Return the shape of a geometry; `length` gives the text of one of its lengths."""
     kind = None if geometry is None else next(iter(geometry.children), None)
     if kind is not None and kind.tag == "box":
-        return _shape("box", _numbers(_text(kind, "size"), 3, "size"), place)
-    if kind is not None and kind.tag == "sphere":
-        return _shape("sphere", [_number(_text(kind, "radius"), "radius")], place)
-    if kind is not None and kind.tag == "cylinder":
-        sizes = [_number(_text(kind, part), part) for part in ("radius", "length")]
-        return _shape("cylinder", sizes, place)
-    raise _unknown(kind)
-
-
-def _urdf_shape(geometry: XmlElement | None, place: Pose) -> Shape:
-    kind = None if geometry is None else next(iter(geometry.children), None)
-    if kind is not None and kind.tag == "box":
-        return _shape("box", _numbers(kind.attributes.get("size", ""), 3, "size"), place)
-    if kind is not None and kind.tag == "sphere":
-        return _shape("sphere", [_number(kind.attributes.get("radius", ""), "radius")], place)
-    if kind is not None and kind.tag == "cylinder":
-        sizes = [_number(kind.attributes.get(part, ""), part) for part in ("radius", "length")]
-        return _shape("cylinder", sizes, place)
-    raise _unknown(kind)
-
-
-def _unknown(kind: XmlElement | None) -> ModelRefusedError:
+        return _shape("box", _numbers(length(kind, "size"), 3, "size"), place)
+    if kind is not None and kind.tag in _ROUND:
+        sizes = [_number(length(kind, part), part) for part in _ROUND[kind.tag]]
+        return _shape(kind.tag, sizes, place)
     found = "nothing" if kind is None else f"<{kind.tag}>"
-    return ModelRefusedError(
+    raise ModelRefusedError(
         f"a collision shape is {found}; tracerisk spawns bodies of box, sphere and cylinder"
     )
 
@@ -190,6 +176,10 @@ def _text(element: XmlElement, *tags: str) -> str | None:
 
 def _attribute(element: XmlElement | None, name: str) -> str | None:
     return None if element is None else element.attributes.get(name)
+
+
+def _written(element: XmlElement, name: str) -> str:
+    return element.attributes.get(name, "")
 
 
 def _pose(values: list[float]) -> Pose:

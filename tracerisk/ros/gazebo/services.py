@@ -8,7 +8,8 @@ IFRA-Cranfield/IFRA_LinkAttacher.
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -103,22 +104,16 @@ class GazeboServices(TwinNode):
         name = request.name if is_entity else request.model_name
         text = request.xml if is_entity else request.model_xml
         pose, frame = message_pose(request.initial_pose), request.reference_frame
-        self._do(
-            answer,
-            f"SpawnModel of '{name}'",
-            lambda: self._world.spawn(name, text, pose, frame),
-            "SpawnModel: Successfully spawned entity",
-        )
+        done = "SpawnModel: Successfully spawned entity"
+        with self._doing(answer, f"SpawnModel of '{name}'", done):
+            self._world.spawn(name, text, pose, frame)
 
     def _delete(self, request: Any, answer: Any) -> None:
         is_model = hasattr(request, "model_name")
         name = request.model_name if is_model else request.name
-        self._do(
-            answer,
-            f"DeleteModel of '{name}'",
-            lambda: self._world.delete(name),
-            "DeleteModel: successfully deleted model",
-        )
+        done = "DeleteModel: successfully deleted model"
+        with self._doing(answer, f"DeleteModel of '{name}'", done):
+            self._world.delete(name)
 
     def _set_model_state(self, request: Any, answer: Any) -> None:
         state = request.model_state
@@ -128,36 +123,31 @@ class GazeboServices(TwinNode):
         self._move(answer, request.state.name, request.state)
 
     def _move(self, answer: Any, name: str, state: Any) -> None:
-        self._do(
-            answer,
-            f"SetModelState of '{name}'",
-            lambda: self._world.move(name, message_pose(state.pose), state.reference_frame),
-            "SetModelState: set model state done",
-        )
+        done = "SetModelState: set model state done"
+        with self._doing(answer, f"SetModelState of '{name}'", done):
+            self._world.move(name, message_pose(state.pose), state.reference_frame)
 
     def _get_model_state(self, request: Any, answer: Any) -> None:
-        def read() -> None:
+        self._scheduler.touch()
+        asked = f"GetModelState of '{request.model_name}'"
+        with self._doing(answer, asked, "GetModelState: got properties"):
             pose = self._relative(request.model_name, request.relative_entity_name)
             answer.pose = self._pose(pose)
             answer.header.frame_id = request.relative_entity_name or "world"
             self._now(answer.header)
 
-        self._scheduler.touch()
-        request_text = f"GetModelState of '{request.model_name}'"
-        self._do(answer, request_text, read, "GetModelState: got properties")
-
     def _get_entity_state(self, request: Any, answer: Any) -> None:
-        def read() -> None:
+        self._scheduler.touch()
+        with self._doing(answer, f"GetEntityState of '{request.name}'"):
             answer.state.pose = self._pose(self._relative(request.name, request.reference_frame))
             answer.state.name = request.name
             answer.state.reference_frame = request.reference_frame or "world"
             self._now(answer.header)
 
-        self._scheduler.touch()
-        self._do(answer, f"GetEntityState of '{request.name}'", read, "")
-
     def _get_link_state(self, request: Any, answer: Any) -> None:
-        def read() -> None:
+        self._scheduler.touch()
+        asked = f"GetLinkState of '{request.link_name}'"
+        with self._doing(answer, asked, "GetLinkState: got state"):
             found = self._world.link_pose(request.link_name)
             if found is None:
                 raise ModelRefusedError(f"link '{request.link_name}' is not there")
@@ -166,16 +156,11 @@ class GazeboServices(TwinNode):
             answer.link_state.pose = self._pose(compose(inverse(frame), found))
             answer.link_state.reference_frame = request.reference_frame
 
-        self._scheduler.touch()
-        request_text = f"GetLinkState of '{request.link_name}'"
-        self._do(answer, request_text, read, "GetLinkState: got state")
-
     def _get_world(self, request: Any, answer: Any) -> None:
         answer.model_names = list(self._world.names)
         answer.sim_time = self._scheduler.now_ns * 1e-9
         answer.rendering_enabled = False
-        request_text = "GetWorldProperties"
-        self._do(answer, request_text, lambda: None, f"{request_text}: got properties")
+        answer.success, answer.status_message = True, "GetWorldProperties: got properties"
 
     def _get_list(self, request: Any, answer: Any) -> None:
         answer.model_names = list(self._world.names)
@@ -183,7 +168,8 @@ class GazeboServices(TwinNode):
         answer.success = True
 
     def _get_model_properties(self, request: Any, answer: Any) -> None:
-        def read() -> None:
+        asked = f"GetModelProperties of '{request.model_name}'"
+        with self._doing(answer, asked, "GetModelProperties: got properties"):
             self._world.pose(request.model_name)
             if self._world.is_robot(request.model_name):
                 robot = self._commands.twin.robot
@@ -192,9 +178,6 @@ class GazeboServices(TwinNode):
                 answer.canonical_body_name = robot.base_link
             else:
                 answer.body_names, answer.canonical_body_name = ["link"], "link"
-
-        request_text = f"GetModelProperties of '{request.model_name}'"
-        self._do(answer, request_text, read, "GetModelProperties: got properties")
 
     # Welds
 
@@ -221,9 +204,11 @@ class GazeboServices(TwinNode):
 
     # How
 
-    def _do(self, answer: Any, request_text: str, act: Callable[[], None], message: str) -> None:
+    @contextmanager
+    def _doing(self, answer: Any, request_text: str, message: str = "") -> Iterator[None]:
+        """Write into an answer how what is done within the block went."""
         try:
-            act()
+            yield
         except ModelRefusedError as refusal:
             self._report(f"{request_text} was refused: {refusal}")
             answer.success, message = False, f"{request_text.split(' ')[0]}: {refusal}"
@@ -233,10 +218,8 @@ class GazeboServices(TwinNode):
             answer.status_message = message
 
     def _refuse(self, kind: str, request: Any, answer: Any) -> None:
-        def fail() -> None:
+        with self._doing(answer, kind):
             raise ModelRefusedError("it is not simulated; command the robot's own driver")
-
-        self._do(answer, kind, fail, "")
 
     def _empty(self, name: str, request: Any, answer: Any) -> None:
         if name != "unpause_physics":

@@ -11,7 +11,7 @@ must not wait: a client library queues what runs code of the controller.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -21,6 +21,13 @@ from tracerisk.ros.graph.action_goal import ActionGoal, ignore
 from tracerisk.ros.graph.runtime import Runtime
 
 ActionChange = Literal["client", "client_gone", "served", "unserved"]
+# The topics of ROS 1 on which the two sides publish, with their types.
+_OF_CLIENTS = {"goal": "{}ActionGoal", "cancel": "actionlib_msgs/GoalID"}
+_OF_SERVERS = {
+    "feedback": "{}ActionFeedback",
+    "result": "{}ActionResult",
+    "status": "actionlib_msgs/GoalStatusArray",
+}
 
 
 @dataclass(slots=True, eq=False)
@@ -277,29 +284,19 @@ class Actions:
 
     def names_and_types(self) -> tuple[tuple[str, str], ...]:
         """Return name and type of every action that has a client or a server, sorted."""
-        ends: list[ActionServerEnd | ActionClientEnd] = [
-            *itertools.chain.from_iterable(self._servers.values()),
-            *itertools.chain.from_iterable(self._clients.values()),
-        ]
+        ends: tuple[ActionServerEnd | ActionClientEnd, ...] = (*self.servers(), *self.clients())
         return tuple(sorted({(end.name, end.type_name) for end in ends}))
 
     def published_topics(self) -> set[tuple[str, str]]:
         """Return name and type of the topics that clients and servers publish in ROS 1."""
-        sides: tuple[tuple[Mapping[str, Sequence[Any]], Mapping[str, str]], ...] = (
-            (self._clients, {"goal": "{}ActionGoal", "cancel": "actionlib_msgs/GoalID"}),
-            (
-                self._servers,
-                {
-                    "feedback": "{}ActionFeedback",
-                    "result": "{}ActionResult",
-                    "status": "actionlib_msgs/GoalStatusArray",
-                },
-            ),
+        sides: tuple[tuple[tuple[Any, ...], dict[str, str]], ...] = (
+            (self.clients(), _OF_CLIENTS),
+            (self.servers(), _OF_SERVERS),
         )
         return {
             (f"{end.name}/{leaf}", kind.format(end.type_name))
             for ends, leaves in sides
-            for end in itertools.chain.from_iterable(ends.values())
+            for end in ends
             for leaf, kind in leaves.items()
         }
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import dataclass, field
 from typing import Any
 
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 
 
+@dataclass(eq=False)
 class CallbackThread:
     """Runs what is handed to it, in order, each call as a root of its own.
 
@@ -17,23 +19,13 @@ class CallbackThread:
     The thread is started by the first call.
     """
 
-    def __init__(
-        self,
-        scheduler: Scheduler,
-        tracer: CallTracer | None,
-        name: str,
-        *,
-        kind: str = "callback",
-        limit: int | None = None,
-    ) -> None:
-        self.limit = limit
-        self._scheduler = scheduler
-        self._tracer = tracer
-        self._name = name
-        self._kind = kind
-        self._calls: deque[Callable[[], object]] = deque()
-        self._is_started = False
-        self._is_closed = False
+    _scheduler: Scheduler
+    _tracer: CallTracer | None
+    _name: str
+    limit: int | None = None
+    _calls: deque[Callable[[], object]] = field(default_factory=deque)
+    _is_started: bool = False
+    _is_closed: bool = False
 
     def put(self, call: Callable[[], object]) -> None:
         """Run `call` when the thread gets its turn; it must raise nothing."""
@@ -63,6 +55,6 @@ class CallbackThread:
             call = self._calls.popleft()
             root: Any = nullcontext()
             if self._tracer is not None:
-                root = self._tracer.root(self._kind)
+                root = self._tracer.root("callback")
             with root:
                 call()

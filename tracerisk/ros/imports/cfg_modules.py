@@ -5,7 +5,8 @@ The file is run when the module is imported, with the stand-in of dynamic_reconf
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -26,14 +27,15 @@ def cfg_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
         folder = _cfg_folder(path)
         if folder is None:
             return None
-        spec = ModuleSpec(fullname, _CfgLoader(None), is_package=True)
+        spec = ModuleSpec(fullname, FilledLoader(lambda _: {}), is_package=True)
         spec.submodule_search_locations = [str(folder)]
         return spec
     if leaf.endswith(_SUFFIX) and fullname.split(".")[-2:-1] == ["cfg"]:
         for each in path:
             file = Path(each, f"{leaf.removesuffix(_SUFFIX)}.cfg")
             if file.is_file():
-                return ModuleSpec(fullname, _CfgLoader(file), origin=str(file))
+                loader = FilledLoader(partial(_generated, file))
+                return ModuleSpec(fullname, loader, origin=str(file))
     return None
 
 
@@ -46,19 +48,22 @@ def _cfg_folder(path: Sequence[str]) -> Path | None:
     return None
 
 
-class _CfgLoader(Loader):
-    def __init__(self, file: Path | None) -> None:
-        self._file = file
+class FilledLoader(Loader):
+    """Loads a module that `names` gives its names, by that of the module."""
+
+    def __init__(self, names: Callable[[str], Mapping[str, Any]]) -> None:
+        self._names = names
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:  # noqa: ARG002
+        """Leave it to Python to make the module."""
         return None
 
     def exec_module(self, module: ModuleType) -> None:
-        if self._file is not None:
-            vars(module).update(_generated(self._file))
+        """Give the module its names."""
+        vars(module).update(self._names(module.__name__))
 
 
-def _generated(file: Path) -> dict[str, Any]:
+def _generated(file: Path, _: str) -> dict[str, Any]:
     from dynamic_reconfigure.encoding import extract_params
     from dynamic_reconfigure.parameter_generator_catkin import ParameterGenerator
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from importlib.abc import Loader
+from functools import partial
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import ModuleType
 from typing import Any, NoReturn
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.imports.cfg_modules import FilledLoader
 
 _DEFINED = re.compile(
     r"^(?:(?:cpdef|def)[ \t]+(?:[\w.\[\],* \t]+[ \t])?|(?:cdef[ \t]+)?class[ \t]+)(\w+)[ \t]*[(:]",
@@ -31,29 +31,24 @@ def compiled_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
     for each in path:
         file = Path(each, f"{leaf}.pyx")
         if file.is_file():
-            return ModuleSpec(fullname, _CompiledLoader(file), origin=str(file))
+            return ModuleSpec(fullname, FilledLoader(partial(_defined, file)), origin=str(file))
     return None
 
 
-class _CompiledLoader(Loader):
-    def __init__(self, file: Path) -> None:
-        self._file = file
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType | None:  # noqa: ARG002
-        return None
-
-    def exec_module(self, module: ModuleType) -> None:
-        name = module.__name__
-        message = f"module '{name}' is compiled from {self._file.name}, and it is not built here"
-        remedy = "build it in place: python setup.py build_ext --inplace"
-        current().recorder.finding(
-            "unprovided",
-            f"{message}: what it defines raises when called; {remedy}",
-            object_name=name,
-        )
-        text = self._file.read_text(encoding="utf-8", errors="replace")
-        for each in _DEFINED.findall(text):
-            vars(module)[each] = _raising(f"{message}: {each} cannot be called; {remedy}")
+def _defined(file: Path, name: str) -> dict[str, Any]:
+    """Return what raises for each name that a source defines, and note that it is not built."""
+    message = f"module '{name}' is compiled from {file.name}, and it is not built here"
+    remedy = "build it in place: python setup.py build_ext --inplace"
+    current().recorder.finding(
+        "unprovided",
+        f"{message}: what it defines raises when called; {remedy}",
+        object_name=name,
+    )
+    text = file.read_text(encoding="utf-8", errors="replace")
+    return {
+        each: _raising(f"{message}: {each} cannot be called; {remedy}")
+        for each in _DEFINED.findall(text)
+    }
 
 
 def _raising(message: str) -> Callable[..., NoReturn]:

@@ -19,12 +19,7 @@ from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.graph.runtime import current
 
 _BUILTINS: dict[str, Any] = {
-    "int": int,
-    "float": float,
-    "bool": bool,
-    "object": object,
-    "str": str,
-    "complex": complex,
+    **{each.__name__: each for each in (int, float, bool, object, str, complex)},
     "long": int,
     "unicode": str,
 }

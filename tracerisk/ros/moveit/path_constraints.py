@@ -82,14 +82,8 @@ class PathRule:
             )
             return
         error = multiply(back, self._forward(positions, one.link_name).orientation)
-        tolerances = (
-            one.absolute_x_axis_tolerance,
-            one.absolute_y_axis_tolerance,
-            one.absolute_z_axis_tolerance,
-        )
-        for axis, angle, tolerance in zip(
-            "xyz", rpy_from_quaternion(error), tolerances, strict=True
-        ):
+        for axis, angle in zip("xyz", rpy_from_quaternion(error), strict=True):
+            tolerance = getattr(one, f"absolute_{axis}_axis_tolerance")
             words = (
                 f"link '{one.link_name}' is turned by {abs(angle):.3f} rad about {axis}, "
                 f"{tolerance:.3f} are allowed"

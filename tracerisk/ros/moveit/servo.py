@@ -21,7 +21,6 @@ from tracerisk.ros.graph.declared_controllers import declared_settings
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.state_topics import TopicStream
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import rotate
 
@@ -304,8 +303,7 @@ class Servo(TwinNode):
             setattr(message, _STATUS[type_name], self._status)
             return message
 
-        publication = self._graph.advertise(name, type_name, node=self.node, by_controller=False)
-        TopicStream(self._runtime, publication, _STATUS_HZ, status, yields=True)
+        self._stream(name, type_name, _STATUS_HZ, status, yields=True)
 
 
 def _condition(jacobian: Array) -> float:

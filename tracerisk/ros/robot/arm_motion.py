@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from tracerisk.twin.robots.robot import Scaling
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
     from tracerisk.twin.robots.robot import Joint
+
+TwistFrame = Literal["base", "tool", "mixed"]
+"""In whose axes a twist is: `mixed` has its shift in those of the base, its turn in the tool's."""
 
 _NEAR = 1e-3  # [rad]: how far a goal may be past a limit
 _LONGEST_LINE, _LONGEST_TURN = 1.0, 1.5  # [m], [rad]: how far a twist leads by itself
@@ -239,9 +242,7 @@ class ArmMotion:
         self,
         linear: Sequence[float],
         angular: Sequence[float],
-        *,
-        linear_in_tool: bool,
-        angular_in_tool: bool,
+        frame: TwistFrame = "base",
         for_s: float | None = None,
     ) -> JointTrajectory | None:
         """Return the way of the tool at a velocity [m/s, rad/s], None for none.
@@ -259,13 +260,8 @@ class ArmMotion:
         ends.append(math.inf if for_s is None else for_s)
         time = min(ends)
         here = self.tool_pose()
-        there = moved(
-            here,
-            [each * time for each in linear],
-            [each * time for each in angular],
-            linear_in_tool=linear_in_tool,
-            angular_in_tool=angular_in_tool,
-        )
+        shift, turned = [each * time for each in linear], [each * time for each in angular]
+        there = moved(here, shift, turned, frame)
         return self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
 
     def at_speeds(
@@ -340,23 +336,16 @@ class ArmMotion:
         return self.group
 
 
-def moved(
-    here: Pose,
-    linear: Sequence[float],
-    turned: Sequence[float],
-    *,
-    linear_in_tool: bool,
-    angular_in_tool: bool,
-) -> Pose:
+def moved(here: Pose, linear: Sequence[float], turned: Sequence[float], frame: TwistFrame) -> Pose:
     """Return a pose after a shift [m] and a turn about one axis (its length the angle) [rad]."""
     angle = math.hypot(*turned)
     scale = math.sin(angle / 2) / angle if angle > 1e-12 else 0.0
     x, y, z = (float(each) * scale for each in turned)
     turn = Pose((0.0, 0.0, 0.0), (x, y, z, math.cos(angle / 2)))
     at_origin = Pose((0.0, 0.0, 0.0), here.orientation)
-    turned_pose = compose(at_origin, turn) if angular_in_tool else compose(turn, at_origin)
+    turned_pose = compose(turn, at_origin) if frame == "base" else compose(at_origin, turn)
     a, b, c = (float(each) for each in linear)
     shift = Pose((a, b, c), (0.0, 0.0, 0.0, 1.0))
-    way = compose(at_origin, shift).position if linear_in_tool else shift.position
+    way = compose(at_origin, shift).position if frame == "tool" else shift.position
     px, py, pz = (p + w for p, w in zip(here.position, way, strict=True))
     return Pose((px, py, pz), turned_pose.orientation)

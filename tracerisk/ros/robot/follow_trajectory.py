@@ -3,32 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.graph.joint_names import JointNames
-from tracerisk.ros.graph.robot_spaces import RobotSpaces
-from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.robot.commands import LiveCommand
-from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
+    TrajectoryNode,
     TrajectoryRefusedError,
     twin_trajectory,
 )
-from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE, SETTLE_S, GoalTolerance, Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
-
-if TYPE_CHECKING:
-    from tracerisk.ros.graph.runtime import Runtime
 
 TYPE = "control_msgs/FollowJointTrajectory"
 FEEDBACK_HZ = 20.0
@@ -42,25 +35,20 @@ _LATE = 0.1  # [rad or m]
 Array = NDArray[np.float64]
 
 
-class FollowServer(TwinNode):
+class FollowServer(TrajectoryNode):
     """Carries out the goals of FollowJointTrajectory.
 
     A goal with joints that the robot lacks, or an ill-formed one, is rejected with the action's
     error code; a new goal on the same joints preempts the one before.
     """
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
-        super().__init__(runtime, messages)
-        self._names = runtime.client(JointNames)
-        self._rules = runtime.client(TrajectoryRules)
-        self._spaces = runtime.client(RobotSpaces)
-
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""
         twin, now_ns = self._commands.twin, self._commands.scheduler.now_ns
         asked = self._names.goal(goal.message)
-        if notes := self._names.notes(goal.message.trajectory.joint_names):
-            self._report_unmoved(goal, notes)
+        what, names = f"a goal of action {goal.client.name}", goal.message.trajectory.joint_names
+        if self._names.notes(names):
+            self._report_unmoved(what, names, goal.stack)
             if not asked.trajectory.joint_names:
                 goal.accept()
                 goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
@@ -70,17 +58,8 @@ class FollowServer(TwinNode):
         except TrajectoryRefusedError as error:
             self._refuse(goal, error.code, str(error))
             return
-        if words := self._spaces.other(goal.client.name, trajectory.joints):
-            self._commands.report("one_robot", words, goal.stack, object_name=goal.client.name)
-        if self._rules.stop_at_limits:
-            trajectory, past = within_limits(trajectory, twin.robot)
-            for joint, words in past.items():
-                self._commands.report(
-                    "stopped_at_limit",
-                    f"a goal of action {goal.client.name} takes joint '{joint}' {words}",
-                    goal.stack,
-                    object_name=joint,
-                )
+        self._note_space(goal.client.name, trajectory.joints, goal.stack)
+        trajectory = self._stopped(what, trajectory, goal.stack)
         ignored = self._rules.ignore_tolerances
         limit = _GoalLimit() if ignored else _GoalLimit.of(asked, trajectory.joints)
         goal.accept()
@@ -97,15 +76,6 @@ class FollowServer(TwinNode):
         goal.accept_cancel()
         if isinstance(goal.data, _Pursuit):
             goal.data.cancel()
-
-    def _report_unmoved(self, goal: ActionGoal, notes: Mapping[str, str]) -> None:
-        for name, note in notes.items():
-            self._commands.report(
-                "unprovided",
-                f"'{name}' of a goal of action {goal.client.name} moved nothing: {note}",
-                goal.stack,
-                object_name=name,
-            )
 
     def _refuse(self, goal: ActionGoal, code: TrajectoryCode, message: str) -> None:
         self._report_refused(goal, message)

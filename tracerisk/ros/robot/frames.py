@@ -14,7 +14,7 @@ from tracerisk.ros.graph.graph import Graph, Publication, Subscription
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.robot.state_topics import TopicStream
+from tracerisk.ros.robot.twin_node import TopicStream
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -28,10 +27,7 @@ from tracerisk.errors import one_of
 from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.joint_names import JointNames
-from tracerisk.ros.graph.robot_spaces import RobotSpaces
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.command_streams import DWELL_NS, CommandStreams
 from tracerisk.ros.robot.commands import LiveCommand
@@ -39,11 +35,11 @@ from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
+    TrajectoryNode,
     TrajectoryRefusedError,
     fastest_s,
     twin_trajectory,
 )
-from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -78,7 +74,7 @@ class _Stream:
     last_ns: int
 
 
-class SetPoints(TwinNode):
+class SetPoints(TrajectoryNode):
     """Listens to the command topics that a controller publishes, and moves the twin.
 
     A topic that the controller itself subscribes to is its own affair, and moves nothing.
@@ -87,9 +83,6 @@ class SetPoints(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._declared = runtime.client(DeclaredControllers)
-        self._names = runtime.client(JointNames)
-        self._rules = runtime.client(TrajectoryRules)
-        self._spaces = runtime.client(RobotSpaces)
         self._streams: dict[str, _Stream] = {}
         self._velocity_streams = CommandStreams(self._commands)
         self._takers = {
@@ -125,17 +118,9 @@ class SetPoints(TwinNode):
 
     def _by_joints(self, topic: str, message: Any) -> Any | None:
         """Return a trajectory by the names of the robot's own joints, None where it moves none."""
-        self._report_unmoved(topic, message.joint_names)
+        self._report_unmoved(f"a message on {topic}", message.joint_names)
         made = self._names.trajectory(message)
         return made if made is message or made.joint_names else None
-
-    def _report_unmoved(self, topic: str, names: Sequence[str]) -> None:
-        for name, note in self._names.notes(names).items():
-            self._commands.report(
-                "unprovided",
-                f"'{name}' of a message on {topic} moved nothing: {note}",
-                object_name=name,
-            )
 
     def _take_trajectory(self, topic: str, message: Any) -> None:
         now_ns = self._scheduler.now_ns
@@ -152,14 +137,7 @@ class SetPoints(TwinNode):
                 self._refuse(topic, str(error))
             return
         self._note_space(topic, trajectory.joints)
-        if self._rules.stop_at_limits:
-            trajectory, past = within_limits(trajectory, self._twin.robot)
-            for joint, words in past.items():
-                self._commands.report(
-                    "stopped_at_limit",
-                    f"a message on {topic} takes joint '{joint}' {words}",
-                    object_name=joint,
-                )
+        trajectory = self._stopped(f"a message on {topic}", trajectory)
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
             self.set_point(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
             return
@@ -259,7 +237,7 @@ class SetPoints(TwinNode):
         is_velocity = not values and len(speeds) > 0
         values = speeds if is_velocity else values
         if len(names) == len(values) and self._names.has_any(names):
-            self._report_unmoved(topic, names)
+            self._report_unmoved(f"a message on {topic}", names)
             spread = self._names.spread(names, values)
             names, values = [*spread], [*spread.values()]
             unknown = [name for name in names if name not in known]
@@ -279,11 +257,6 @@ class SetPoints(TwinNode):
             self._go_on_at(topic, tuple(names), np.array(values), "joint_state_velocity")
         else:
             self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
-
-    def _note_space(self, topic: str, joints: Sequence[str]) -> None:
-        if words := self._spaces.other(topic, joints):
-            stack = self._commands.stack()
-            self._commands.report("one_robot", words, stack, object_name=topic)
 
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""

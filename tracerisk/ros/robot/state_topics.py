@@ -7,19 +7,21 @@ which the controller uses an interface of the robot.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ, SensorReading
+from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros1 import Interfaces
-from tracerisk.ros.messages.ros2 import Interfaces2, Message2
+from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.controllers import robot_controllers
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
+from tracerisk.ros.robot.twin_node import JOINTS, TopicStream, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 
 JOINT_STATES = "/joint_states"
@@ -33,7 +35,6 @@ CONTROLLER_STATE_TYPE = "control_msgs/JointTrajectoryControllerState"
 _CONTROLLER_STATE = re.compile(r"(?:^|/)([^/]+)/(?:state|controller_state)$")
 """The topic of a trajectory controller's state, below its name: of ROS 1 and of ROS 2."""
 
-_PUBLISHER = "/joint_state_publisher"
 _CLOCK_PUBLISHER = "/clock_publisher"
 # Controllers of ros_control that publish joint states, in a namespace of their own where it is set
 # (`use_local_topics` of the joint state broadcaster).
@@ -42,7 +43,7 @@ _DRIVERS = ("control_msgs/", "moveit_msgs/")
 """The packages of actions that a robot's driver or its move_group serves."""
 
 
-class TwinTopics:
+class TwinTopics(TwinNode):
     """Publishes states of joints and of trajectory controllers, and the clock, to who subscribes.
 
     `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
@@ -50,6 +51,8 @@ class TwinTopics:
     the others in the robot's own. What is published keeps no run going: a controller that only
     listens still comes to its end.
     """
+
+    node = "/joint_state_publisher"
 
     def __init__(
         self,
@@ -59,18 +62,16 @@ class TwinTopics:
         rate_hz: float = JOINT_STATES_HZ,
         order: Sequence[str] = (),
     ) -> None:
-        self._runtime = runtime
-        self._interfaces = interfaces
+        super().__init__(runtime, TwinMessages(interfaces))
         self._order = tuple(order)
         self._sequence = 0
         self._rate_hz = rate_hz
-        self._published: set[str] = set()
         self._asked: set[str] = set()
         self._used: set[str] = set()
         self._publish_states(JOINT_STATES)
-        clock = runtime.graph.advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER)
+        clock = self._graph.advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER)
         TopicStream(runtime, clock, CLOCK_HZ, self._clock)
-        runtime.graph.watch(self._on_change)
+        self._graph.watch(self._on_change)
         runtime.client(Actions).watch(self._on_action)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
@@ -79,13 +80,13 @@ class TwinTopics:
                 self._asked.add(name)
         elif change == "subscribed" and type_name == CONTROLLER_STATE_TYPE:
             controller = _CONTROLLER_STATE.search(name)
-            if controller is not None and name not in self._published:
+            if controller is not None and name not in self._reported:
                 self._publish_controller(name, controller[1])
             return
         elif change == "advertised" and is_command_topic(name, type_name):
             self._used.add(name)
         elif change == "served":
-            servers = self._runtime.graph.services()
+            servers = self._graph.services()
             if not any(each.name == name and each.is_callback for each in servers):
                 self._used.add(name)
         else:
@@ -99,34 +100,33 @@ class TwinTopics:
 
     def _publish_asked(self) -> None:
         """Publish on the topics that somebody subscribes to and a driver would publish on."""
-        for topic in sorted(self._asked - self._published):
+        for topic in sorted(self._asked - self._reported):
             space = topic.removesuffix(JOINT_STATES)
             is_used = any(name.startswith(f"{space}/") for name in self._used)
             if is_used or _STATE_CONTROLLER.search(space):
                 self._publish_states(topic)
 
     def _publish_states(self, topic: str) -> None:
-        self._published.add(topic)
-        graph = self._runtime.graph
-        joints = graph.advertise(topic, JOINT_STATE_TYPE, node=_PUBLISHER, by_controller=False)
-        self._runtime.client(SensorReading).reports_joints(joints, self._rate_hz)
-        TopicStream(
-            self._runtime, joints, self._rate_hz, self._joint_state, yields=topic != JOINT_STATES
+        self._reported.add(topic)
+        self._stream(
+            topic,
+            JOINT_STATE_TYPE,
+            self._rate_hz,
+            self._joint_state,
+            self._reading.named(*JOINTS),
+            yields=topic != JOINT_STATES,
         )
 
     def _publish_controller(self, topic: str, controller: str) -> None:
         """Publish the state of a trajectory controller, unless somebody else does."""
-        self._published.add(topic)
-        publication = self._runtime.graph.advertise(
-            topic, CONTROLLER_STATE_TYPE, node=_PUBLISHER, by_controller=False
-        )
-        self._runtime.client(SensorReading).reports_joints(publication, self._rate_hz)
+        self._reported.add(topic)
         joints = self._joints_of(controller)
-        TopicStream(
-            self._runtime,
-            publication,
+        self._stream(
+            topic,
+            CONTROLLER_STATE_TYPE,
             self._rate_hz,
             lambda: self._controller_state(joints),
+            self._reading.named(*JOINTS),
             yields=True,
         )
 
@@ -135,16 +135,16 @@ class TwinTopics:
         known = robot_controllers(self._runtime).get(controller)
         if known is not None and known.joints:
             return known.joints
-        return tuple(joint.name for joint in self._runtime.twin.robot.arm_joints)
+        return tuple(joint.name for joint in self._twin.robot.arm_joints)
 
     def _controller_state(self, joints: Sequence[str]) -> Any:
         """Return the state of a controller of joints, whose set points are where they are.
 
         A real one follows its set points closely too, from the start of a motion to its end.
         """
-        state = self._runtime.twin.joint_state()
-        message: Any = self._interfaces.message(CONTROLLER_STATE_TYPE)()
-        set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
+        state = self._twin.joint_state()
+        message = self._messages.new(CONTROLLER_STATE_TYPE)
+        self._now(message.header)
         places = [state.names.index(joint) for joint in joints if joint not in state.absent]
         message.joint_names = [state.names[i] for i in places]
         # ROS 2 has renamed them.
@@ -158,17 +158,17 @@ class TwinTopics:
         return message
 
     def _joint_state(self) -> Any:
-        message: Any = self._interfaces.message(JOINT_STATE_TYPE)()
+        message = self._messages.new(JOINT_STATE_TYPE)
         self._sequence += 1
-        if not isinstance(message, Message2):
+        if not self._messages.is_ros2:
             message.header.seq = self._sequence
-        set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
+        self._now(message.header)
         fill_joint_state(message, self._runtime, self._order)
         return message
 
     def _clock(self) -> Any:
-        message: Any = self._interfaces.message(CLOCK_TYPE)()
-        set_time(message.clock, EPOCH_NS + self._runtime.scheduler.now_ns)
+        message = self._messages.new(CLOCK_TYPE)
+        set_time(message.clock, EPOCH_NS + self._scheduler.now_ns)
         return message
 
 
@@ -193,49 +193,3 @@ def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[str] = ()) 
         numbers = [values[i] for i in places]
         of_joints = dict(zip(present, numbers, strict=True)) if more else {}
         setattr(message, key, [*numbers, *(combine(name, of_joints) for name in more)])
-
-
-class TopicStream:
-    """Publishes what `make` makes, `hz` times a second, while the topic has a subscription.
-
-    Where it makes `None`, nothing is published.
-    One that `yields` is silent where somebody else publishes on the topic: a maker's driver.
-    """
-
-    def __init__(
-        self,
-        runtime: Runtime,
-        publication: Publication,
-        hz: float,
-        make: Callable[[], Any],
-        *,
-        yields: bool = False,
-    ) -> None:
-        self._graph = runtime.graph
-        self._yields = yields
-        self._scheduler = runtime.scheduler
-        self._publication = publication
-        self._period_ns = round(1e9 / hz)
-        self._make = make
-        self._is_ticking = False
-        runtime.graph.watch(self._on_change)
-
-    def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        del type_name
-        if change == "subscribed" and name == self._publication.topic and not self._is_ticking:
-            self._is_ticking = True
-            self._schedule()
-
-    def _schedule(self) -> None:
-        following_ns = (self._scheduler.now_ns // self._period_ns + 1) * self._period_ns
-        self._scheduler.call_at(following_ns, self._tick, background=True)
-
-    def _tick(self) -> None:
-        if not self._publication.subscriptions:
-            self._is_ticking = False
-            return
-        if not self._yields or len(self._graph.publications(self._publication.topic)) == 1:
-            message = self._make()
-            if message is not None:
-                self._publication.publish(message)
-        self._schedule()

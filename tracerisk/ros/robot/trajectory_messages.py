@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.joint_names import JointNames
+from tracerisk.ros.graph.robot_spaces import RobotSpaces
+from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory
 
 if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Frame
+    from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.twin.simulation.twin import Twin
+
+    Stack = tuple[Frame, ...] | None
 
 Array = NDArray[np.float64]
 
@@ -35,11 +45,41 @@ class TrajectoryCode(enum.IntEnum):
 
 
 class TrajectoryRefusedError(Exception):
-    """A trajectory that no controller would follow: `code` and the reason."""
+    """A trajectory that no controller would follow: the reason and its `code`."""
 
-    def __init__(self, code: TrajectoryCode, message: str) -> None:
+    def __init__(self, message: str, code: TrajectoryCode = TrajectoryCode.INVALID_GOAL) -> None:
         super().__init__(message)
         self.code = code
+
+
+class TrajectoryNode(TwinNode):
+    """What takes trajectories of a controller: its words for what they move, and for what not."""
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._names = runtime.client(JointNames)
+        self._rules = runtime.client(TrajectoryRules)
+        self._spaces = runtime.client(RobotSpaces)
+
+    def _report_unmoved(self, what: str, names: Sequence[str], stack: Stack = None) -> None:
+        """Report names for which a driver has a note instead of joints."""
+        for name, note in self._names.notes(names).items():
+            words = f"'{name}' of {what} moved nothing: {note}"
+            self._commands.report("unprovided", words, stack, object_name=name)
+
+    def _note_space(self, topic: str, joints: Sequence[str], stack: Stack = None) -> None:
+        if words := self._spaces.other(topic, joints):
+            self._commands.report("one_robot", words, stack, object_name=topic)
+
+    def _stopped(self, what: str, asked: JointTrajectory, stack: Stack = None) -> JointTrajectory:
+        """Return a trajectory as the driver takes it, which may stop joints at their limits."""
+        if not self._rules.stop_at_limits:
+            return asked
+        trajectory, past = within_limits(asked, self._twin.robot)
+        for joint, words in past.items():
+            taken = f"{what} takes joint '{joint}' {words}"
+            self._commands.report("stopped_at_limit", taken, stack, object_name=joint)
+        return trajectory
 
 
 def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
@@ -56,22 +96,19 @@ def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
     _check_joints(names, twin)
     points = list(message.points)
     if not points:
-        raise TrajectoryRefusedError(TrajectoryCode.INVALID_GOAL, "the trajectory has no points")
+        raise TrajectoryRefusedError("the trajectory has no points")
     for index, point in enumerate(points):
         if len(point.positions) != len(names):
             raise TrajectoryRefusedError(
-                TrajectoryCode.INVALID_GOAL,
                 f"point {index} has {len(point.positions)} positions for {len(names)} joints",
             )
         if len(point.velocities) not in (0, len(names)):
             raise TrajectoryRefusedError(
-                TrajectoryCode.INVALID_GOAL,
                 f"point {index} has {len(point.velocities)} velocities for {len(names)} joints",
             )
     time = np.array([nanoseconds(point.time_from_start) * _S for point in points])
     if (np.diff(time) <= 0.0).any() or time[0] < 0.0:
         raise TrajectoryRefusedError(
-            TrajectoryCode.INVALID_GOAL,
             "the times of the points do not rise strictly from 0: "
             + ", ".join(f"{each:g}" for each in time[:6]),
         )
@@ -84,9 +121,7 @@ def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
     if not np.isfinite(position).all() or (
         velocity is not None and not np.isfinite(velocity).all()
     ):
-        raise TrajectoryRefusedError(
-            TrajectoryCode.INVALID_GOAL, "the trajectory holds a number that is not finite"
-        )
+        raise TrajectoryRefusedError("the trajectory holds a number that is not finite")
     stamp_ns = nanoseconds(message.header.stamp)
     if stamp_ns:
         time = time + (stamp_ns - EPOCH_NS - now_ns) * _S
@@ -96,17 +131,17 @@ def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
 def _check_joints(names: tuple[str, ...], twin: Twin) -> None:
     known = [joint.name for joint in twin.robot.joints]
     if not names:
-        raise TrajectoryRefusedError(TrajectoryCode.INVALID_JOINTS, "the trajectory has no joints")
+        raise TrajectoryRefusedError("the trajectory has no joints", TrajectoryCode.INVALID_JOINTS)
     for name in names:
         if name not in known:
             twin.on_unknown_joints(tuple(each for each in names if each))
             raise TrajectoryRefusedError(
-                TrajectoryCode.INVALID_JOINTS,
                 f"robot '{twin.robot.name}' has no joint '{name}'; {one_of(known, name)}",
+                TrajectoryCode.INVALID_JOINTS,
             )
     if len(set(names)) != len(names):
         raise TrajectoryRefusedError(
-            TrajectoryCode.INVALID_JOINTS, "the trajectory names a joint twice"
+            "the trajectory names a joint twice", TrajectoryCode.INVALID_JOINTS
         )
 
 
@@ -118,8 +153,8 @@ def _from_now(
     first = int(np.searchsorted(time, 0.0))
     if first == len(time) and time[-1] < 0.0:
         raise TrajectoryRefusedError(
-            TrajectoryCode.OLD_HEADER_TIMESTAMP,
             f"all points lie in the past, the last by {-time[-1]:.3f} s",
+            TrajectoryCode.OLD_HEADER_TIMESTAMP,
         )
     begins_elsewhere = time[first] == 0.0 and (
         np.abs(position[first] - start).max() > _START_TOLERANCE
@@ -134,7 +169,7 @@ def _from_now(
         least = fastest_s(names, start, position[-1], twin)
         time = np.array([max(float(time[0]), least)])
     if velocity is None:
-        velocity = _slopes(time, position, start)
+        velocity = slopes_at(time, position, start)
     return JointTrajectory(names, time, position, velocity)
 
 
@@ -148,7 +183,7 @@ def fastest_s(names: tuple[str, ...], start: Array, goal: Array, twin: Twin) -> 
     return max(float(np.maximum(by_speed, by_rise).max()), 0.02)
 
 
-def _slopes(time: Array, position: Array, start: Array) -> Array:
+def slopes_at(time: Array, position: Array, start: Array) -> Array:
     """Return velocities at the points, at rest at the end: monotone between neighbours.
 
     Fritsch and Butland, "A method for constructing local monotone piecewise cubic interpolants",

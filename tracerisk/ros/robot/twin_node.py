@@ -11,7 +11,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 
 if TYPE_CHECKING:
-    from tracerisk.ros.graph.graph import Publication
+    from tracerisk.ros.graph.graph import Change, Publication
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.trace import SensorKind
     from tracerisk.twin.simulation.twin import Twin
@@ -145,5 +145,70 @@ class TwinNode:
         publication.publish(message)
         self._schedule(publication, period_ns, make)
 
+    def _stream(
+        self,
+        name: str,
+        type_name: str,
+        hz: float,
+        make: Callable[[], Any],
+        sensors: Sequence[str] = (),
+        *,
+        yields: bool = False,
+        by_controller: bool = False,
+    ) -> None:
+        """Begin a `TopicStream`, which is read of some sensors, by name."""
+        publication = self._graph.advertise(
+            name, type_name, node=self.node, by_controller=by_controller
+        )
+        if sensors:
+            self._reading.reports(publication, sensors, hz)
+        TopicStream(self._runtime, publication, hz, make, yields=yields)
+
     def _now(self, header: Any) -> None:
         self._messages.stamp(header, self._scheduler.now_ns)
+
+
+class TopicStream:
+    """Publishes what `make` makes, `hz` times a second, while the topic has a subscription.
+
+    Where it makes `None`, nothing is published.
+    One that `yields` is silent where somebody else publishes on the topic: a maker's driver.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        publication: Publication,
+        hz: float,
+        make: Callable[[], Any],
+        *,
+        yields: bool = False,
+    ) -> None:
+        self._graph = runtime.graph
+        self._yields = yields
+        self._scheduler = runtime.scheduler
+        self._publication = publication
+        self._period_ns = round(1e9 / hz)
+        self._make = make
+        self._is_ticking = False
+        runtime.graph.watch(self._on_change)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        del type_name
+        if change == "subscribed" and name == self._publication.topic and not self._is_ticking:
+            self._is_ticking = True
+            self._schedule()
+
+    def _schedule(self) -> None:
+        following_ns = (self._scheduler.now_ns // self._period_ns + 1) * self._period_ns
+        self._scheduler.call_at(following_ns, self._tick, background=True)
+
+    def _tick(self) -> None:
+        if not self._publication.subscriptions:
+            self._is_ticking = False
+            return
+        if not self._yields or len(self._graph.publications(self._publication.topic)) == 1:
+            message = self._make()
+            if message is not None:
+                self._publication.publish(message)
+        self._schedule()

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.state_topics import TopicStream
 from tracerisk.ros.robot.twin_node import TwinNode
 
 if TYPE_CHECKING:
@@ -46,9 +45,8 @@ class WrenchTopics(TwinNode):
         if not telling or self._graph.publications(name):
             return
         self._reported.add(name)
-        publication = self._graph.advertise(name, TYPE, node=self.node)
-        self._reading.reports(publication, [each.name for each in telling], HZ)
-        TopicStream(self._runtime, publication, HZ, lambda: self._message(telling[0]))
+        names = [each.name for each in telling]
+        self._stream(name, TYPE, HZ, lambda: self._message(telling[0]), names, by_controller=True)
 
     def _message(self, sensor: Sensor) -> Any:
         wrench = self._twin.wrench(sensor)

@@ -10,13 +10,12 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.ros.graph.parameter_files import into_tree
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.scenario.actions import ScenarioAction
 from tracerisk.ros.scenario.calls import ScenarioCall
 from tracerisk.ros.scenario.frames import ScenarioFrames
 from tracerisk.ros.scenario.known_objects import add_known_objects
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.ros.scenario.schedule import Schedule
-from tracerisk.ros.scenario.services import ScenarioService
+from tracerisk.ros.scenario.servers import ScenarioAction, ScenarioService
 from tracerisk.ros.scenario.topics import ScenarioTopic
 
 

@@ -96,7 +96,7 @@ def rpy_from_quaternion(turn: Quaternion) -> Vector:
     return (roll, math.asin(sine), yaw)
 
 
-def moved(pose: Pose, by: Pose) -> Pose:
+def shifted(pose: Pose, by: Pose) -> Pose:
     """Return a pose that is shifted, and turned where it is, in the axes of its parent."""
     x, y, z = (a + b for a, b in zip(pose.position, by.position, strict=True))
     return Pose((x, y, z), multiply(by.orientation, pose.orientation))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.ros.transforms.history import History, Placed
@@ -31,25 +32,19 @@ class FrameError(Exception):
         self.failure: Failure = failure
 
 
+@dataclass(eq=False)
 class TransformTree:
     """The frames that are known, and where each was.
 
     `warn` is called with poses that are refused, in tf2's words; `names_span` is that of `History`.
     """
 
-    def __init__(
-        self,
-        cache_ns: int = CACHE_NS,
-        *,
-        warn: Callable[[str], None] = lambda _: None,
-        names_span: bool = True,
-    ) -> None:
-        self._names_span = names_span
-        self.cache_ns = cache_ns
-        self._warn = warn
-        self._names: dict[str, None] = {}
-        self._histories: dict[str, History] = {}
-        self._authority: dict[str, str] = {}
+    cache_ns: int = CACHE_NS
+    warn: Callable[[str], None] = lambda _: None
+    names_span: bool = True
+    _names: dict[str, None] = field(default_factory=dict)
+    _histories: dict[str, History] = field(default_factory=dict)
+    _authority: dict[str, str] = field(default_factory=dict)
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -69,17 +64,17 @@ class TransformTree:
         wrong = _what_is_wrong(parent, child, pose, authority)
         if wrong:
             for message in wrong:
-                self._warn(message)
+                self.warn(message)
             return False
         self._names.setdefault(child)
         if child not in self._histories:
             self._histories[child] = History(
-                self.cache_ns, is_static=static, names_span=self._names_span
+                self.cache_ns, is_static=static, names_span=self.names_span
             )
         self._names.setdefault(parent)
         refused = self._histories[child].add(Placed(stamp_ns, parent, pose))
         if refused is not None:
-            self._warn(
+            self.warn(
                 f"{refused} for frame {child} (parent {parent}) at time {stamp_ns / 1e9:f} "
                 f"according to authority {authority}"
             )
@@ -306,7 +301,7 @@ class TransformTree:
         for role, name in frames:
             invalid = _invalid_name(f"canTransform argument {role}", name)
             if invalid is not None:
-                self._warn(invalid)
+                self.warn(invalid)
                 return False, ""
         unknown = [
             f"canTransform: {role} {name} does not exist."

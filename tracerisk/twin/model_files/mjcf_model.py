@@ -13,7 +13,7 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw
 from tracerisk.geometry.shapes import Shape
 from tracerisk.limits import DEFAULT_LIMITS, Limits
-from tracerisk.sandbox.limited_process import run_limited
+from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.twin.model_files.mjcf_document import MjcfDocument, error_of_mujoco
 from tracerisk.twin.urdf.urdf import placed
 
@@ -136,7 +136,6 @@ def _asked(request: Mapping[str, Any], shown: str, limits: Limits) -> Any:
             reads=[Path(each) for each in request["meshes"].values()],
         )
     if done.returncode != 0:
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        reason = last_words(done)
         raise RobotError(f"the model cannot be compiled: {reason[:_LONGEST_REASON]}", where)
     return json.loads(done.stdout)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -35,6 +35,7 @@ _LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
 _LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
 
+@dataclass(eq=False, repr=False)
 class Motion:
     """A motion that the twin carries out, as its owner sees it.
 
@@ -43,22 +44,15 @@ class Motion:
     `stalled` says that a gripper stopped on an object, short of the position asked for.
     """
 
-    def __init__(
-        self,
-        joints: tuple[str, ...],
-        elements: tuple[str, ...],
-        started_ns: int,
-        goal: Sequence[float] = (),
-    ) -> None:
-        self.joints = joints
-        self.goal = tuple(goal)
-        self.elements = elements
-        self.started_ns = started_ns
-        self.outcome: MotionOutcome = "active"
-        self.ended_ns: int | None = None
-        self.message = ""
-        self.stalled = False
-        self._open_parts = 0
+    joints: tuple[str, ...]
+    elements: tuple[str, ...]
+    started_ns: int
+    goal: tuple[float, ...] = ()
+    outcome: MotionOutcome = "active"
+    ended_ns: int | None = None
+    message: str = ""
+    stalled: bool = False
+    _open_parts: int = 0
 
     def __repr__(self) -> str:
         return f"Motion({', '.join(self.elements)}: {self.outcome})"
@@ -155,26 +149,6 @@ class ArmTrack:
         self._control = self.position + self.velocity * lead
         self._still = np.array([joint.velocity_limit for joint in self.members]) * STOPPED_FRACTION
 
-    @classmethod
-    def along(
-        cls,
-        motion: Motion,
-        actuators: Sequence[int],
-        joints: Sequence[int],
-        members: Sequence[Joint],
-        trajectory: JointTrajectory,
-        columns: Sequence[int],
-        goal: GoalTolerance,
-    ) -> ArmTrack:
-        """Return the track of some columns of a trajectory."""
-        position, velocity = resample(
-            trajectory.time,
-            trajectory.position[:, columns],
-            trajectory.velocity[:, columns],
-            STEP_S,
-        )
-        return cls(motion, actuators, joints, members, position, velocity, goal)
-
     def brake(self) -> ArmTrack:
         """Return the track that brings the moving set-points to rest at rated acceleration."""
         position, velocity = self.reference()
@@ -183,14 +157,8 @@ class ArmTrack:
         n_steps = max(1, math.ceil(float(stop.max(initial=0.0)) / STEP_S))
         t = np.minimum(np.arange(1, n_steps + 1)[:, None] * STEP_S, stop)
         slowing = np.sign(velocity) * rated
-        return ArmTrack(
-            None,
-            self.actuators,
-            self.joints,
-            self.members,
-            position + velocity * t - slowing * t * t / 2,
-            velocity - slowing * t,
-        )
+        way = position + velocity * t - slowing * t * t / 2
+        return replace(self, motion=None, position=way, velocity=velocity - slowing * t)
 
     def without(self, actuators: set[int]) -> ArmTrack | None:
         """Return what is left of the track without some actuators, `None` for nothing."""
@@ -199,14 +167,13 @@ class ArmTrack:
             return self
         if not kept:
             return None
-        track = ArmTrack(
-            self.motion,
-            [self.actuators[i] for i in kept],
-            [self.joints[i] for i in kept],
-            [self.members[i] for i in kept],
-            self.position[:, kept],
-            self.velocity[:, kept],
-            self.goal,
+        track = replace(
+            self,
+            actuators=[self.actuators[i] for i in kept],
+            joints=[self.joints[i] for i in kept],
+            members=[self.members[i] for i in kept],
+            position=self.position[:, kept],
+            velocity=self.velocity[:, kept],
         )
         track._at, track._waited = self._at, self._waited
         return track

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -224,27 +224,23 @@ class Kinematics:
         return Pose((x, y, z), (qx, qy, qz, qw))
 
 
+@dataclass(eq=False)
 class _Search:
     """Gauss-Newton steps under joint limits (a quadratic program each) towards poses of links."""
 
-    def __init__(
-        self,
-        configuration: Any,
-        limits: list[Any],
-        frozen: list[Any] | None,
-        targets: Sequence[LinkTarget],
-    ) -> None:
-        self._configuration = configuration
-        self._limits = limits
-        self._frozen = frozen
-        self._targets = targets
+    _configuration: Any
+    _limits: list[Any]
+    _frozen: list[Any] | None
+    _targets: Sequence[LinkTarget]
+
+    def __post_init__(self) -> None:
         self._tasks = [
             mink.FrameTask(
                 target.link, "body", position_cost=1.0, orientation_cost=_turn_cost(target)
             )
-            for target in targets
+            for target in self._targets
         ]
-        for task, target in zip(self._tasks, targets, strict=True):
+        for task, target in zip(self._tasks, self._targets, strict=True):
             task.set_target(_target(target.pose))
 
     def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, _Miss]:

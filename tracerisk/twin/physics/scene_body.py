@@ -107,15 +107,14 @@ def add_body(
 ) -> Any:
     """Add a body under `parent`, at `pose` (its own), and return it."""
     placed = body.pose if pose is None else pose
+    meets: dict[str, Any] = {"contype": contype, "conaffinity": conaffinity}
+    rubs = (_FRICTION, 0.005, 0.0001)
     added = parent.add_body(
         name=body_name(body.name), pos=placed.position, quat=wxyz(placed.orientation)
     )
     if free:
         added.add_freejoint(name=body_name(body.name))
-    geoms = [
-        add_geom(added, shape, contype=contype, conaffinity=conaffinity, friction=_FRICTION)
-        for shape in body.shapes
-    ]
+    geoms = [add_geom(added, shape, **meets, friction=_FRICTION) for shape in body.shapes]
     for index, hull in enumerate(body.hulls):
         mesh = spec.add_mesh(
             name=f"{body_name(body.name)}/{index}",
@@ -124,11 +123,7 @@ def add_body(
         )
         geoms.append(
             added.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_MESH,
-                meshname=mesh.name,
-                contype=contype,
-                conaffinity=conaffinity,
-                friction=(_FRICTION, 0.005, 0.0001),
+                type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh.name, **meets, friction=rubs
             )
         )
     for ground in body.half_spaces:
@@ -137,9 +132,8 @@ def add_body(
             size=(0.0, 0.0, 1.0),
             pos=ground.pose.position,
             quat=wxyz(ground.pose.orientation),
-            contype=contype,
-            conaffinity=conaffinity,
-            friction=(_FRICTION, 0.005, 0.0001),
+            **meets,
+            friction=rubs,
         )
     for geom in geoms:
         geom.mass = body.mass / len(geoms)

@@ -74,7 +74,6 @@ class ElementActivity:
 def element_activity(
     samples: Samples,
     robot: Robot,
-    thresholds: Thresholds | None = None,
     *,
     only: Collection[str] = (),
 ) -> Mapping[str, ElementActivity]:
@@ -82,7 +81,7 @@ def element_activity(
 
     Raises LogError when the samples are of another robot.
     """
-    limits = Thresholds() if thresholds is None else thresholds
+    limits = Thresholds()
     index = {name: i for i, name in enumerate(samples.header.joints)}
     pad_index = {name: i for i, name in enumerate(samples.header.pads)}
     missing = [joint.name for joint in robot.joints if joint.name not in index]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,14 +102,10 @@ def sensor_exposures(
     active_s = _seconds(active, owners, n_visits, step_s)
     longest_s = _longest(active, owners, n_visits) * step_s
     return [
-        Exposure(
-            moving_s=each.moving_s,
-            holding_s=each.holding_s,
+        replace(
+            each,
             active_s=float(active_s[index]),
-            longest_moving_s=each.longest_moving_s,
             longest_active_s=float(longest_s[index]),
-            starts=each.starts,
-            borderline=each.borderline,
             reading_s=float(read_s[index]),
         )
         for index, each in enumerate(joints)

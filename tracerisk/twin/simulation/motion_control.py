@@ -18,6 +18,8 @@ from tracerisk.twin.motion.execution import (
     Track,
     check_trajectory,
 )
+from tracerisk.twin.motion.timing import resample
+from tracerisk.twin.physics.builder import STEP_S
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 from tracerisk.twin.simulation.simulation import Simulation
@@ -95,7 +97,7 @@ class MotionControl:
             trajectory.joints,
             self._elements_of(trajectory.joints),
             self._simulation.time_ns,
-            trajectory.position[-1].tolist(),
+            tuple(trajectory.position[-1].tolist()),
         )
         self._preempt(motion.elements)
         # A gripper may be called as its only finger is, which has no servo of its own.
@@ -103,13 +105,13 @@ class MotionControl:
         columns = [i for i, name in enumerate(trajectory.joints) if name in arm]
         if columns:
             names = [trajectory.joints[i] for i in columns]
-            track = ArmTrack.along(
+            position, velocity = trajectory.position[:, columns], trajectory.velocity[:, columns]
+            track = ArmTrack(
                 motion,
                 [self._simulation.actuator[name] for name in names],
                 [self._simulation.joint_index[name] for name in names],
                 [self._robot.joint(name) for name in names],
-                trajectory,
-                columns,
+                *resample(trajectory.time, position, velocity, STEP_S),
                 goal_tolerance or GoalTolerance(),
             )
             self._add(track)

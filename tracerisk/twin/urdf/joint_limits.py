@@ -29,8 +29,8 @@ def limited_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, P
     if found is None:
         return robot, None
     top, path = found
-    limits = top.optional_map("joint_limits") if top.get("joint_limits") is not None else None
-    given = {} if limits is None else dict(limits.items_as_maps())
+    has_limits = top.get("joint_limits") is not None
+    given = dict(top.map("joint_limits").items_as_maps()) if has_limits else {}
     limited = replace(
         robot,
         default_scaling=_scaling(top, robot.default_scaling),

@@ -12,7 +12,7 @@ from typing import Any
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, RobotError
 from tracerisk.limits import DEFAULT_LIMITS, Limits
-from tracerisk.sandbox.limited_process import run_limited
+from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.sandbox.process import regular_within
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
@@ -78,8 +78,7 @@ def expanded_xacro(
     if done.returncode == REFUSED:
         raise _refusal(json.loads(done.stdout), file, path)
     if done.returncode != 0:
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        reason = last_words(done)
         absent = _ABSENT_PACKAGE.search(reason)
         if absent is not None:
             raise RobotError(

@@ -4,7 +4,7 @@ Source: Dobot-Arm/DOBOT_6Axis_ROS2_V4, dobot_bringup_v4 (cr_robot_ros2.cpp, pars
 list of TCP commands V4 there.
 """
 
-# ruff: noqa: ARG002 - every handler takes a request and an answer
+# ruff: noqa: ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations
 
 import math
@@ -12,9 +12,12 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.transforms.poses import compose, moved
+from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
+from tracerisk.ros.transforms.poses import compose, shifted
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.dobot.queue import (
     IN_ERROR,
@@ -22,15 +25,18 @@ from tracerisk.vendors.dobot.queue import (
     OK,
     OUT_OF_RANGE,
     WRONG_TYPE,
+    DobotQueue,
     pose_of,
+    values_of,
     words_of,
 )
-from tracerisk.vendors.dobot.reports import PACKAGE, DobotReports, Handler
 from tracerisk.vendors.doosan.motion import DoosanMotion
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
+PACKAGE = "dobot_msgs_v4"
+_HZ = 10.0
 _JOG_M_S, _JOG_RAD_S = 0.25, math.radians(30)  # assumed; ISO 10218-1 allows 250 mm/s by hand
 _NOT_SIMULATED = (
     "Pause",
@@ -59,11 +65,20 @@ _TAKEN = (
 )
 
 
-class DobotDriver(DobotReports):
+Handler = Callable[[Any, Any], int | None]
+
+
+class DobotDriver(TwinNode):
     """Answers as the driver of the twin's arm; motions go into the queue of its controller."""
+
+    node = "/dobot_bringup_ros2"
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
+        self._arm = ArmMotion(self._commands)
+        self._queue = DobotQueue(self._arm, self._commands)
+        self._pins: dict[tuple[str, int], int] = {}
+        self._graph.watch(self._on_change)
         self._arcs = DoosanMotion(self._arm)
         self._streams = CommandStreams(self._commands)
         for name, handle in self._services().items():
@@ -97,13 +112,25 @@ class DobotDriver(DobotReports):
             "StopMoveJog": self._stop,
             "Stop": self._stop,
             "EmergencyStop": self._emergency,
-            **super()._services(),
+            "RobotMode": lambda asked, answer: self._answer(answer, [queue.mode]),
+            "GetErrorID": lambda asked, answer: self._answer(answer, [queue.error]),
+            "GetCurrentCommandId": lambda asked, answer: self._answer(answer, [queue.done]),
+            "GetAngle": self._get_angle,
+            "GetPose": self._get_pose,
+            "PositiveKin": self._positive,
+            "InverseKin": self._inverse,
+            "DO": partial(self._set_pin, "DO"),
+            "DOInstant": partial(self._set_pin, "DO"),
+            "ToolDO": partial(self._set_pin, "ToolDO"),
+            "ToolDOInstant": partial(self._set_pin, "ToolDO"),
+            "DI": partial(self._get_pin, "DI"),
+            "GetDO": partial(self._get_pin, "DO"),
             **{name: partial(self._refuse, name) for name in _NOT_SIMULATED},
             **{name: partial(self._take, name) for name in _TAKEN},
         }
 
     def _conclude(self, answer: Any, result: Any) -> None:
-        answer.res = result
+        answer.res = OK if result is None else result
 
     # States
 
@@ -115,10 +142,9 @@ class DobotDriver(DobotReports):
         self._queue.is_enabled = on
         return OK
 
-    def _clear(self, request: Any, answer: Any) -> int:
+    def _clear(self, request: Any, answer: Any) -> None:
         self._queue.error = 0
         self._queue.is_stopped = False
-        return OK
 
     def _share(self, kind: str, percent: int) -> int:
         if not 1 <= percent <= 100:
@@ -129,24 +155,21 @@ class DobotDriver(DobotReports):
     def _frame(self, request: Any, answer: Any) -> int:
         return OK if request.index == 0 else self._refuse("a frame other than 0", request, answer)
 
-    def _take(self, name: str, request: Any, answer: Any) -> int:
+    def _take(self, name: str, request: Any, answer: Any) -> None:
         self._commands.report("not_simulated", f"{name} was taken and changes nothing")
-        return OK
 
     def _refuse(self, name: str, request: Any, answer: Any) -> int:
         self._commands.report("not_simulated", f"{name} is not simulated: nothing moved")
         return NOT_EXECUTED
 
-    def _stop(self, request: Any, answer: Any) -> int:
+    def _stop(self, request: Any, answer: Any) -> None:
         self._queue.stop()
-        return OK
 
-    def _emergency(self, request: Any, answer: Any) -> int:
+    def _emergency(self, request: Any, answer: Any) -> None:
         self._queue.is_stopped = bool(request.value)
         if request.value:
             self._queue.stop()
             self._queue.is_enabled = False
-        return OK
 
     # Motions
 
@@ -223,7 +246,7 @@ class DobotDriver(DobotReports):
             here = self._arm.tool_pose()
             if in_tool:
                 return by_pose(compose(here, shift), words)
-            return by_pose(moved(here, shift), words)
+            return by_pose(shifted(here, shift), words)
 
         return self._add(kind, request, make)
 
@@ -278,7 +301,8 @@ class DobotDriver(DobotReports):
     def _jog(self, request: Any, answer: Any) -> int:
         axis = request.axis_id.strip()
         if not axis:
-            return self._stop(request, answer)
+            self._queue.stop()
+            return OK
         name, sign = axis[:-1].upper(), {"+": 1.0, "-": -1.0}.get(axis[-1], 0.0)
         axes = ("X", "Y", "Z", "RX", "RY", "RZ")
         joints = [f"J{i + 1}" for i in range(len(self._arm.joints))]
@@ -295,11 +319,75 @@ class DobotDriver(DobotReports):
             parts = [0.0] * 6
             index = axes.index(name)
             parts[index] = share * (_JOG_M_S if index < 3 else _JOG_RAD_S)
-            return self._arm.twist(
-                parts[:3], parts[3:], linear_in_tool=False, angular_in_tool=False
-            )
+            return self._arm.twist(parts[:3], parts[3:])
 
         return self._queue.at_once("MoveJog", make)
+
+    # Answers that move nothing
+
+    def _answer(self, answer: Any, values: Sequence[float]) -> int:
+        self._scheduler.touch()
+        lines = (str(each) if isinstance(each, int) else f"{each:.6f}" for each in values)
+        answer.robot_return = "{" + ",".join(lines) + "}"
+        return OK
+
+    # Where it is
+
+    def _get_angle(self, request: Any, answer: Any) -> int:
+        self._reading.asked("encoder")
+        return self._answer(answer, [math.degrees(each) for each in self._arm.positions()])
+
+    def _get_pose(self, request: Any, answer: Any) -> int:
+        if request.user or request.tool:
+            self._commands.report(
+                "not_simulated",
+                f"GetPose in user frame {request.user}, tool frame {request.tool}; allowed: 0",
+            )
+            return NOT_EXECUTED
+        self._reading.asked("encoder")
+        return self._answer(answer, values_of(self._arm.tool_pose()))
+
+    def _positive(self, request: Any, answer: Any) -> int:
+        joints = [math.radians(getattr(request, f"j{i}")) for i in range(1, 7)]
+        return self._answer(answer, values_of(self._arm.pose_at(joints)))
+
+    def _inverse(self, request: Any, answer: Any) -> int:
+        asked = (request.x, request.y, request.z, request.rx, request.ry, request.rz)
+        try:
+            found = self._arm.reach(pose_of(asked))
+        except PlanningError:
+            return NOT_EXECUTED
+        return self._answer(answer, [math.degrees(each) for each in found])
+
+    def _set_pin(self, place: str, request: Any, answer: Any) -> None:
+        self._pins[place, request.index] = int(request.status)
+        self._commands.report(
+            "not_simulated", f"{place} {request.index} was set: nothing hangs on it"
+        )
+
+    def _get_pin(self, place: str, request: Any, answer: Any) -> int:
+        return self._answer(answer, [self._pins.get((place, request.index), 0)])
+
+    # Reports
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change == "subscribed" and type_name == f"{PACKAGE}/ToolVectorActual":
+            self._report_on(name, type_name, _HZ, self._tool_vector, JOINTS)
+        elif change == "subscribed" and type_name == f"{PACKAGE}/RobotStatus":
+            self._report_on(name, type_name, _HZ, self._status, JOINTS)
+
+    def _next_ns(self, period_ns: int, *, is_first: bool) -> int:
+        return self._scheduler.now_ns + period_ns
+
+    def _tool_vector(self, message: Any, topic: str) -> Any:
+        names = ("x", "y", "z", "rx", "ry", "rz")
+        for name, value in zip(names, values_of(self._arm.tool_pose()), strict=True):
+            setattr(message, name, value)
+        return message
+
+    def _status(self, message: Any, topic: str) -> Any:
+        message.is_enable, message.is_connected = self._queue.is_enabled, True
+        return message
 
 
 def _six(message: Any, suffix: str = "") -> list[float]:

@@ -178,14 +178,12 @@ class DoosanController(DoosanReports):
         self._live = motion
         return self._arm.wait(motion)
 
-    def _wait(self, request: Any, answer: Any) -> bool:
+    def _wait(self, request: Any, answer: Any) -> None:
         if self._live is not None:
             self._arm.wait(self._live)
-        return True
 
-    def _stop(self, request: Any, answer: Any) -> bool:
+    def _stop(self, request: Any, answer: Any) -> None:
         self._arm.stop()
-        return True
 
     def _jog(self, request: Any, answer: Any) -> bool:
         stack, axis = self._commands.stack(), request.jog_axis
@@ -194,7 +192,8 @@ class DoosanController(DoosanReports):
             self._report("jog", f"axis {axis}; allowed: 0 to 11", stack)
             return False
         if abs(share) < 1e-6:
-            return self._stop(request, answer)
+            self._arm.stop()
+            return True
         try:
             if axis < _AXES:
                 speeds = [0.0] * _AXES
@@ -215,10 +214,7 @@ class DoosanController(DoosanReports):
         return True
 
     def _twist(self, parts: Sequence[float], ref: int = 0) -> JointTrajectory | None:
-        in_tool = ref == 1
-        return self._arm.twist(
-            parts[:3], parts[3:], linear_in_tool=in_tool, angular_in_tool=in_tool
-        )
+        return self._arm.twist(parts[:3], parts[3:], "tool" if ref == 1 else "base")
 
     def _grip(self, opened: float) -> bool:
         stack = self._commands.stack()

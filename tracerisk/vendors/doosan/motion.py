@@ -18,9 +18,9 @@ from tracerisk.ros.transforms.poses import (
     Vector,
     compose,
     inverse,
-    moved,
     multiply,
     rotate,
+    shifted,
 )
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
@@ -72,7 +72,7 @@ class DoosanMotion:
         if ref == TOOL:
             return compose(here, asked)
         if mode == RELATIVE:
-            return moved(here, asked)
+            return shifted(here, asked)
         return asked
 
     def joint_move(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _STANDBY, _MOVING = 1, 2
 _IDLE, _BUSY = 0, 2
 
-Handler = Callable[[Any, Any], bool]
+Handler = Callable[[Any, Any], bool | None]
 
 
 class DoosanReports(TwinNode):
@@ -90,7 +90,7 @@ class DoosanReports(TwinNode):
         }
 
     def _conclude(self, answer: Any, result: Any) -> None:
-        answer.success = result
+        answer.success = result is None or result
 
     # Modes and states
 
@@ -155,9 +155,8 @@ class DoosanReports(TwinNode):
 
     # Tools and pins
 
-    def _create_tcp(self, request: Any, answer: Any) -> bool:
+    def _create_tcp(self, request: Any, answer: Any) -> None:
         self._tcps[request.name] = pose_of(request.pos)
-        return True
 
     def _delete_tcp(self, request: Any, answer: Any) -> bool:
         return bool(request.name) and self._tcps.pop(request.name, None) is not None
@@ -169,9 +168,8 @@ class DoosanReports(TwinNode):
         self._motion.tcp = compose(ORIGIN, self._tcps[request.name])
         return True
 
-    def _create_tool(self, request: Any, answer: Any) -> bool:
+    def _create_tool(self, request: Any, answer: Any) -> None:
         self._tools.add(request.name)
-        return True
 
     def _delete_tool(self, request: Any, answer: Any) -> bool:
         is_known = bool(request.name) and request.name in self._tools
@@ -192,11 +190,10 @@ class DoosanReports(TwinNode):
         return False
 
     def _set_pin(self, place: str) -> Handler:
-        def take(request: Any, answer: Any) -> bool:
+        def take(request: Any, answer: Any) -> None:
             number = request.index if hasattr(request, "index") else request.channel
             self._pins[place, number] = float(request.value)
             self._commands.report("not_simulated", f"{place} {number} was set: nothing hangs on it")
-            return True
 
         return take
 

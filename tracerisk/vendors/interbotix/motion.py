@@ -10,6 +10,7 @@ import numpy as np
 
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.motion_profiles import ramped
+from tracerisk.ros.robot.trajectory_messages import slopes_at
 from tracerisk.twin.physics.motion import JointTrajectory
 from tracerisk.vendors.interbotix.dynamixel import Servo
 
@@ -127,12 +128,5 @@ def _passed(
     start: Sequence[float],
     goals: Sequence[Sequence[float]],
 ) -> JointTrajectory:
-    times = np.array([0.0, *time])
-    positions = np.array([start, *goals])
-    slopes = np.zeros_like(positions)
-    if len(times) > 2:
-        steps = np.diff(positions, axis=0) / np.diff(times)[:, None]
-        before, after = steps[:-1], steps[1:]
-        same = before * after > 0.0
-        slopes[1:-1] = np.where(same, 2 * before * after / np.where(same, before + after, 1.0), 0.0)
-    return JointTrajectory(names, times[1:], positions[1:], slopes[1:])
+    times, positions = np.array(time), np.array(goals)
+    return JointTrajectory(names, times, positions, slopes_at(times, positions, np.array(start)))

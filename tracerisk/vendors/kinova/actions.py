@@ -8,11 +8,11 @@ round.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.arm_motion import ArmMotion, TwistFrame
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import ORIGIN, compose, quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
@@ -20,6 +20,7 @@ from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 MIXED, TOOL, BASE = 1, 2, 3
 """Frames of reference: translations in the base and turns in the tool, both in the tool, or both
 in the base."""
+_TWISTS: Mapping[int, TwistFrame] = {MIXED: "mixed", TOOL: "tool"}
 BY_DURATION, BY_SPEED = 1, 2
 SPEED, POSITION = 2, 3
 """Modes of the gripper: a speed, whose sign opens or closes, and a position (0 open, 1 closed)."""
@@ -69,12 +70,7 @@ class KortexArm:
         """Return the way to ConstrainedJointAngles."""
         here = self.angles()
         for each in asked.joint_angles.joint_angles:
-            if each.joint_identifier >= len(here):
-                raise PlanningError(
-                    "invalid_goal",
-                    f"joint_identifier {each.joint_identifier} of {len(here)} joints",
-                )
-            here[each.joint_identifier] = each.value
+            _put(here, each.joint_identifier, each.value)
         if not asked.joint_angles.joint_angles:
             raise PlanningError("invalid_goal", "no joint angles")
         return self._to_angles(here, asked.constraint)
@@ -82,11 +78,7 @@ class KortexArm:
     def reach_angle(self, asked: Any) -> JointTrajectory:
         """Return the way of one joint to a ConstrainedJointAngle."""
         here = self.angles()
-        if asked.joint_identifier >= len(here):
-            raise PlanningError(
-                "invalid_goal", f"joint_identifier {asked.joint_identifier} of {len(here)} joints"
-            )
-        here[asked.joint_identifier] = asked.value
+        _put(here, asked.joint_identifier, asked.value)
         return self._to_angles(here, asked.constraint)
 
     def reach_pose(self, asked: Any) -> JointTrajectory:
@@ -109,12 +101,7 @@ class KortexArm:
         """Return the way at Base_JointSpeeds [deg/s], None where they stop the arm."""
         speeds = [0.0] * len(self.arm.joints)
         for each in asked.joint_speeds:
-            if each.joint_identifier >= len(speeds):
-                raise PlanningError(
-                    "invalid_goal",
-                    f"joint_identifier {each.joint_identifier} of {len(speeds)} joints",
-                )
-            speeds[each.joint_identifier] = math.radians(each.value)
+            _put(speeds, each.joint_identifier, math.radians(each.value))
         return self.arm.at_speeds(speeds, asked.duration / 1000.0 or None)
 
     def twist(self, asked: Any, frame: int) -> JointTrajectory | None:
@@ -124,9 +111,8 @@ class KortexArm:
         return self.arm.twist(
             (twist.linear_x, twist.linear_y, twist.linear_z),
             [math.radians(v) for v in (twist.angular_x, twist.angular_y, twist.angular_z)],
-            linear_in_tool=frame == TOOL,
-            angular_in_tool=frame in (MIXED, TOOL),
-            for_s=asked.duration / 1000.0 or None,
+            _TWISTS.get(frame, "base"),
+            asked.duration / 1000.0 or None,
         )
 
     # Waypoints
@@ -246,6 +232,13 @@ class KortexArm:
             turn = math.radians(oneof.speed[0].orientation) or math.inf
         duration_s = float(oneof.duration[0]) if oneof.duration else 0.0
         return self.arm.line([pose], speed=speed, turn=turn, duration_s=duration_s)
+
+
+def _put(values: list[float], joint: int, value: float) -> None:
+    """Set what is asked of one joint by its number; raise PlanningError where there is none."""
+    if joint >= len(values):
+        raise PlanningError("invalid_goal", f"joint_identifier {joint} of {len(values)} joints")
+    values[joint] = value
 
 
 def pose_of(asked: Any, *, in_degrees: bool = True) -> Pose:

@@ -4,7 +4,7 @@ Source of names and behaviour: NiryoRobotics/ned_ros; the names are fixed there.
 Python wrapper are assumed.
 """
 
-# ruff: noqa: ARG001, ARG002 - every handler takes a request and an answer
+# ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
@@ -26,6 +26,7 @@ _MESSAGES = "niryo_robot_msgs"
 _STATE = f"{_MESSAGES}/RobotState"  # the pose of the tool
 _HZ = 10.0
 _SUCCESS, _NOT_IMPLEMENTED, _INVALID = 1, -51, -52
+_DONE = _SUCCESS, "Success"
 _PIN_ERROR, _NO_INVERSE, _NO_FORWARD = -114, -232, -233
 _GRIPPER_1 = 11
 
@@ -151,7 +152,7 @@ class NiryoRobot(NiryoActions):
         }
 
     def _conclude(self, answer: Any, result: Any) -> None:
-        for name, value in zip(("status", "message"), result, strict=True):
+        for name, value in zip(("status", "message"), result or _DONE, strict=True):
             if name in answer.__slots__:
                 setattr(answer, name, value)
 
@@ -185,28 +186,26 @@ class NiryoRobot(NiryoActions):
 
     # Services
 
-    def _learn(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _learn(self, request: Any, answer: Any) -> None:
         self._is_learning = bool(request.value)
-        return _SUCCESS, "Success"
 
     def _scale(self, kind: str, request: Any, answer: Any) -> tuple[int, str]:
         if request.value < 1:
             return _INVALID, f"{kind} scaling factor {request.value} %; give 1 or more"
         setattr(self._motion, kind, min(request.value, 100) / 100.0)
-        return _SUCCESS, "Success"
+        return _DONE
 
     def _stop(self, request: Any, answer: Any) -> tuple[int, str]:
         self._stop_goal()
         return _SUCCESS, "Command stopped"
 
-    def _get_home(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _get_home(self, request: Any, answer: Any) -> None:
         home = self._home
         if home is None:
             states = self._arm.twin.robot.named_states.get(self._arm.group or "", {})
             resting = states.get("resting", {})
             home = [resting.get(name, 0.0) for name in self._arm.joints]
         answer.values = home
-        return _SUCCESS, "Success"
 
     def _set_home(self, request: Any, answer: Any) -> tuple[int, str]:
         try:
@@ -214,11 +213,10 @@ class NiryoRobot(NiryoActions):
         except PlanningError as error:
             return _INVALID, error.message
         self._home = list(request.values)
-        return _SUCCESS, "Success"
+        return _DONE
 
-    def _reset_home(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _reset_home(self, request: Any, answer: Any) -> None:
         self._home = None
-        return _SUCCESS, "Success"
 
     def _jog(self, request: Any, answer: Any) -> tuple[int, str]:
         stack, values = self._commands.stack(), list(request.shift_values)
@@ -238,7 +236,7 @@ class NiryoRobot(NiryoActions):
         except PlanningError as error:
             self._commands.report("command_ignored", f"jog moved nothing: {error.message}", stack)
             return STATUS_OF[error.failure], error.message
-        return _SUCCESS, "Success"
+        return _DONE
 
     def _forward(self, request: Any, answer: Any) -> tuple[int, str]:
         try:
@@ -246,7 +244,7 @@ class NiryoRobot(NiryoActions):
         except PlanningError as error:
             return _NO_FORWARD, error.message
         filled(answer.pose, self._motion.of_joints(list(request.joints)))
-        return _SUCCESS, "Success"
+        return _DONE
 
     def _inverse(self, request: Any, answer: Any) -> tuple[int, str]:
         at, rpy = request.pose.position, request.pose.rpy
@@ -255,35 +253,30 @@ class NiryoRobot(NiryoActions):
             answer.joints = self._motion.to_joints_of(Pose((at.x, at.y, at.z), turned))
         except PlanningError as error:
             return _NO_INVERSE, error.message
-        return _SUCCESS, "Success"
+        return _DONE
 
-    def _enable_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _enable_tcp(self, request: Any, answer: Any) -> None:
         self._motion.is_tcp_on = bool(request.value)
-        return _SUCCESS, "Success"
 
-    def _set_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _set_tcp(self, request: Any, answer: Any) -> None:
         at, rpy = request.position, request.rpy
         turned = quaternion_from_rpy(rpy.roll, rpy.pitch, rpy.yaw)
         self._motion.tcp, self._motion.is_tcp_on = Pose((at.x, at.y, at.z), turned), True
-        return _SUCCESS, "Success"
 
-    def _reset_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _reset_tcp(self, request: Any, answer: Any) -> None:
         self._motion.tcp = self._motion.tcp_of_tool()
-        return _SUCCESS, "Success"
 
-    def _set_pin(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _set_pin(self, request: Any, answer: Any) -> None:
         self._pins[request.name] = float(request.value)
-        return _SUCCESS, "Success"
 
     def _get_pin(self, request: Any, answer: Any) -> tuple[int, str]:
         if not request.name:
             return _PIN_ERROR, "give the name of a pin"
         answer.value = type(answer.value)(self._pins.get(request.name, 0.0))
-        return _SUCCESS, "Success"
+        return _DONE
 
-    def _shown(self, request: Any, answer: Any) -> tuple[int, str]:
+    def _shown(self, request: Any, answer: Any) -> None:
         self._commands.report("not_simulated", "lights and sounds change nothing on the twin")
-        return _SUCCESS, "Success"
 
     def _refuse(self, request: Any, answer: Any) -> tuple[int, str]:
         message = "stored and computed trajectories are not simulated: nothing moved"
@@ -291,9 +284,8 @@ class NiryoRobot(NiryoActions):
         return _NOT_IMPLEMENTED, message
 
 
-def _nothing(request: Any, answer: Any) -> tuple[int, str]:
+def _nothing(request: Any, answer: Any) -> None:
     """Answer what asks for nothing that the twin lacks: it is calibrated, and always on."""
-    return _SUCCESS, "Success"
 
 
 def _with(message: Any, **values: Any) -> Any:

@@ -30,7 +30,7 @@ _CREATION_FAILED, _REMOVAL_FAILED, _READ_FAILURE = -300, -301, -302
 _FRAME_MISSING, _FRAME_EDIT_FAILED, _FRAME_CREATION_FAILED = -304, -305, -306
 _SAVE, _SAVE_WITH_POINTS, _EDIT, _DELETE = 1, 2, 3, -1
 
-Handler = Callable[[Any, Any], tuple[int, str]]
+Handler = Callable[[Any, Any], tuple[int, str] | None]
 
 
 class NiryoPlaces(TwinNode):

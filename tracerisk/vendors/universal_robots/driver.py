@@ -15,7 +15,7 @@ from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
-from tracerisk.ros.transforms.poses import compose, inverse, moved, rotate
+from tracerisk.ros.transforms.poses import compose, inverse, rotate, shifted
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions
@@ -191,13 +191,8 @@ class _Program:
     def _speedl(self, speeds: Sequence[float], a: float = 1.2, t: float = 0.0) -> None:
         del a
         turn = self._base().orientation
-        made = self._arm.twist(
-            rotate(turn, speeds[:3]),
-            rotate(turn, speeds[3:]),
-            linear_in_tool=False,
-            angular_in_tool=False,
-            for_s=t or None,
-        )
+        linear, angular = rotate(turn, speeds[:3]), rotate(turn, speeds[3:])
+        made = self._arm.twist(linear, angular, for_s=t or None)
         self._follow("speedl", made)
 
     def _stop(self, *_: float) -> None:
@@ -235,4 +230,4 @@ class _Program:
         return [float(each) for each in target]
 
     def _pose_add(self, one: Any, other: Any) -> PoseNumbers:
-        return self._numbers(moved(self._pose(other), self._pose(one)))
+        return self._numbers(shifted(self._pose(other), self._pose(one)))
