@@ -151,22 +151,12 @@ def gather_evidence(
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
     from tracerisk.dependencies import require_simulator
-    from tracerisk.pipeline.evidence.campaign import gather
+    from tracerisk.pipeline.evidence.campaign import Trying, gather
+    from tracerisk.pipeline.evidence.workers import Workers
 
     require_simulator("trying failures")
-    return gather(
-        Path(path),
-        settings,
-        cells=cells,
-        until=until,
-        most_s=most_s,
-        jobs=jobs,
-        executor=executor,
-        shard=shard,
-        fresh=fresh,
-        progress=progress,
-        noted=noted,
-    )
+    trying = Trying(Workers(jobs, executor, most_s), shard, fresh, progress, noted)
+    return gather(Path(path), settings, trying, cells=cells, until=until)
 
 
 def sweep(

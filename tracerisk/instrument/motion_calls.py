@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from tracerisk.instrument.tracer import Site
+from tracerisk.source.python_source import parsed
 
 MOTION_CALLS = frozenset(
     {"go", "execute", "execute_and_wait", "pick", "place"}
@@ -27,9 +28,8 @@ def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
     """
     wanted = set(sites)
     names: set[str] = set()
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return frozenset()
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and (node.lineno, node.col_offset + 1) in wanted:
@@ -73,9 +73,8 @@ def missed_calls(
     (`self.arm.go`); or as one of such a function, by its plain name or on `self`, where the
     source has no other function of that name.
     """
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return ()
     calls = list(_calls(tree))
     known = {_same(call, scope) for call, scope in calls if _is_made(call, made)}

@@ -26,36 +26,17 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller as Controller
     from tracerisk.pipeline.workspace.controller import load_controller as load_controller
 
-__all__ = [
-    "Annotated",
-    "Controller",
-    "annotate",
-    "at_annotated_lines",
-    "build",
-    "check_blocks",
-    "explain",
-    "hand_set",
-    "load_controller",
-    "load_hardware",
-    "load_robot",
-    "load_settings",
-    "solve",
-    "strip",
-    "trace_controller",
-]
+_HOMES = {
+    "results.explanation": "explain",
+    "stages": (
+        "Annotated annotate at_annotated_lines build check_blocks hand_set load_hardware "
+        "load_robot load_settings solve strip trace_controller"
+    ),
+    "workspace.controller": "Controller load_controller",
+}
 
-__getattr__ = on_demand(
-    __name__,
-    {
-        "results.explanation": "explain",
-        "stages": (
-            "Annotated annotate at_annotated_lines build check_blocks hand_set load_hardware "
-            "load_robot load_settings solve strip trace_controller"
-        ),
-        "workspace.controller": "Controller load_controller",
-    },
-)
+__getattr__ = on_demand(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted([*globals(), *" ".join(_HOMES.values()).split()])

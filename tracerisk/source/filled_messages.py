@@ -6,15 +6,16 @@ import ast
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.source.python_source import parsed
+
 
 def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], int]:
     """Return the literals that a source sets in a message of a type, and the first one's line.
 
     `kind` is the last name of the type, `need` the kind of the need that the message meets.
     """
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError, RecursionError):
+    tree = parsed(source)
+    if tree is None:
         return {}, 0
     part = {"call": "Request", "goal": "Goal"}.get(need)
     classes = {kind, f"{kind}Request", f"{kind}Goal"}

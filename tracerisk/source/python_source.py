@@ -152,3 +152,20 @@ def _is_python_2(error: SyntaxError, shown: str) -> bool:
     if isinstance(error, TabError):
         return True
     return any(pattern.search(shown) for pattern in _PYTHON_2_LINES)
+
+
+def parsed(source: bytes | str) -> ast.Module | None:
+    """Return the tree of a source; `None` where it cannot be parsed."""
+    try:
+        return ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError):
+        return None
+
+
+def decoded(source: bytes) -> str:
+    """Return the text of a source, by the encoding that it states."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
+        return source.decode(encoding)
+    except (SyntaxError, UnicodeDecodeError, LookupError):
+        return source.decode("utf-8", errors="replace")

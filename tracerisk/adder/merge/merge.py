@@ -23,7 +23,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
 from tracerisk.errors import EditInTheWayError, Location
-from tracerisk.records import dataclass, replace
+from tracerisk.records import dataclass, field, replace
 
 NOISE = 0.01
 """The relative change of a computed probability up to which its text stays as written."""
@@ -145,30 +145,24 @@ def merge(
     return Merged(merger.block(), tuple(merger.edits))
 
 
+@dataclass(slots=True)
 class _Merger:
-    def __init__(
-        self,
-        known: KnownBlock,
-        current: RiskBlock,
-        computed: RiskBlock | None,
-        policy: MergePolicy,
-    ) -> None:
-        self._known = known
-        self._current = current
-        self._computed = computed
-        self._policy = policy
-        self.edits: list[HandEdit] = []
+    known: KnownBlock
+    current: RiskBlock
+    computed: RiskBlock | None
+    policy: MergePolicy
+    edits: list[HandEdit] = field(default_factory=list)
 
     def block(self) -> RiskBlock | None:
-        current, computed = self._current, self._computed
+        current, computed = self.current, self.computed
         if current.added:
             return self._by_hand()
-        if computed is None and not self._known.is_known and not has_pins(current):
+        if computed is None and not self.known.is_known and not has_pins(current):
             # Neither the lock knows the block nor does the tool compute it.
-            author = self._known.author_of_block()
+            author = self.known.author_of_block()
             if author != "tool":
                 self._report("added", current.name, current.location, author)
-                return None if self._policy.edits == "discard" else replace(current, added=True)
+                return None if self.policy.edits == "discard" else replace(current, added=True)
         call_sequence = self._field(
             None,
             CALL_SEQUENCE,
@@ -190,7 +184,7 @@ class _Merger:
 
     def _by_hand(self) -> RiskBlock:
         """Keep a block given by hand, with what the tool computes beside its pinned values."""
-        current, computed = self._current, self._computed
+        current, computed = self.current, self.computed
         call_sequence = following = None
         others: dict[str, ComponentEntry] = {}
         if computed is not None:
@@ -207,36 +201,36 @@ class _Merger:
         )
 
     def _next(self) -> Field[Any] | None:
-        current = self._current.next
-        computed = self._computed.next if self._computed else None
+        current = self.current.next
+        computed = self.computed.next if self.computed else None
         if current is None:
             # The published form, which has none; or lines taken away, with nothing of a user
             # in them that could be kept.
             return computed
-        if self._computed is None or computed is not None or current.pinned:
+        if self.computed is None or computed is not None or current.pinned:
             return self._field(None, NEXT, current, computed)
-        written, is_there = self._known.last(None, NEXT, current)
+        written, is_there = self.known.last(None, NEXT, current)
         if is_there or not self._changed(None, NEXT, written, current, None):
             return None
-        return None if self._policy.edits == "discard" else _pinned(current, None)
+        return None if self.policy.edits == "discard" else _pinned(current, None)
 
     def _components(self) -> tuple[ComponentEntry, ...]:
-        computed = self._computed.components if self._computed else ()
-        current = {component.name: component for component in self._current.components}
+        computed = self.computed.components if self.computed else ()
+        current = {component.name: component for component in self.current.components}
         merged = [self._component(new, current.pop(new.name, None)) for new in computed]
         left = [self._no_longer_computed(current[name]) for name in sorted(current)]
         return (*merged, *(component for component in left if component is not None))
 
     def _component(self, new: ComponentEntry, current: ComponentEntry | None) -> ComponentEntry:
         if current is None:
-            if self._known.held(new.name) is False:
+            if self.known.held(new.name) is False:
                 return new
-            author = self._known.author_of_removal(new.name)
+            author = self.known.author_of_removal(new.name)
             if author == "tool":
                 return new
-            path = f"{self._current.name}.{new.name}"
-            self._report("removed", path, self._current.location, author)
-            if self._policy.edits == "discard":
+            path = f"{self.current.name}.{new.name}"
+            self._report("removed", path, self.current.location, author)
+            if self.policy.edits == "discard":
                 return new
             return replace(new, omitted=True)
         if current.added:
@@ -247,16 +241,16 @@ class _Merger:
         """Decide on a component that stands in the block and that the tool does not compute."""
         if current.added or current.omitted:
             return _component_beside(current, None)
-        if self._computed is None:
+        if self.computed is None:
             # The block stays for something a user set in it, and stays whole.
             return self._fields(current, None)
-        if not self._known.knows(current.name) and not is_component_pinned(current):
-            author = self._known.author_of_component(current.name, current.probability.value)
+        if not self.known.knows(current.name) and not is_component_pinned(current):
+            author = self.known.author_of_component(current.name, current.probability.value)
             if author == "tool":
                 return None
-            path = f"{self._current.name}.{current.name}"
+            path = f"{self.current.name}.{current.name}"
             self._report("added", path, current.location, author)
-            return None if self._policy.edits == "discard" else replace(current, added=True)
+            return None if self.policy.edits == "discard" else replace(current, added=True)
         merged = self._fields(current, None)
         return merged if is_component_pinned(merged) else None
 
@@ -275,14 +269,14 @@ class _Merger:
         current: Field[Any],
         computed: Field[Any] | None,
     ) -> Field[Any]:
-        written, is_there = self._known.last(component, kind, current)
+        written, is_there = self.known.last(component, kind, current)
         tool = None if computed is None else self._tool_field(kind, written, computed)
         edited = (
             not is_there
             and self._may_be_edited(kind, written, current, tool)
             and self._changed(component, kind, written, current, tool)
         )
-        if edited and self._policy.edits != "discard":
+        if edited and self.policy.edits != "discard":
             return _pinned(current, tool)
         if computed is not None and computed.pinned:
             # A pin from elsewhere is the newest value of a user.
@@ -304,7 +298,7 @@ class _Merger:
         if text is None:
             return None
         value = kind.read(text)
-        if written is not None and not self._policy.fresh:
+        if written is not None and not self.policy.fresh:
             before = kind.read(written)
             if kind.same(before, value):
                 return Field(value, text) if kind.is_noisy else Field(before, written)
@@ -320,7 +314,7 @@ class _Merger:
             return False
         if tool is None:
             # Kept as it stands beside something a user set: nothing is lost.
-            return written is not None or self._known.is_known
+            return written is not None or self.known.is_known
         return not kind.same(current.value, tool.value)
 
     def _changed(
@@ -332,10 +326,10 @@ class _Merger:
         tool: Field[Any] | None,
     ) -> bool:
         """Report a value that the tool is not known to have written; `False` if it did."""
-        author = self._known.author_of_value(component, kind, current.value)
+        author = self.known.author_of_value(component, kind, current.value)
         if author == "tool":
             return False
-        path = ".".join(part for part in (self._current.name, component, kind.key) if part)
+        path = ".".join(part for part in (self.current.name, component, kind.key) if part)
         texts = {
             "found": current.text,
             "written": written,

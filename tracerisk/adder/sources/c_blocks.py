@@ -25,7 +25,7 @@ from tracerisk.adder.sources.edits import Edit, apply_edits
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock, targets_of
 from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
-from tracerisk.instance_name import is_name_at, name_at
+from tracerisk.instance_name import is_name_at
 from tracerisk.records import replace
 from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
@@ -151,17 +151,9 @@ def _placed(parsed: CSource, comments: Iterable[CComment]) -> Iterable[PlacedBlo
             )
         named = [each for each in owners if _is_meant(block.name, each.name)]
         if not named:
-            allowed = tuple(dict.fromkeys(name_at(block.name, each.name) for each in owners))
-            names = " or ".join(allowed)
-            raise MisplacedBlockError(
-                f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
-                "or move or delete the block",
-                Location(parsed.file, comment.line),
-                QualifiedName(block.name),
-                allowed,
-                is_by_hand=block.added,
-                is_written=block.digest is not None,
-            )
+            functions = (each.name for each in owners)
+            place = Location(parsed.file, comment.line)
+            raise MisplacedBlockError(block, QualifiedName(block.name), functions, place)
         last = comment.line + _lines_in(parsed.source, comment) - 1
         owner = named[0]
         name = block.name if is_name_at(block.name, owner.name) else owner.name

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.errors import BlockError, InputError, Location, one_of
-from tracerisk.instance_name import places
+from tracerisk.instance_name import name_at, places
 from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
 
@@ -19,25 +19,23 @@ it begins, or at the top of a module's code."""
 class MisplacedBlockError(BlockError):
     """A block stands at another function than its `name` says: `owners` are what it may describe.
 
-    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written`: the block
-    has a digest: the tool wrote it, under that name.
+    `name` is that of the function which it says it describes.
     """
 
     def __init__(
-        self,
-        message: str,
-        location: Location,
-        name: QualifiedName,
-        owners: tuple[QualifiedName, ...],
-        *,
-        is_by_hand: bool,
-        is_written: bool,
+        self, block: RiskBlock, name: QualifiedName, functions: Iterable[str], location: Location
     ) -> None:
-        super().__init__(message, location)
-        self.is_by_hand = is_by_hand
-        self.is_written = is_written
+        self.owners = tuple(
+            dict.fromkeys(QualifiedName(name_at(name, function)) for function in functions)
+        )
+        names = " or ".join(self.owners)
+        super().__init__(
+            f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
+            "or move or delete the block",
+            location,
+        )
+        self.block = block
         self.name = name
-        self.owners = owners
 
 
 @dataclass(frozen=True, slots=True)

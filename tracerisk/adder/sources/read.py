@@ -20,7 +20,7 @@ from tracerisk.adder.sources.definitions import (
 )
 from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
 from tracerisk.errors import BlockError, Location
-from tracerisk.instance_name import is_name_at, name_at
+from tracerisk.instance_name import is_name_at
 from tracerisk.records import dataclass
 from tracerisk.source.language import is_c_like
 from tracerisk.text.patterns import pattern
@@ -199,17 +199,8 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
         name = QualifiedName(normal_name(block.name))
         named = [owner for owner in owners if is_name_at(name, owner.name)]
         if not named:
-            allowed = tuple(dict.fromkeys(name_at(name, owner.name) for owner in owners))
-            names = " or ".join(allowed)
-            raise MisplacedBlockError(
-                f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
-                "or move or delete the block",
-                Location(source.file, start),
-                name,
-                allowed,
-                is_by_hand=block.added,
-                is_written=block.digest is not None,
-            )
+            functions = (owner.name for owner in owners)
+            raise MisplacedBlockError(block, name, functions, Location(source.file, start))
         owner = named[0]
         yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)
 

@@ -65,7 +65,8 @@ def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
     defined = {name for name, _ in functions_in(source, file)}
-    is_known = error.is_written or error.is_by_hand or error.name in known
+    # What is given by hand no lock knows; what has a digest, the tool wrote under that name.
+    is_known = error.block.digest is not None or error.block.added or error.name in known
     if not is_known or error.name in defined or len(error.owners) != 1:
         return None
     return error.owners[0]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import tokenize
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +11,7 @@ from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.source.language import is_c_like
+from tracerisk.source.python_source import decoded
 from tracerisk.trace import FunctionRef, QualifiedName
 
 if TYPE_CHECKING:
@@ -152,7 +151,7 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
     """
     from tracerisk.report.html.report_input import SourceFile
 
-    texts = {file: _decoded(source) for file, source in sources.items()}
+    texts = {file: decoded(source) for file, source in sources.items()}
     found = [
         (FunctionRef(file, name), block)
         for file, source in sources.items()
@@ -212,12 +211,3 @@ def _published(block: RiskBlock, text: str, end: str | None) -> SourceBlock:
 
 def _named(block: SourceBlock, name: str) -> SourceBlock:
     return replace(block, function=name)
-
-
-def _decoded(source: bytes) -> str:
-    """Return a source as text by the encoding that it declares."""
-    try:
-        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
-        return source.decode(encoding)
-    except (SyntaxError, UnicodeDecodeError, LookupError):
-        return source.decode("utf-8", errors="replace")

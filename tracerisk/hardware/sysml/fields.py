@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NoReturn
 
 from tracerisk.errors import HardwareError, Location, one_of
@@ -13,6 +14,7 @@ from tracerisk.hardware.sysml.language.standard_names import ENUMERATIONS, OURS,
 from tracerisk.hardware.sysml.values import Amount, Built, Context, Meaning
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class Fields:
     """The features of a metadata, or of a value within one.
 
@@ -20,17 +22,10 @@ class Fields:
     its values are worked out.
     """
 
-    def __init__(
-        self,
-        owner: str,
-        values: Mapping[str, Given],
-        location: Location,
-        way: tuple[Symbol, ...],
-    ) -> None:
-        self.owner = owner
-        self.location = location
-        self._values = values
-        self._way = way
+    owner: str
+    _values: Mapping[str, Given]
+    location: Location
+    _way: tuple[Symbol, ...]
 
     @classmethod
     def of(cls, found: Metadata, way: tuple[Symbol, ...]) -> Fields:

@@ -9,8 +9,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -137,43 +136,45 @@ def plan_campaign(
     return Plan(nominal, str(controller), given, inputs.fingerprint, targets, uses, drawn, declared)
 
 
+@dataclass(frozen=True, slots=True)
+class Trying:
+    """How the cells of a campaign are tried.
+
+    `shard` (i, n) runs every n-th cell; `fresh` takes none from before. `noted` gets what a user
+    should know, a sentence each: what of the file was edited and is tried again, and why cells
+    were run from the beginning, where they could not branch off one run.
+    """
+
+    workers: Workers = field(default_factory=Workers)
+    shard: tuple[int, int] = (1, 1)
+    fresh: bool = False
+    progress: CellProgress | None = None
+    noted: Callable[[str], None] | None = None
+
+
 def gather(
     controller: Path,
-    options: Mapping[str, Any] | None = None,
+    options: Mapping[str, Any] | None,
+    trying: Trying,
     *,
     cells: int | None = None,
     until: float | None = None,
-    most_s: float | None = None,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: CellProgress | None = None,
-    noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Plan a campaign and run it; with `until`, draw twice as many cells until the 90 % interval
     of the mission's factor is no wider.
 
     Raises as `plan_campaign`; see `run_campaign`.
     """
-    began = time.monotonic()
+    began, most_s = time.monotonic(), trying.workers.most_s
     while True:
         plan = plan_campaign(controller, options, cells=cells)
         left = None if most_s is None else most_s - (time.monotonic() - began)
-        found = run_campaign(
-            plan,
-            jobs=jobs,
-            executor=executor,
-            shard=shard,
-            fresh=fresh,
-            most_s=left,
-            progress=progress,
-            noted=noted,
-        )
+        trying = replace(trying, workers=replace(trying.workers, most_s=left))
+        found = run_campaign(plan, trying)
         low, high = mission_factor(plan, found)[1]
         if until is None or high - low <= until or not found.is_complete:
             return found
-        cells, fresh = min(2 * plan.declared, _MOST_CELLS), False
+        cells, trying = min(2 * plan.declared, _MOST_CELLS), replace(trying, fresh=False)
         if cells == plan.declared:
             return found
 
@@ -183,49 +184,36 @@ def _check_cells(cells: int) -> None:
         raise InputError(f"{cells} cells; allowed: 1 to {_MOST_CELLS}")
 
 
-def run_campaign(
-    plan: Plan,
-    *,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    most_s: float | None = None,
-    progress: CellProgress | None = None,
-    noted: Callable[[str], None] | None = None,
-) -> Evidence:
+def run_campaign(plan: Plan, trying: Trying) -> Evidence:
     """Run the cells of a plan that nobody has run yet, and return the evidence there is.
 
     It is written into `plan.evidence_path` whatever ends the campaign; a killed one goes on from
-    its journal. `jobs` local processes work on it, one a core by default, or the workers of an
-    `executor`. `shard` (i, n) runs every n-th cell. After `most_s` [s] no further cell begins.
-    `noted` gets what a user should know, a sentence each: what of the file was edited and is tried
-    again, and why cells were run from the beginning, where they could not branch off one run.
+    its journal.
     """
-    noted = noted or (lambda _: None)
-    last = None if fresh else _last(plan)
+    noted = trying.noted or (lambda _: None)
+    last = None if trying.fresh else _last(plan)
     if last is not None:
         _note_edits(last, noted)
-    known = {} if fresh else _known(plan, last)
+    known = {} if trying.fresh else _known(plan, last)
     before = {} if last is None else _shares_before(plan, last)
-    index, of = shard
+    index, of = trying.shard
     todo = [
         each
         for number, each in enumerate(plan.cells)
         if number % of == index - 1 and each.key not in known
     ]
-    if fresh:
+    if trying.fresh:
         plan.journal.unlink(missing_ok=True)
     began = time.monotonic()
     try:
         with _journal(plan.journal) as keep:
-            for done in _batches_done(plan, todo, jobs or os.cpu_count() or 1, executor, most_s):
+            for done in _batches_done(plan, todo, trying.workers):
                 known.update((each.key, each) for each in done.cells)
                 keep(done.cells)
-                if progress is not None and done.cells:
+                if trying.progress is not None and done.cells:
                     number = sum(1 for each in todo if each.key in known)
                     spent_s = time.monotonic() - began
-                    progress(number, len(todo), spent_s / number * (len(todo) - number))
+                    trying.progress(number, len(todo), spent_s / number * (len(todo) - number))
                 if done.whole_runs:
                     noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:
@@ -279,9 +267,7 @@ def batch_sizes(number: int, workers: int) -> list[int]:
     return sizes
 
 
-def _batches_done(
-    plan: Plan, todo: Sequence[Cell], jobs: int, executor: Executor | None, most_s: float | None
-) -> Iterator[BatchDone]:
+def _batches_done(plan: Plan, todo: Sequence[Cell], workers: Workers) -> Iterator[BatchDone]:
     """Run cells and yield them as batches of them are done.
 
     Local workers share the cells of a batch: each has a run of its own and takes from it the next
@@ -290,8 +276,9 @@ def _batches_done(
     """
     left = {each.key: each for each in todo}
     began = time.monotonic()
+    jobs = workers.jobs or os.cpu_count() or 1
     batch = partial(CellBatch, plan.controller, plan.options, plan.nominal.digest)
-    for is_shared in (True, False) if executor is None else (False,):
+    for is_shared in (True, False) if workers.executor is None else (False,):
         if is_shared:
             parts = [
                 batch(cells, str(plan.nominal.folder), tempfile.mkdtemp(dir=plan.nominal.folder))
@@ -300,15 +287,15 @@ def _batches_done(
             parts = [each for each in parts for _ in range(min(jobs, len(each.cells)))]
         else:
             # Workers of an executor may be on other machines.
-            folder = str(plan.nominal.folder) if executor is None else ""
+            folder = str(plan.nominal.folder) if workers.executor is None else ""
             parts = [
                 batch(cells, folder)
                 for cells in _split([*left.values()], batch_sizes(len(left), jobs))
             ]
         spent_s = time.monotonic() - began
-        left_s = None if most_s is None else most_s - spent_s
-        workers = Workers(jobs, executor, left_s, plan.nominal.folder)
-        for _, done in workers.run(run_batch, parts):
+        left_s = None if workers.most_s is None else workers.most_s - spent_s
+        these = replace(workers, jobs=jobs, most_s=left_s, folder=plan.nominal.folder)
+        for _, done in these.run(run_batch, parts):
             for each in done.cells:
                 left.pop(each.key, None)
             yield done

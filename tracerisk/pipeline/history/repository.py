@@ -38,24 +38,17 @@ class ChangedFile:
     mode: str
 
 
+@dataclass(frozen=True, eq=False)
 class Repository:
     """The repository of a folder: `top` is that of its working tree.
 
     Its blobs are read by one git process, which `opened` ends.
     """
 
-    def __init__(
-        self,
-        top: Path,
-        *,
-        is_shallow: bool,
-        is_sparse: bool,
-        process: subprocess.Popen[bytes],
-    ) -> None:
-        self.top = top
-        self.is_shallow = is_shallow
-        self._is_sparse = is_sparse
-        self._process = process
+    top: Path
+    is_shallow: bool
+    _is_sparse: bool
+    _process: subprocess.Popen[bytes]
 
     @classmethod
     @contextmanager
@@ -80,12 +73,7 @@ class Repository:
             stderr=subprocess.DEVNULL,
         ) as process:
             try:
-                yield cls(
-                    path,
-                    is_shallow=shallow == "true",
-                    is_sparse=(folder / sparse).is_file(),
-                    process=process,
-                )
+                yield cls(path, shallow == "true", (folder / sparse).is_file(), process)
             finally:
                 assert process.stdin is not None
                 with suppress(BrokenPipeError):

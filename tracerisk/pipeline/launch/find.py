@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.launch.program import Program
-from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.pipeline.workspace.workspace import TESTS, Workspace, searched
 
 _MOST_FOLDERS = 5000
 _MOST_FILES = 1000
 _MOST_BYTES = 1024 * 1024
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
-_TESTS = frozenset({"test", "tests"})
 _NAMED = re.compile(r".*([._]launch\.(py|xml|yaml|yml)|\.launch)|launch\.(py|xml|yaml|yml)")
 _IN_FOLDER = re.compile(r".*\.(py|xml|yaml|yml)")
 _ROS2_XML = re.compile(r"\bexec\s*=|find-pkg-share|\$\(var\s|push[-_]ros[-_]namespace")
@@ -85,7 +83,7 @@ def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
 def is_test(path: Path, *tops: Path) -> bool:
     """Return whether a file is one of a test, wherever the workspace itself stands."""
     within = next((path.relative_to(top) for top in tops if path.is_relative_to(top)), path)
-    return bool(_TESTS.intersection(within.parts)) or path.name.startswith("test_")
+    return bool(TESTS.intersection(within.parts)) or path.name.startswith("test_")
 
 
 def _names_any(text: str, names: set[str]) -> bool:
@@ -123,11 +121,8 @@ def _tops(folders: Sequence[Path]) -> list[Path]:
 
 
 def _below(top: Path) -> Iterator[Path]:
-    for count, (folder, folders, files) in enumerate(os.walk(top)):
-        if count >= _MOST_FOLDERS:
-            return
-        folders[:] = sorted(f for f in folders if not f.startswith(".") and f not in _NOT_SEARCHED)
+    for folder, files in islice(searched(top), _MOST_FOLDERS):
         is_launch_folder = "launch" in Path(folder).relative_to(top.parent).parts
-        for name in sorted(files):
+        for name in files:
             if _NAMED.fullmatch(name) or (is_launch_folder and _IN_FOLDER.fullmatch(name)):
                 yield Path(folder, name)

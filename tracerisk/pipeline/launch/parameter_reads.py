@@ -9,6 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.source.python_source import parsed
+
 _MOST_MODULES = 60
 
 _READS = frozenset(
@@ -57,9 +59,8 @@ def asked_by(script: Path, source: bytes, folders: Mapping[str, Path]) -> Asked:
 
 def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterator[Path]:
     """Yield the files of the modules of the workspace that a module imports."""
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -83,9 +84,8 @@ def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterato
 
 def asked_of(source: bytes) -> Asked:
     """Return what a source asks for; nothing where it is not Python 3."""
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return Asked()
     names: set[str] = set()
     required: set[str] = set()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import json
-import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Literal
 from tracerisk.dependencies import missing_extras
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.workspace import searched
 
 Ci = Literal["github", "gitlab", "none"]
 
@@ -117,14 +117,8 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
 
 def _controllers(root: Path) -> Iterator[str]:
     """Yield the Python programs that take the part of a ROS node, by their paths from the root."""
-    for folder, folders, names in os.walk(root):
-        if "pyvenv.cfg" in names:
-            folders.clear()
-            continue
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in _LEFT_OUT
-        )
-        for name in sorted(names):
+    for folder, names in searched(root, _LEFT_OUT, environments=False):
+        for name in names:
             path = Path(folder, name)
             if name.endswith(".py") and not name.endswith(".launch.py") and _is_controller(path):
                 yield path.relative_to(root).as_posix()

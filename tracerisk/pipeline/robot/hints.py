@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import ast
 import io
-import os
 import re
 import tokenize
 from collections.abc import Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import PACKAGE_FILE, declared_needs, project_top
+from tracerisk.pipeline.workspace.workspace import (
+    PACKAGE_FILE,
+    declared_needs,
+    project_top,
+    searched,
+)
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
@@ -23,7 +28,6 @@ _KINDS = (
     ("a readme", re.compile(r"readme(\..*)?", re.IGNORECASE)),
 )
 _OF_A_ROBOT = re.compile(r"_(moveit_?config|description|support|bringup|gazebo)$")
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 _MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git", "src")
 _MOST_FOLDERS = 1000
 _MOST_FILES = 200  # of one kind
@@ -113,13 +117,8 @@ def _is_project(root: Path) -> bool:
 
 
 def _files(top: Path) -> Iterator[Path]:
-    for count, (folder, folders, files) in enumerate(os.walk(top)):
-        if count >= _MOST_FOLDERS:
-            return
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
-        )
-        yield from (Path(folder, name) for name in sorted(files))
+    for folder, files in islice(searched(top), _MOST_FOLDERS):
+        yield from (Path(folder, name) for name in files)
 
 
 def _texts(files: Iterable[Path], top: Path) -> Iterator[tuple[str, str]]:

@@ -30,6 +30,7 @@ _CONTEXTS = 20
 _BY_ITSELF = frozenset({"ended", "exited", "raised"})
 
 
+@dataclasses.dataclass(slots=True, eq=False)
 class ControllerEnd:
     """Notes in the recording how the run of the controller below `root` ended, once.
 
@@ -39,28 +40,17 @@ class ControllerEnd:
     attribute) is called before the controller, or this, ends the process at once.
     """
 
-    def __init__(
-        self,
-        recorder: Recorder,
-        twin: Twin,
-        root: Path,
-        memory_limit_mb: int,
-        run_over: Callable[[str], None] = lambda _: None,
-        judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd,
-        missing: MissingModules | None = None,
-        outlast: Callable[[], None] = lambda: None,
-    ) -> None:
-        self._outlast = outlast
-        self._judge = judge
-        self._missing = missing
-        self._run_over = run_over
-        self._recorder = recorder
-        self._twin = twin
-        self._root = root
-        self._memory_limit_mb = memory_limit_mb
-        self._reported = False
-        self._owner = os.getpid()
-        self.before_exit: Callable[[], None] = lambda: None
+    recorder: Recorder
+    twin: Twin
+    root: Path
+    memory_limit_mb: int
+    run_over: Callable[[str], None] = lambda _: None
+    judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd
+    missing: MissingModules | None = None
+    outlast: Callable[[], None] = lambda: None
+    before_exit: Callable[[], None] = lambda: None
+    _reported: bool = dataclasses.field(default=False, init=False)
+    _owner: int = dataclasses.field(default_factory=os.getpid, init=False)
 
     def forked(self) -> None:
         """Report the end of this process, which was forked from the one that began."""
@@ -93,18 +83,18 @@ class ControllerEnd:
             return
         self._reported = True
         if cause in _BY_ITSELF:
-            self._outlast()
-        self._recorder.note(
-            "objects", found=[dataclasses.asdict(each) for each in self._twin.object_offsets()]
+            self.outlast()
+        self.recorder.note(
+            "objects", found=[dataclasses.asdict(each) for each in self.twin.object_offsets()]
         )
-        judged = self._judge(cause, message, location)
+        judged = self.judge(cause, message, location)
         if judged.scenario:
-            self._recorder.note(SCENARIO, lines=judged.scenario)
+            self.recorder.note(SCENARIO, lines=judged.scenario)
         if judged.needs:
             needs = [[each.kind, each.name, each.type_name] for each in judged.needs]
-            self._recorder.note(NEEDS, needs=needs)
-        self._run_over(judged.cause)
-        self._recorder.run_ended(judged.cause, judged.message, judged.location)
+            self.recorder.note(NEEDS, needs=needs)
+        self.run_over(judged.cause)
+        self.recorder.run_ended(judged.cause, judged.message, judged.location)
 
     def _over(self, over: RunOver) -> None:
         place = over.location
@@ -125,7 +115,7 @@ class ControllerEnd:
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
         resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
         message = (
-            f"the controller ran out of memory: its process may take {self._memory_limit_mb} MB "
+            f"the controller ran out of memory: its process may take {self.memory_limit_mb} MB "
             "(--memory-limit)"
         )
         self._report("memory_limit", message, self._place_of(error))
@@ -154,18 +144,18 @@ class ControllerEnd:
         """Return which modules are not there; of a part of a package, what the error says."""
         name = error.name or ""
         plain = f"No module named '{name}'"
-        if self._missing is None or not str(error).startswith(plain):
+        if self.missing is None or not str(error).startswith(plain):
             return str(error)
         parent, _, _ = name.partition(".")
         if parent != name and parent in sys.modules:
             return str(error)
-        return self._missing.sentence(name)
+        return self.missing.sentence(name)
 
     def _python_2(self, error: BaseException) -> str | None:
         """Return the hint where a name is missing that only Python 2 has."""
-        if self._missing is None or not isinstance(error, NameError | AttributeError):
+        if self.missing is None or not isinstance(error, NameError | AttributeError):
             return None
-        return self._missing.python_2() if error.name in NAMES | METHODS else None
+        return self.missing.python_2() if error.name in NAMES | METHODS else None
 
     def _exited_at_once(self, code: int, frame: FrameType | None) -> None:
         while frame is not None and not self._is_controllers(frame.f_code.co_filename):
@@ -203,7 +193,7 @@ class ControllerEnd:
             if error is not None and not isinstance(error, SystemExit | RunOver):
                 name = "" if thread is None else f" {thread.name}"
                 message = f"thread{name} died of {_one_text(error)}, and the controller went on"
-                self._recorder.finding("thread_failed", message, self._place_of(error))
+                self.recorder.finding("thread_failed", message, self._place_of(error))
             real(failure)
 
         threading.excepthook = notify
@@ -234,13 +224,13 @@ class ControllerEnd:
 
     def _is_controllers(self, file: str) -> bool:
         # A virtual environment may stand below the root.
-        return not is_library(file) and Path(file).is_relative_to(self._root)
+        return not is_library(file) and Path(file).is_relative_to(self.root)
 
     def _location(self, frame: FrameType, line: int) -> Location:
         return Location(self._below_root(frame.f_code.co_filename), line)
 
     def _below_root(self, file: str) -> str:
-        return Path(file).relative_to(self._root).as_posix()
+        return Path(file).relative_to(self.root).as_posix()
 
 
 def _one_text(error: BaseException) -> str:

@@ -13,7 +13,7 @@ from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.ros.imports.vendor_libraries import remedy
 from tracerisk.source.python_2 import python_2_hint, walk_with_guards
-from tracerisk.source.python_source import parse_source
+from tracerisk.source.python_source import parse_source, parsed
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +62,8 @@ class MissingModules:
 
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         for path in files:
-            try:
-                tree = ast.parse(source_bytes(path))
-            except (SyntaxError, ValueError, RecursionError):
+            tree = parsed(source_bytes(path))
+            if tree is None:
                 continue
             for node, is_guarded in walk_with_guards(tree):
                 if isinstance(node, ast.Import) and not is_guarded:

@@ -31,6 +31,7 @@ class _Waits:
     location: Location | None = None
 
 
+@dataclass(slots=True, eq=False)
 class StallWatch:
     """Ends a run in which every thread waits at the same places again and again.
 
@@ -38,31 +39,24 @@ class StallWatch:
     controller asked for is not there, and `is_pending` says that the scenario has no more to give.
     """
 
-    def __init__(
-        self,
-        scheduler: Scheduler,
-        watch: RunWatch,
-        needs: UnmetNeeds,
-        is_pending: Callable[[], bool],
-    ) -> None:
-        self._scheduler = scheduler
-        self._watch = watch
-        self._needs = needs
-        self._is_pending = is_pending
-        self._waits: dict[int, _Waits] = {}
+    scheduler: Scheduler
+    watch: RunWatch
+    needs: UnmetNeeds
+    is_pending: Callable[[], bool]
+    _waits: dict[int, _Waits] = field(default_factory=dict, init=False)
 
     def time_passed(self) -> None:
         """Look whether the controller only waits; called whenever the world has moved."""
-        if self._scheduler.over is not None:
+        if self.scheduler.over is not None:
             return
-        now_ns = self._scheduler.now_ns
-        if self._watch.is_commanding or self._is_pending():
+        now_ns = self.scheduler.now_ns
+        if self.watch.is_commanding or self.is_pending():
             self._waits.clear()
             return
-        threads = [each for each in self._scheduler.threads if each.is_controllers]
+        threads = [each for each in self.scheduler.threads if each.is_controllers]
         for thread in threads:
             self._note(thread, now_ns)
-        if now_ns - self._watch.last_event_ns < IDLE_S * 1e9:
+        if now_ns - self.watch.last_event_ns < IDLE_S * 1e9:
             return
         stalled = [thread for thread in threads if self._stalls(thread, now_ns)]
         if not stalled or any(
@@ -71,20 +65,20 @@ class StallWatch:
             if each not in stalled
         ):
             return
-        unmet = self._needs.waited_for()
+        unmet = self.needs.waited_for()
         if unmet:
             thread = stalled[0]
             place = self._waits[thread.number].location
-            self._scheduler.end(
+            self.scheduler.end(
                 "deadlock",
                 f"{thread.name} has only waited for {IDLE_S:g} s of simulated time, and nothing "
-                f"provides {self._needs.listed(unmet)}",
+                f"provides {self.needs.listed(unmet)}",
                 place or unmet[0].location,
             )
 
     def _note(self, thread: ControllerThread, now_ns: int) -> None:
         known = self._waits.get(thread.number)
-        if known is None or known.new_ns < self._watch.last_event_ns:
+        if known is None or known.new_ns < self.watch.last_event_ns:
             known = self._waits[thread.number] = _Waits(now_ns)
         wait = thread.wait
         if wait is None or wait.since == known.since:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +57,7 @@ _COMMANDS = re.compile(
 )
 
 
+@dataclass(slots=True, eq=False)
 class UnmetNeeds:
     """The needs of one run; `has_commanded` returns whether anything was commanded.
 
@@ -70,33 +71,21 @@ class UnmetNeeds:
     what is in them. `shift` returns by how much to move assumed poses whose goals were not reached.
     """
 
-    def __init__(
-        self,
-        runtime: Runtime,
-        interfaces: Any,
-        root: Path,
-        has_commanded: Callable[[], bool],
-        unused: Callable[[], Iterable[tuple[str, Location]]],
-        values: UsableValues,
-        *,
-        script: Path = Path(),
-        in_source: Callable[[Path], Iterable[Missed]] = lambda _: (),
-        drafts: DraftsNoted = "never",
-        shift: Callable[[], PlaceAndShift | None] = lambda: None,
-    ) -> None:
-        self._script = script
-        self._shift = shift
-        self._in_source = in_source
-        self._values = values
-        self._drafts = drafts
-        self._unused = unused
-        self._runtime = runtime
-        self._interfaces = interfaces
-        self._root = root
-        self._has_commanded = has_commanded
-        self._at_end: tuple[tuple[Missed, ...], ...] | None = None
-        self._named: tuple[Missed, ...] = ()
-        runtime.scheduler.on_over = self._keep
+    runtime: Runtime
+    interfaces: Any
+    root: Path
+    has_commanded: Callable[[], bool]
+    unused: Callable[[], Iterable[tuple[str, Location]]]
+    values: UsableValues
+    script: Path = Path()
+    in_source: Callable[[Path], Iterable[Missed]] = lambda _: ()
+    drafts: DraftsNoted = "never"
+    shift: Callable[[], PlaceAndShift | None] = lambda: None
+    _at_end: tuple[tuple[Missed, ...], ...] | None = field(default=None, init=False)
+    _named: tuple[Missed, ...] = field(default=(), init=False)
+
+    def __post_init__(self) -> None:
+        self.runtime.scheduler.on_over = self._keep
 
     def _keep(self) -> None:
         """Keep what is lacking now: a controller that is ended may still take down its node."""
@@ -109,7 +98,7 @@ class UnmetNeeds:
 
     def waited_for(self) -> tuple[Missed, ...]:
         """Return what a controller that only waits may be waiting for."""
-        now_ns = self._runtime.scheduler.now_ns
+        now_ns = self.runtime.scheduler.now_ns
         return tuple(
             each
             for each in self._all()
@@ -118,15 +107,15 @@ class UnmetNeeds:
 
     def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
         """Return the end of a run with what it lacked, where that may be why it ended."""
-        for text, place in self._unused():
+        for text, place in self.unused():
             here = replace(place, file=Path(place.file).name)
-            self._runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
-        scheduler = self._runtime.scheduler
+            self.runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
+        scheduler = self.runtime.scheduler
         named = scheduler.needs.named_in(message, scheduler.now_ns) if cause == "raised" else ()
         sought = scheduler.needs.sought_in_vain
         self._named = tuple(dict.fromkeys((*named, *sought)))
-        shows_risk = cause in GOOD_ENDS and self._has_commanded()
-        if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
+        shows_risk = cause in GOOD_ENDS and self.has_commanded()
+        if self.drafts == "always" or (self.drafts == "without_risk" and not shows_risk):
             self._note_drafts(shows_risk=shows_risk)
         plain = JudgedEnd(cause, message, location)
         if shows_risk:
@@ -148,10 +137,10 @@ class UnmetNeeds:
         names = {(each.need.kind, each.need.name) for each in unmet}
         more = tuple(
             each
-            for each in (*self._unserved(), *self._further(self._in_source(self._script)))
+            for each in (*self._unserved(), *self._further(self.in_source(self.script)))
             if (each.need.kind, each.need.name) not in names
         )
-        lines = scenario_lines(drafts((*unmet, *more), self._interfaces, self._values))
+        lines = scenario_lines(drafts((*unmet, *more), self.interfaces, self.values))
         also = f"; nor does anything provide {self.listed(more, len(more))}" if more else ""
         if cause == "quiescent":
             text = f"nothing was commanded, and nothing provides {self.listed(unmet)}{also}"
@@ -185,9 +174,9 @@ class UnmetNeeds:
 
     def _is_given(self, need: Need) -> bool:
         """Return whether somebody gives what a source asks for, or it cannot be known yet."""
-        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        graph, actions = self.runtime.graph, self.runtime.client(Actions)
         if need.kind == "parameter":
-            given = {_plain(each.name) for each in self._runtime.parameters}
+            given = {_plain(each.name) for each in self.runtime.parameters}
             # A namespace is given by what it holds.
             is_given = any(f"/{need.name}/" in f"/{each}/" for each in given)
             return is_given or graph.parameters.has(f"/{need.name}")
@@ -204,11 +193,11 @@ class UnmetNeeds:
 
     def _is_served(self, need: Need) -> bool:
         """Return whether somebody serves a service, of the type that is asked for."""
-        server = self._runtime.graph.service(need.name, need.type_name or None)
+        server = self.runtime.graph.service(need.name, need.type_name or None)
         return server is not None and need.type_name in ("", server.type_name)
 
     def _is_arms(self, need: Need) -> bool:
-        (draft,) = drafts([Missed(need, 0, 0, None)], self._interfaces, self._values)
+        (draft,) = drafts([Missed(need, 0, 0, None)], self.interfaces, self.values)
         return draft.value is None
 
     def _note_drafts(self, *, shows_risk: bool) -> None:
@@ -217,7 +206,7 @@ class UnmetNeeds:
         One that shows no risk may wait for a switch too.
         """
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
-        needs = self._runtime.scheduler.needs
+        needs = self.runtime.scheduler.needs
         left_off = () if shows_risk else needs.left_off
         if needs.came_nowhere is not None and not shows_risk:
             left_off = (*left_off, needs.came_nowhere)
@@ -225,19 +214,19 @@ class UnmetNeeds:
         obeyed = () if shows_risk else self._may_be_obeyed()
         for each in (*self._unserved(), *beside, *self._uncalled(), *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
-        made = drafts(found.values(), self._interfaces, self._values, with_others=True)
+        made = drafts(found.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():
-            doubting = self._values.doubting(sorted(dimensions))
-            made += drafts([Missed(need, 0, 0, None)], self._interfaces, doubting)
+            doubting = self.values.doubting(sorted(dimensions))
+            made += drafts([Missed(need, 0, 0, None)], self.interfaces, doubting)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         fields = [asdict(each) for each in placed]
-        self._runtime.recorder.note(DRAFTS, drafts=fields, shift=self._shift())
+        self.runtime.recorder.note(DRAFTS, drafts=fields, shift=self.shift())
 
     def _may_be_obeyed(self) -> Iterator[Missed]:
         """Yield what is published to nobody, and by its fields may move the robot."""
-        for each in self._runtime.graph.unheard():
+        for each in self.runtime.graph.unheard():
             obeyed = replace(each, need=replace(each.need, kind="command"))
-            (draft,) = drafts([obeyed], self._interfaces, self._values)
+            (draft,) = drafts([obeyed], self.interfaces, self.values)
             if draft.value is not None:
                 yield obeyed
 
@@ -248,7 +237,7 @@ class UnmetNeeds:
             if each.need.kind != "service" or place is None:
                 continue
             first, last = lines_of_function(place)
-            for asked in self._in_source(Path(place.file)):
+            for asked in self.in_source(Path(place.file)):
                 at = None if asked.location is None else asked.location.line
                 if asked.need.kind == "service" and at is not None and first <= at <= last:
                     yield asked
@@ -263,13 +252,13 @@ class UnmetNeeds:
 
     def below_root(self, place: Location | None) -> Location | None:
         """Return a place in the controller's source by its file's name below the root."""
-        if place is None or not Path(place.file).is_relative_to(self._root):
+        if place is None or not Path(place.file).is_relative_to(self.root):
             return place
-        return replace(place, file=Path(place.file).relative_to(self._root).as_posix())
+        return replace(place, file=Path(place.file).relative_to(self.root).as_posix())
 
     def _unheard(self) -> str:
         """Return in words that what a controller publishes reaches nobody, the twin included."""
-        needs = [each.need for each in self._runtime.graph.unheard()]
+        needs = [each.need for each in self.runtime.graph.unheard()]
         lines = [f"{each.name} ({each.type_name})" for each in needs[:_LISTED]]
         if len(needs) > _LISTED:
             lines.append(f"{len(needs) - _LISTED} more")
@@ -277,10 +266,10 @@ class UnmetNeeds:
 
     def _report_unheard(self) -> None:
         """Report what a controller publishes as if to move something, and reaches nobody."""
-        for each in self._runtime.graph.unheard():
+        for each in self.runtime.graph.unheard():
             name, type_name = each.need.name, each.need.type_name
             if _MOVES.match(type_name) or (_MAY_MOVE.match(type_name) and _COMMANDS.search(name)):
-                self._runtime.recorder.finding(
+                self.runtime.recorder.finding(
                     "unprovided",
                     f"nobody receives what it publishes on {name} ({type_name}): if that moves "
                     "anything, no figure has it",
@@ -290,8 +279,8 @@ class UnmetNeeds:
 
     def _report_unpublished(self) -> None:
         """Report topics on which nobody publishes: the run may have ended because of them."""
-        for each in self._runtime.graph.unpublished():
-            self._runtime.recorder.finding(
+        for each in self.runtime.graph.unpublished():
+            self.runtime.recorder.finding(
                 "unprovided",
                 f"nothing provides {each.need.words}, to which the controller listens; a scenario "
                 "(--scenario) can",
@@ -312,11 +301,11 @@ class UnmetNeeds:
             for place in (self.below_root(each.location),)
         ]
         if needs:
-            self._runtime.recorder.note(UNMET, needs=needs)
+            self.runtime.recorder.note(UNMET, needs=needs)
 
     def _led_to(self, cause: EndCause, message: str) -> tuple[Missed, ...]:
         if cause in ("raised", "exited"):
-            now_ns = self._runtime.scheduler.now_ns
+            now_ns = self.runtime.scheduler.now_ns
             missed = self._missed()
             return tuple(
                 each
@@ -344,7 +333,7 @@ class UnmetNeeds:
 
     def _unserved_now(self) -> tuple[Missed, ...]:
         """Return what the controller has a client of, or listens to, and nobody provides."""
-        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        graph, actions = self.runtime.graph, self.runtime.client(Actions)
         found = (*graph.unserved(), *actions.unserved(), *graph.unpublished())
         return tuple({(each.need.kind, each.need.name): each for each in found}.values())
 
@@ -356,7 +345,7 @@ class UnmetNeeds:
         missed = self._missed_now()
         names = {(each.need.kind, each.need.name) for each in missed}
         topics: dict[str, Missed] = {}
-        for each in self._runtime.graph.unpublished():
+        for each in self.runtime.graph.unpublished():
             if ("topic", each.need.name) not in names:
                 topics.setdefault(each.need.name, each)
         lacking = (*missed, *topics.values())
@@ -367,11 +356,11 @@ class UnmetNeeds:
         return self._uncalled_now() if self._at_end is None else self._at_end[3]
 
     def _uncalled_now(self) -> tuple[Missed, ...]:
-        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        graph, actions = self.runtime.graph, self.runtime.client(Actions)
         return (*graph.uncalled(), *actions.uncalled())
 
     def _missed_now(self) -> tuple[Missed, ...]:
-        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        graph, actions = self.runtime.graph, self.runtime.client(Actions)
         given: dict[NeedKind, Callable[[Missed], bool]] = {
             "service": lambda each: self._is_served(each.need),
             "action": lambda each: actions.server(each.need.name, each.need.type_name) is not None,
@@ -379,7 +368,7 @@ class UnmetNeeds:
         }
         return tuple(
             each
-            for each in self._runtime.scheduler.needs.missed
+            for each in self.runtime.scheduler.needs.missed
             if not (each.need.kind in given and given[each.need.kind](each))
         )
 

@@ -18,6 +18,7 @@ from typing import Any
 
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.controller.needs import Need
 from tracerisk.source.filled_messages import filled_fields, plain_value
 from tracerisk.text.yaml_reader import plain_yaml
@@ -25,7 +26,6 @@ from tracerisk.text.yaml_reader import plain_yaml
 _MOST_FILES = 4000
 _MOST_BYTES = 512 * 1024
 _MOST_LINES = 60  # of one command, with the message that it holds
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 _TEXTS = (".md", ".rst", ".txt", ".sh", ".bash", ".py", ".yml", ".yaml", ".launch", ".xml")
 _NAMED = 1  # words before those that may be numbers: the verb and the name
 _PUBLISHES = re.compile(
@@ -214,13 +214,10 @@ class WrittenValues:
     def _texts(self) -> tuple[tuple[Path, str], ...]:
         """The texts of the repository, those nearest to the controller first."""
         found: list[Path] = []
-        for folder, folders, files in os.walk(self._top):
-            folders[:] = sorted(
-                each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
-            )
+        for folder, files in searched(self._top):
             found += [
                 Path(folder, name)
-                for name in sorted(files)
+                for name in files
                 if name.endswith(_TEXTS) and name not in ("package.xml", "CMakeLists.txt")
             ]
             if len(found) > _MOST_FILES:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED
+from tracerisk.pipeline.workspace.workspace import searched
 
 _READ = re.compile(
     r"(^|[-_])(file|path|filename|csv|ya?ml|json|bag|urdf)s?(name|path)?$", re.IGNORECASE
@@ -43,13 +43,10 @@ def fitting_files(tree: ast.AST, top: Path) -> tuple[str, ...]:
         for name in _imported(node):
             endings |= set(_READERS.get(name, ()))
     found: list[Path] = []
-    for folder, folders, files in os.walk(top) if endings else ():
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in NOT_SEARCHED
-        )
+    for folder, files in searched(top) if endings else ():
         found += [
             Path(folder, name)
-            for name in sorted(files)
+            for name in files
             if Path(name).suffix in endings and name not in _NOT_DATA
         ]
     return tuple(os.path.relpath(each) for each in found[:_MOST])

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import itertools
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import DriverError
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import (
+    NOT_SEARCHED,
+    TESTS,
+    find_workspace,
+    project_top,
+    searched,
+)
 from tracerisk.vendors.driver_search import (
     ENDING,
     definitions_of,
@@ -23,9 +28,6 @@ if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
-_NOT_SEARCHED = frozenset(
-    {"build", "devel", "install", "log", "node_modules", "__pycache__", "test", "tests"}
-)
 
 
 def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
@@ -82,9 +84,6 @@ def _in_workspace(top: Path) -> list[Path]:
     # A checkout of tracerisk itself holds those that it ships.
     shipped = {path.parts[-3:] for path in shipped_files()}
     found: list[Path] = []
-    for folder, folders, files in itertools.islice(os.walk(top), _MOST_FOLDERS):
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
-        )
+    for folder, files in itertools.islice(searched(top, NOT_SEARCHED | TESTS), _MOST_FOLDERS):
         found += [Path(folder, name) for name in files if name.endswith(ENDING)]
     return sorted(path for path in found if path.parts[-3:] not in shipped)

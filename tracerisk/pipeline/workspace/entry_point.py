@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
+from tracerisk.source.python_source import parsed
 
 _MAIN = "main"
 
@@ -31,9 +32,8 @@ def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | No
     module, else `main`. `None` where the script starts by itself: it asks for its `__name__`, or
     its module-level code calls one of its functions.
     """
-    try:
-        tree = ast.parse(source, filename=str(script))
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return None
     startable = {
         node.name

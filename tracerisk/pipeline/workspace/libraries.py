@@ -18,7 +18,6 @@ A file with a function that `states` names is none.
 from __future__ import annotations
 
 import itertools
-import os
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property, lru_cache
@@ -30,7 +29,13 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.limits import is_secret
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
-from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import (
+    NOT_SEARCHED,
+    TESTS,
+    find_workspace,
+    project_top,
+    searched,
+)
 from tracerisk.text.patterns import pattern
 
 _OF_OTHERS = frozenset(
@@ -196,16 +201,8 @@ def _sources(top: Path) -> Iterator[Path]:
     """
 
     def all_sources() -> Iterator[Path]:
-        for folder, folders, files in os.walk(top):
-            if "pyvenv.cfg" in files:
-                folders.clear()
-                continue
-            folders[:] = sorted(
-                each
-                for each in folders
-                if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
-            )
-            for name in sorted(files):
+        for folder, files in searched(top, NOT_SEARCHED | TESTS, environments=False):
+            for name in files:
                 if is_secret(name):
                     continue
                 path = Path(folder, name)

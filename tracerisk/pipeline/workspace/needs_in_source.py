@@ -11,11 +11,12 @@ from typing import Any, Literal
 from tracerisk.errors import Location
 from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
 from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.ros.controller.needs import Missed, Need
 from tracerisk.source.dotted_names import last_name
+from tracerisk.source.python_source import parsed
 from tracerisk.source.ros_version import ros_version
 
 _SIGNATURES: dict[int, dict[str, Signature]] = {
@@ -74,7 +75,7 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
 
 def asked_in_file(path: Path, ros: Literal[1, 2]) -> Iterator[Missed]:
     """Yield what one source asks for, in the order of its lines, as `asked_in_source` does."""
-    tree = _parsed(path)
+    tree = parsed(source_bytes(path))
     if tree is None:
         return
     types = dict(_types(tree))
@@ -117,13 +118,6 @@ def _has_default(call: ast.Call) -> bool:
     return any(each.arg in _DEFAULTS.get(name, ()) for each in call.keywords)
 
 
-def _parsed(path: Path) -> ast.Module | None:
-    try:
-        return ast.parse(path.read_bytes())
-    except (OSError, SyntaxError, ValueError, RecursionError):
-        return None
-
-
 @dataclass(frozen=True, slots=True)
 class CommandLine:
     """Arguments with which a controller may be started, and where they are from."""
@@ -143,7 +137,7 @@ def command_lines(controller: Controller, written: Iterable[tuple[tuple[str, ...
     """
     found = [CommandLine(words, f"as in {place}") for words, place in written]
     for path in (controller.path.resolve(), *own_modules(controller)):
-        tree = _parsed(path)
+        tree = parsed(source_bytes(path))
         if tree is not None:
             found += _of_argparse(tree, project_top(controller.root))
             found += _of_argv(tree)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import ast
-import io
 import os
-import tokenize
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.records import replace
+from tracerisk.source.python_source import decoded, parsed
 
 _MOST_MODULES = 100
 
@@ -25,13 +24,13 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
     bases = _bases(controller)
     script = controller.path.resolve()
     found: dict[Path, None] = {}
-    waiting = list(_imported(_parsed(controller.source), script, bases))
+    waiting = list(_imported(parsed(controller.source), script, bases))
     while waiting and len(found) < _MOST_MODULES:
         path = waiting.pop(0)
         if path in found or path == script or not path.is_relative_to(top):
             continue
         found[path] = None
-        waiting += _imported(_parsed(source_bytes(path)), path, bases)
+        waiting += _imported(parsed(source_bytes(path)), path, bases)
     return tuple(found)
 
 
@@ -40,13 +39,13 @@ def with_own_modules(controller: Controller) -> Controller:
 
     For those who look for names of joints, groups and robots in it; it is not the one that runs.
     """
-    texts = [_text(controller.source)]
+    texts = [decoded(controller.source)]
     texts += [
-        _text(source) for source in map(source_bytes, own_modules(controller)) if _parsed(source)
+        decoded(source) for source in map(source_bytes, own_modules(controller)) if parsed(source)
     ]
     # Two lines before it, so that no line is taken for a declaration of the encoding.
     source = "\n\n".join(("", *texts, "")).encode()
-    return replace(controller, source=source) if _parsed(source) else controller
+    return replace(controller, source=source) if parsed(source) else controller
 
 
 def _bases(controller: Controller) -> tuple[Path, ...]:
@@ -117,18 +116,3 @@ def source_bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError:
         return b""
-
-
-def _parsed(source: bytes) -> ast.Module | None:
-    try:
-        return ast.parse(source)
-    except (SyntaxError, ValueError):
-        return None
-
-
-def _text(source: bytes) -> str:
-    try:
-        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
-        return source.decode(encoding)
-    except (SyntaxError, UnicodeDecodeError):
-        return source.decode("utf-8", errors="replace")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from tracerisk.records import dataclass
@@ -81,17 +81,28 @@ class Workspace:
         return None
 
 
+def searched(
+    top: Path, left_out: Collection[str] = NOT_SEARCHED, *, environments: bool = True
+) -> Iterator[tuple[str, list[str]]]:
+    """Yield the folders below one with the names of their files, in order.
+
+    Hidden folders and those `left_out` are not entered, nor are environments of Python if not so.
+    """
+    for folder, folders, files in os.walk(top):
+        if not environments and "pyvenv.cfg" in files:
+            folders.clear()
+            continue
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each not in left_out
+        )
+        yield folder, sorted(files)
+
+
 def _modules_named(name: str, top: Path) -> Iterator[Path]:
     """Yield the folders below `top` that hold the module or package `name`."""
-    for folder, folders, files in itertools.islice(os.walk(top), _MOST_FOLDERS):
-        is_package = name in folders and Path(folder, name, "__init__.py").is_file()
-        if is_package or f"{name}.py" in files:
+    for folder, files in itertools.islice(searched(top, NOT_SEARCHED | TESTS), _MOST_FOLDERS):
+        if f"{name}.py" in files or Path(folder, name, "__init__.py").is_file():
             yield Path(folder)
-        folders[:] = sorted(
-            each
-            for each in folders
-            if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
-        )
 
 
 def find_workspace(root: Path) -> Workspace:

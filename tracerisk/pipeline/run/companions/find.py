@@ -7,7 +7,6 @@ says what it does. Only nodes in Python run here.
 from __future__ import annotations
 
 import ast
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -25,15 +24,19 @@ from tracerisk.pipeline.workspace.controller import Controller, from_root, load_
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.provided import Provided, provided_by
-from tracerisk.pipeline.workspace.workspace import Workspace, find_workspace
+from tracerisk.pipeline.workspace.workspace import (
+    NOT_SEARCHED,
+    TESTS,
+    Workspace,
+    find_workspace,
+    searched,
+)
 from tracerisk.ros.controller.needs import Need
+from tracerisk.source.python_source import parsed
 from tracerisk.source.ros_version import ros_version
 
 _MOST_FILES = 2000
 _MOST_BYTES = 256 * 1024
-_NOT_SEARCHED = frozenset(
-    {"build", "devel", "install", "log", "node_modules", "__pycache__", "test", "tests", "launch"}
-)
 _STARTS = {1: re.compile(r"\binit_node\s*\("), 2: re.compile(r"\brclpy\s*\.\s*init\s*\(")}
 _ASKS = re.compile(r"(?<![\w.])(raw_)?input\s*\(")
 
@@ -98,9 +101,8 @@ def _candidates(
         text = source.decode("utf-8", errors="replace")
         if len(source) > _MOST_BYTES or _ASKS.search(text) or not _STARTS[ros].search(text):
             continue
-        try:
-            tree = ast.parse(source)
-        except (SyntaxError, ValueError):
+        tree = parsed(source)
+        if tree is None:
             continue
         provided: Provided = provided_by(tree, ros)
         met = tuple(need for need in needs if provided.meets(need))
@@ -122,11 +124,8 @@ def _is_program(path: Path, source: bytes, tree: ast.Module) -> bool:
 def _python_files(tops: Sequence[Path]) -> Iterator[Path]:
     seen: set[Path] = set()
     for top in tops:
-        for folder, folders, files in os.walk(top):
-            folders[:] = sorted(
-                each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
-            )
-            for name in sorted(files):
+        for folder, files in searched(top, NOT_SEARCHED | TESTS | {"launch"}):
+            for name in files:
                 path = Path(folder, name).resolve()
                 if not name.endswith(".py") or name == "setup.py" or path in seen:
                     continue
