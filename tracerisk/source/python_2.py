@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 
+from tracerisk.source.python_source import parsed
+
 MODULES = frozenset(
     {
         *("BaseHTTPServer", "ConfigParser", "Cookie", "HTMLParser", "Queue", "SimpleHTTPServer"),
@@ -30,9 +32,8 @@ def python_2_hint(source: bytes, file: str) -> str | None:
     A module imported where the failure is caught, or a name that the source gives itself, counts
     for nothing: such a source serves both.
     """
-    try:
-        tree = ast.parse(source, file)
-    except (SyntaxError, ValueError, RecursionError):
+    tree = parsed(source)
+    if tree is None:
         return None
     given = _given(tree)
     found: dict[str, int] = {}

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.source.python_source import parsed
+
 RosVersion = Literal[1, 2]
 
 _ROS2 = re.compile(
@@ -59,9 +61,8 @@ def _imported(path: Path) -> Iterator[str]:
         text = path.read_bytes()
     except OSError:
         return
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError):
+    tree = parsed(text)
+    if tree is None:
         yield from _imported_by_lines(text.decode("utf-8", "replace"))
         return
     for node in ast.walk(tree):

@@ -15,6 +15,7 @@ from tracerisk.dependencies import missing_extras
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import searched
+from tracerisk.source.python_source import parsed
 
 Ci = Literal["github", "gitlab", "none"]
 
@@ -128,8 +129,10 @@ def _is_controller(path: Path) -> bool:
     try:
         if path.stat().st_size > _MOST_BYTES:
             return False
-        tree = ast.parse(path.read_bytes())
-    except (OSError, SyntaxError, ValueError, RecursionError):
+        tree = parsed(path.read_bytes())
+    except OSError:
+        return False
+    if tree is None:
         return False
     imported: set[str] = set()
     begins = False

@@ -19,6 +19,7 @@ from tracerisk.pipeline.workspace.workspace import (
     project_top,
     searched,
 )
+from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
@@ -59,14 +60,16 @@ def _read(source: bytes) -> tuple[str, str]:
     """Return strings and identifiers of a source, and its comments and docstrings."""
     spoken: list[str] = []
     said: list[str] = []
+    tree = parsed(source)
+    if tree is None:
+        return "", ""
     try:
-        tree = ast.parse(source)
         said += [
             token.string
             for token in tokenize.tokenize(io.BytesIO(source).readline)
             if token.type == tokenize.COMMENT
         ]
-    except (SyntaxError, ValueError, tokenize.TokenError):
+    except (SyntaxError, tokenize.TokenError):
         return "", ""
     docstrings = set()
     for node in ast.walk(tree):

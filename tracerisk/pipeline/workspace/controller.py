@@ -124,14 +124,13 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
 
     Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
     """
-    try:
-        tree = ast.parse(controller.source, filename=str(controller.path))
-    except (SyntaxError, ValueError):
-        from tracerisk.source.python_source import parse_source
+    # Where blocks alone are asked for, no source is parsed.
+    from tracerisk.source.python_source import parse_source, parsed
 
+    tree = parsed(controller.source)
+    if tree is None:
         # It knows how to say what is wrong, and of Python 2.
-        parse_source(controller.source, str(controller.path))
-        raise
+        tree = parse_source(controller.source, str(controller.path)).tree
     written = [
         node.value
         for node in ast.walk(tree)

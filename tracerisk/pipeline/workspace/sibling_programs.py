@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.source.python_source import parsed
 
 _MOST = 40
 _MOST_BYTES = 256 * 1024
@@ -37,7 +37,8 @@ def _source(path: Path) -> bytes:
         if not path.is_file() or path.stat().st_size > _MOST_BYTES:
             return b""
         source = path.read_bytes()
-        ast.parse(source)
-    except (OSError, SyntaxError, ValueError, RecursionError):
+    except OSError:
         return b""
-    return b"" if b"generate_launch_description" in source else source
+    if parsed(source) is None or b"generate_launch_description" in source:
+        return b""
+    return source

@@ -12,6 +12,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from tracerisk.geometry.shapes import Shape
+from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
 from tracerisk.twin.robots.robot import Controller, Group, Robot
 
@@ -28,9 +29,8 @@ _MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [k
 
 def commands_gripper(source: bytes) -> bool:
     """Return whether a controller names a gripper as an action, a topic, a group or a joint."""
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return False
     for node in ast.walk(tree):
         if isinstance(node, ast.alias) and node.name.split(".")[-1] in _COMMANDS:

@@ -15,6 +15,7 @@ from types import MappingProxyType
 
 from tracerisk.geometry.shapes import Shape
 from tracerisk.source.named_literals import counted_names
+from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
@@ -106,9 +107,8 @@ def names_asked(source: bytes) -> NamesAsked:
 
     A source that is not Python names nothing.
     """
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
+    tree = parsed(source)
+    if tree is None:
         return NamesAsked((), ())
     listed = list(_listed(tree))
     strings = [
