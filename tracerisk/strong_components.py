@@ -1,11 +1,56 @@
-"""The parts of a directed graph whose members all lead to each other."""
+"""Directed graphs: what leads where, in which order, and what leads to each other."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Mapping
 
-N = TypeVar("N", bound=Hashable)
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+    from typing import TypeVar
+
+    N = TypeVar("N", bound=Hashable)
+    M = TypeVar("M")
+
+
+def reached(starts: Iterable[N], onward: Callable[[N], Iterable[N]]) -> set[N]:
+    """Return the starts and all nodes that they lead to."""
+    found = set(starts)
+    waiting = list(found)
+    while waiting:
+        for node in onward(waiting.pop()):
+            if node not in found:
+                found.add(node)
+                waiting.append(node)
+    return found
+
+
+def upwards(
+    starts: Iterable[N],
+    below: Callable[[N], Iterable[N]],
+    cycle: Callable[[list[N]], Exception],
+) -> list[N]:
+    """Return the starts and all nodes below them, each behind those below itself.
+
+    Starts, and what is below a node, come in their order where they can.
+    Raises what `cycle` makes of a path from a start that ends in a node of itself.
+    """
+    order: dict[N, None] = {}
+    opened: dict[N, None] = {}
+    for start in starts:
+        stack = [(start, False)]
+        while stack:
+            node, is_ready = stack.pop()
+            if is_ready:
+                del opened[node]
+                order[node] = None
+            elif node in opened:
+                raise cycle([*opened, node])
+            elif node not in order:
+                opened[node] = None
+                stack.append((node, True))
+                stack += [(each, False) for each in reversed([*below(node)])]
+    return list(order)
 
 
 def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
@@ -48,4 +93,21 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
                     found.append(path[first:])
                     placed.update(path[first:])
                     del path[first:]
+    return found
+
+
+def joined_parts(parts: Iterable[tuple[set[N], list[M]]]) -> list[tuple[set[N], list[M]]]:
+    """Join the parts whose sets meet: their sets, and their members, those of earlier ones first.
+
+    A part stands where the last of those that it joins stood.
+    """
+    found: list[tuple[set[N], list[M]]] = []
+    for own, members in parts:
+        apart = []
+        for other, earlier in found:
+            if other & own:
+                own, members = own | other, earlier + members
+            else:
+                apart.append((other, earlier))
+        found = [*apart, (own, members)]
     return found

@@ -82,7 +82,7 @@ def test_every_loop_gives_the_same_bits_compiled_and_as_python(seed):
     with (
         patch.object(diagram, "fastest_loops", plain_loops),
         patch.object(bounds, "fastest_loops", plain_loops),
-        patch.object(family, "fastest_loops", lambda: family.PLAIN),
+        patch.object(family, "fastest_loops", plain_loops),
     ):
         assert figures(tree) == compiled
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, get_args
 
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.evidence.cells import EFFECTS, Cell, Edited, Effect, Evidence, Stratum, Use
+from tracerisk.evidence.cells import EFFECTS, Cell, Edited, Evidence, Stratum, Use
 from tracerisk.records import asdict, fields, replace
 from tracerisk.text.digests import sha256
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
@@ -312,8 +312,6 @@ def _cell(data: Any, where: Location) -> Cell:
             "stretch": _exposure(given["stretch"], where),
             "idle_s": _seconds(given["idle_s"], "idle_s", where),
             "lost": tuple(lost),
-            "use": cast(Use, given["use"]),
-            "effect": cast(Effect, given["effect"]),
         }
     )
 

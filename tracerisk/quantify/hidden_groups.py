@@ -105,20 +105,12 @@ def hidden_values(
     def like(x: Decimal) -> Decimal:
         own_hazard, common_hazard = x, ZERO
         if beta:
-            units = [after(x * share) for share in shares]
-            own_hazard = sum(
-                (
-                    unit.share(ONE - beta).hazard * each.times
-                    for unit, each in zip(units, hazards, strict=True)
-                ),
-                ZERO,
-            )
-            common_hazard = sum(
-                (
-                    unit.share(beta).hazard * each.times
-                    for unit, each in zip(units, hazards, strict=True)
-                ),
-                ZERO,
+            units = [
+                (after(x * share), each.times) for share, each in zip(shares, hazards, strict=True)
+            ]
+            own_hazard, common_hazard = (
+                sum((unit.share(part).hazard * times for unit, times in units), ZERO)
+                for part in (ONE - beta, beta)
             )
         return like_apart(after(own_hazard), redundancy, quantity).hazard + common_hazard
 

@@ -13,6 +13,7 @@ from decimal import Decimal
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.quantify.outcome import ONE, SURELY, ZERO, Outcome
+from tracerisk.strong_components import reached
 
 MOST_STATES = 5_000
 """The most sets of failed units: 12 units, one of which must work, have 4,095."""
@@ -165,13 +166,6 @@ def _failed_by_the_end(chain: _Chain, start: Sequence[tuple[int, Decimal]]) -> O
 
 def _fails(chain: _Chain, now: Sequence[Decimal]) -> bool:
     """Return whether the failed group can be reached: a unit may be one that never fails."""
-    seen = {state for state, share in enumerate(now) if share}
-    ahead = list(seen)
-    while ahead:
-        for target, rate in chain[ahead.pop()]:
-            if rate and target == _FAILED:
-                return True
-            if rate and target not in seen:
-                seen.add(target)
-                ahead.append(target)
-    return False
+    begun = [state for state, share in enumerate(now) if share]
+    met = reached(begun, lambda state: [to for to, rate in chain[state] if rate and to != _FAILED])
+    return any(rate and to == _FAILED for state in met for to, rate in chain[state])

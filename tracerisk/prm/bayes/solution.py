@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.bayes.network import BayesianNetwork, States
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.probability import Probability, mean_of
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.trees.fault_tree import FaultTree
 
@@ -37,10 +37,7 @@ class BayesianSolution:
     @property
     def top(self) -> Probability:
         """The top event's probability and its complement, given the evidence."""
-        return Probability(
-            math.fsum(case.probability * case.top.p for case in self.cases),
-            math.fsum(case.probability * case.top.q for case in self.cases),
-        )
+        return mean_of((case.probability, case.top) for case in self.cases)
 
     def posterior(self, condition: str, *, top_happened: bool = True) -> dict[str, float]:
         """Return the probability of each state of a condition, given that the top happened.

@@ -53,8 +53,8 @@ class LogicGraph:
             if node in constants:
                 made[node] = constants[node]
             elif arguments:
-                made[node] = builder.conjunction(_renamed(each, made) for each in arguments)
-        return builder.graph(_renamed(self.top, made))
+                made[node] = builder.conjunction(renamed(each, made) for each in arguments)
+        return builder.graph(renamed(self.top, made))
 
     def reachable(self) -> list[int]:
         """Return the nodes below and including the top, each after its arguments."""
@@ -70,7 +70,8 @@ class LogicGraph:
         return found
 
 
-def _renamed(literal: int, made: Sequence[int]) -> int:
+def renamed(literal: int, made: Sequence[int]) -> int:
+    """Return what a literal became, by what its node did."""
     return made[literal] if literal > 0 else -made[-literal]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracerisk.prm.bdd.logic import LogicBuilder, LogicGraph
+from tracerisk.prm.bdd.logic import LogicBuilder, LogicGraph, renamed
 from tracerisk.records import dataclass
 
 _MOST_MASK_BITS = 2_000_000_000
@@ -78,8 +78,7 @@ def grouped(graph: LogicGraph) -> LogicGraph:
         made[node] = builder.conjunction(
             [*loose, *(builder.conjunction(members) for _, members in groups)]
         )
-    top = made[abs(graph.top)]
-    return builder.graph(top if graph.top > 0 else -top)
+    return builder.graph(renamed(graph.top, made))
 
 
 def modules(graph: LogicGraph) -> tuple[Module, ...]:

@@ -195,11 +195,6 @@ def _shares(before: Sequence[float], after: Sequence[float]) -> list[float]:
     return [head * tail for head, tail in zip(heads, reversed(tails), strict=True)]
 
 
-def compiled(tree: FaultTree, limits: Limits = DEFAULT_LIMITS) -> SharedTree:
-    """Return the tree made ready for solving within limits."""
-    return SharedTree(tree, limits)
-
-
 def with_bounds(
     error: TooLargeError, tree: FaultTree, values: EventValues, limits: Limits = DEFAULT_LIMITS
 ) -> TooLargeError:

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import chain
 
-from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph
+from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph, renamed
 
 MOST_ROUNDS = 12
 _MOST_WORK = 3_000_000
@@ -104,8 +104,7 @@ def _restricted(graph: LogicGraph) -> LogicGraph:
                 else:
                     literals.append(made[argument] if argument > 0 else -made[-argument])
         made[node] = _made(builder, literals, graph.arguments[node])
-    top = made[abs(graph.top)]
-    return builder.graph(top if graph.top > 0 else -top)
+    return builder.graph(renamed(graph.top, made))
 
 
 def _made(builder: LogicBuilder, literals: list[int], before: tuple[int, ...]) -> int:
@@ -139,8 +138,7 @@ def _factored(graph: LogicGraph) -> LogicGraph:
                 literals = [literal for literal in literals if literal not in apart]
                 literals.extend(-product for product in _common_out(builder, products))
         made[node] = _made(builder, literals, graph.arguments[node])
-    top = made[abs(graph.top)]
-    return builder.graph(top if graph.top > 0 else -top)
+    return builder.graph(renamed(graph.top, made))
 
 
 def _common_out(builder: LogicBuilder, products: list[set[int]]) -> list[int]:
@@ -201,5 +199,4 @@ def _merged(graph: LogicGraph) -> LogicGraph:
                 joined = [made[a] if a > 0 else -made[-a] for a in group]
                 literals.append(builder.conjunction(joined) if len(group) > 1 else joined[0])
         made[node] = _made(builder, literals, graph.arguments[node])
-    top = made[abs(graph.top)]
-    return builder.graph(top if graph.top > 0 else -top)
+    return builder.graph(renamed(graph.top, made))

@@ -1,4 +1,4 @@
-"""The loops of diagrams at two speeds: compiled, or as Python on lists.
+"""The loops of diagrams and of families of sets at two speeds: compiled, or as Python on lists.
 
 Both give the same numbers to the last bit.
 """
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Loops:
-    """The functions of `kernel`, `sweeps`, `thinning` and `force`, and how sequences are made."""
+    """The functions of `kernel`, `sweeps`, `thinning`, `force` and `cut_sets.kernel`.
+
+    And how the sequences that they take are made.
+    """
 
     build: Callable[..., int]
     extract: Callable[..., int]
@@ -29,6 +32,11 @@ class Loops:
     thinned: Callable[..., int]
     collect: Callable[..., None]
     draw: Callable[..., None]
+    minimal_solutions: Callable[..., int]
+    compact: Callable[..., int]
+    totals: Callable[..., None]
+    greatest: Callable[..., None]
+    lightest: Callable[..., None]
     integers: Callable[[int], Any]
     floats: Callable[[int], Any]
     listed: Callable[[Any], Any]
@@ -46,6 +54,7 @@ def fastest_loops() -> Loops:
 def plain_loops() -> Loops:
     """Return the loops as Python."""
     from tracerisk.prm.bdd import force, kernel, sweeps, thinning
+    from tracerisk.prm.cut_sets import kernel as sets
 
     return Loops(
         kernel.build,
@@ -57,6 +66,11 @@ def plain_loops() -> Loops:
         thinning.thinned,
         kernel.collect,
         force.draw,
+        sets.minimal_solutions,
+        sets.compact,
+        sets.totals,
+        sets.greatest,
+        sets.lightest,
         integers=lambda size: [0] * size,
         floats=lambda size: [0.0] * size,
         listed=list,
@@ -76,6 +90,11 @@ def _compiled_loops() -> Loops:
         loop("thinned", "nniidddddii", int),
         loop("collect", 5 * "i"),
         loop("draw", "niiddid"),
+        loop("minimal_solutions", "niiiiin" + 9 * "i", int),
+        loop("compact", "nniiii", int),
+        loop("totals", "iiidd"),
+        loop("greatest", "iiidd"),
+        loop("lightest", "iiiini"),
         integers=library.integers,
         floats=library.floats,
         listed=library.listed,

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.diagram import Diagram
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.compiled import library
+from tracerisk.prm.bdd.speed import Loops, fastest_loops, plain_loops
 from tracerisk.prm.cut_sets import kernel
 
 _MOST_PAIRS = 1 << 22
@@ -19,53 +18,6 @@ _MOST_PAIRS = 1 << 22
 
 NO_SET = 0
 EMPTY_SET = 1
-
-
-@dataclass(frozen=True, slots=True)
-class SetLoops:
-    """The functions of `kernel`, and how the sequences that they take are made."""
-
-    minimal_solutions: Callable[..., int]
-    compact: Callable[..., int]
-    totals: Callable[..., None]
-    greatest: Callable[..., None]
-    lightest: Callable[..., None]
-    integers: Callable[[int], Any]
-    floats: Callable[[int], Any]
-    listed: Callable[[Any], Any]
-    listed_floats: Callable[[list[float]], Any]
-
-
-PLAIN = SetLoops(
-    kernel.minimal_solutions,
-    kernel.compact,
-    kernel.totals,
-    kernel.greatest,
-    kernel.lightest,
-    integers=lambda size: [0] * size,
-    floats=lambda size: [0.0] * size,
-    listed=lambda items: [int(item) for item in items],
-    listed_floats=list,
-)
-
-
-@cache
-def fastest_loops() -> SetLoops:
-    """Return the loops compiled, or as Python where they were not."""
-    if library.library() is None:
-        return PLAIN
-    loop = library.loop
-    return SetLoops(
-        loop("minimal_solutions", "niiiiin" + 9 * "i", int),
-        loop("compact", "nniiii", int),
-        loop("totals", "iiidd"),
-        loop("greatest", "iiidd"),
-        loop("lightest", "iiiini"),
-        integers=library.integers,
-        floats=library.floats,
-        listed=library.listed,
-        listed_floats=library.listed_floats,
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +29,7 @@ class Family:
     level: Any
     low: Any
     high: Any
-    loops: SetLoops
+    loops: Loops
 
     @property
     def nodes(self) -> tuple[Any, Any, Any]:
@@ -142,7 +94,7 @@ def of_conjunction(literals: Sequence[int]) -> Family:
     count = len(literals)
     level = [count, count, *range(count - 1, -1, -1)]
     high = [0, 0, *range(1, count + 1)]
-    return Family(count + 1, tuple(literals), level, [0] * (count + 2), high, PLAIN)
+    return Family(count + 1, tuple(literals), level, [0] * (count + 2), high, plain_loops())
 
 
 def of_disjunction(literals: Sequence[int]) -> Family:
@@ -150,7 +102,7 @@ def of_disjunction(literals: Sequence[int]) -> Family:
     count = len(literals)
     level = [count, count, *range(count - 1, -1, -1)]
     low = [0, 0, 0, *range(2, count + 1)]
-    return Family(count + 1, tuple(literals), level, low, [0, 0] + [1] * count, PLAIN)
+    return Family(count + 1, tuple(literals), level, low, [0, 0] + [1] * count, plain_loops())
 
 
 def phases(graph: LogicGraph, module: Module) -> dict[int, int] | None:

@@ -12,6 +12,7 @@ Reliability Engineering and System Safety 40 (1993).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 Integers = Any
@@ -100,24 +101,20 @@ def _sides(node: int, sign: int, low: Integers, high: Integers, is_rising: int) 
     return (above, below) if is_rising else (below, above)
 
 
+@dataclass(slots=True)
 class _Families:
     """The nodes of families, the table by which they are found, and what is known of them.
 
     The sequences are those of `minimal_solutions`.
     """
 
-    def __init__(
-        self,
-        level: Integers,
-        low: Integers,
-        high: Integers,
-        table: Integers,
-        cache: Integers,
-        frames: Integers,
-    ) -> None:
-        self.level, self.low, self.high = level, low, high
-        self.table, self.cache, self.frames = table, cache, frames
-        self.count = 2
+    level: Integers
+    low: Integers
+    high: Integers
+    table: Integers
+    cache: Integers
+    frames: Integers
+    count: int = 2
 
     def node_of(self, level: int, low: int, high: int) -> int:
         """Return the node of a level, made where there is none, or OUT_OF_NODES."""

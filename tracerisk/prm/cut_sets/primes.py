@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.diagram import Diagram
-from tracerisk.prm.cut_sets.family import EMPTY_SET, NO_SET, PLAIN, Family
+from tracerisk.prm.bdd.speed import plain_loops
+from tracerisk.prm.cut_sets.family import EMPTY_SET, NO_SET, Family
 
 
 def primes_of_diagram(diagram: Diagram, sign: int, budget: int) -> Family:
@@ -22,7 +23,7 @@ def primes_of_diagram(diagram: Diagram, sign: int, budget: int) -> Family:
     root = primes.of(diagram.root ^ int(sign < 0))
     # Level 2 i stands for the variable i, level 2 i + 1 for its complement.
     literals = tuple(literal for node in diagram.order for literal in (node, -node))
-    return Family(root, literals, primes.set_level, primes.set_low, primes.set_high, PLAIN)
+    return Family(root, literals, primes.set_level, primes.set_low, primes.set_high, plain_loops())
 
 
 class _Primes:

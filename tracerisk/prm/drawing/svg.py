@@ -28,9 +28,9 @@ class Canvas:
     def __init__(self) -> None:
         self._parts: list[str] = []
 
-    def path(self, path: str, *, stroke: str = INK, fill: str = "none", marks: str = "") -> None:
+    def path(self, path: str, *, stroke: str = INK, marks: str = "") -> None:
         """Draw a path in SVG's own notation."""
-        self._parts.append(f"<path d='{path}' stroke='{stroke}' fill='{fill}'{marks}/>")
+        self._parts.append(f"<path d='{path}' stroke='{stroke}' fill='none'{marks}/>")
 
     def line(
         self,
@@ -64,10 +64,10 @@ class Canvas:
             f"height='{_n(height)}' rx='{_n(radius)}' stroke='{stroke}' fill='{fill}'/>"
         )
 
-    def circle(self, x: float, y: float, radius: float, *, stroke: str = INK) -> None:
+    def circle(self, x: float, y: float, radius: float) -> None:
         """Draw a circle."""
         self._parts.append(
-            f"<circle cx='{_n(x)}' cy='{_n(y)}' r='{_n(radius)}' stroke='{stroke}' fill='{PAPER}'/>"
+            f"<circle cx='{_n(x)}' cy='{_n(y)}' r='{_n(radius)}' stroke='{INK}' fill='{PAPER}'/>"
         )
 
     def word(

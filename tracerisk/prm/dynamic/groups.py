@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.dynamic.elements import DynamicGate
+from tracerisk.strong_components import reached
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.tree import DynamicTree
@@ -48,7 +49,7 @@ def find_groups(tree: DynamicTree) -> dict[str, tuple[str, ...]]:
         members: set[str] = set()
         top, grown = "", set(seed)
         while grown - members:
-            members |= _closed(grown, links)
+            members |= reached(grown, lambda name: links.get(name, ()))
             top = _dominator_of((name for name in sorted(members) if name in depth), above, depth)
             grown = {top}
         inside = {name: below for name, below in groups.items() if name in members}
@@ -56,19 +57,6 @@ def find_groups(tree: DynamicTree) -> dict[str, tuple[str, ...]]:
             del groups[name]
         groups[top] = tuple(sorted(members - {top}))
     return groups
-
-
-def _closed(names: set[str], links: Mapping[str, list[str]]) -> set[str]:
-    """Return all that the names are linked to: what is below them and what is tied to it."""
-    closed: set[str] = set()
-    stack = sorted(names)
-    while stack:
-        name = stack.pop()
-        if name in closed:
-            continue
-        closed.add(name)
-        stack.extend(links.get(name, ()))
-    return closed
 
 
 def _dominators(

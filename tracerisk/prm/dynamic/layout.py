@@ -16,6 +16,7 @@ from tracerisk.prm.dynamic.elements import (
 )
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.strong_components import reached
 
 SAFE, FAILED, GONE = 253, 254, 255
 """Never to fail any more; failed; of no account any more. Below them an element can still fail.
@@ -207,12 +208,7 @@ def _owners(
                 f"'{names[unit]}' is a spare of '{names[users[0]]}' and an input of "
                 f"'{names[other]}', which may wait in a spare itself; give each its own"
             )
-        inside, stack = {unit}, [unit]
-        while stack:
-            for child in inputs.get(stack.pop(), ()):
-                if child not in inside:
-                    inside.add(child)
-                    stack.append(child)
+        inside = reached((unit,), lambda element: inputs.get(element, ()))
         for element in sorted(inside - {unit}):
             outside = [gate for gate in parents[element] if gate not in inside]
             if outside and not (others and serving.issuperset(outside)):
@@ -234,15 +230,8 @@ def _serving(
     inputs: Mapping[int, tuple[int, ...]], parents: Sequence[Sequence[int]], spares: set[int]
 ) -> set[int]:
     """Return what is in service from the start, not counting the inputs of spare gates."""
-    stack = [element for element, above in enumerate(parents) if not above]
-    found = set(stack)
-    while stack:
-        element = stack.pop()
-        for child in () if element in spares else inputs.get(element, ()):
-            if child not in found:
-                found.add(child)
-                stack.append(child)
-    return found
+    starts = [element for element, above in enumerate(parents) if not above]
+    return reached(starts, lambda element: () if element in spares else inputs.get(element, ()))
 
 
 def _alike(

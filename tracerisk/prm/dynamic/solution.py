@@ -56,20 +56,15 @@ class DynamicSolution:
         values = static.values_at(self.mission_time_h)
         total = static.probability(values).p
         group_of = {
-            inner.name: event.name
+            inner.name: (event.name, event.model.tree)
             for event in static.events
             if isinstance(event.model, DynamicGroup)
             for inner in event.model.tree.events
         }
-        groups = {
-            event.name: event.model
-            for event in static.events
-            if isinstance(event.model, DynamicGroup)
-        }
         rows = []
         for event in self.tree.events:
             without, failed, tenfold = (
-                self._changed(static, values, groups, group_of.get(event.name), event, model)
+                self._changed(static, values, group_of.get(event.name), event, model)
                 for model in (Constant(0.0), Constant(1.0), _tenfold(event.model))
             )
             share = (
@@ -94,8 +89,7 @@ class DynamicSolution:
         self,
         static: FaultTree,
         values: dict[str, float],
-        groups: dict[str, DynamicGroup],
-        group: str | None,
+        group: tuple[str, DynamicTree] | None,
         event: DynamicEvent,
         model: FailureModel | None,
     ) -> float:
@@ -107,7 +101,7 @@ class DynamicSolution:
                 else model.probability(self.mission_time_h).p
             )
             return static.probability({**values, event.name: p}).p
-        inside = groups[group].tree
+        name, inside = group
         # An event in a group has a rate or a probability: each has its tenfold.
         assert model is not None
         changed = replace(
@@ -118,7 +112,7 @@ class DynamicSolution:
             ),
         )
         p = DynamicGroup(changed).probability(self.mission_time_h).p
-        return static.probability({**values, group: p}).p
+        return static.probability({**values, name: p}).p
 
     def _repr_html_(self) -> str:
         from html import escape

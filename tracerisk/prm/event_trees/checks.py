@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_trees.elements import Branch, End, Fork, Resume, Target
+from tracerisk.prm.numbers.quantities import check_names
 
 if TYPE_CHECKING:
     from tracerisk.prm.event_trees.event_tree import EventTree
 
 
-def check_names(tree: EventTree) -> None:
+def check_names_of(tree: EventTree) -> None:
     """Raise ModelError when a name is used twice, or cannot be printed."""
-    _check_once(tree.name, "functional event", tree.functional_events)
-    _check_once(tree.name, "sequence", (sequence.name for sequence in tree.sequences))
-    _check_once(tree.name, "branch", (branch.name for branch in tree.branches))
+    where = f"event tree '{tree.name}': "
+    check_names("functional event", tree.functional_events, where=where)
+    check_names("sequence", (sequence.name for sequence in tree.sequences), where=where)
+    check_names("branch", (branch.name for branch in tree.branches), where=where)
 
 
 def check_targets(tree: EventTree) -> None:
@@ -88,18 +90,6 @@ def check_order(tree: EventTree) -> None:
                     waiting.extend((path.target, rank[name], resumed) for path in paths)
             case _:
                 pass
-
-
-def _check_once(tree: str, kind: str, names: Iterable[str]) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if not name or not name.isprintable():
-            raise ModelError(
-                f"event tree '{tree}': {kind} {name!r}: a name needs printable characters"
-            )
-        if name in seen:
-            raise ModelError(f"event tree '{tree}': duplicate {kind} '{name}'; rename one")
-        seen.add(name)
 
 
 def _targets(branch: Branch) -> Iterator[Target]:

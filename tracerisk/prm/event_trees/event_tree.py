@@ -42,9 +42,9 @@ class EventTree(Displayed):
     _sequences: Mapping[str, EventSequence] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        from tracerisk.prm.event_trees.checks import check_names, check_order, check_targets
+        from tracerisk.prm.event_trees.checks import check_names_of, check_order, check_targets
 
-        check_names(self)
+        check_names_of(self)
         object.__setattr__(self, "_branches", {branch.name: branch for branch in self.branches})
         object.__setattr__(self, "_sequences", {each.name: each for each in self.sequences})
         check_targets(self)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from tracerisk.dependencies import require_large
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions.node import Expression
+from tracerisk.prm.numbers.special import special
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array
@@ -74,12 +74,10 @@ class NormalDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        require_large("scipy")
-        from scipy.special import ndtri
 
         mean, sigma = arguments
         _check_positive("normal", sigma=float(sigma.min()))
-        found: Array = mean + sigma * ndtri(uniform)
+        found: Array = mean + sigma * special().ndtri(uniform)
         return found
 
 
@@ -122,19 +120,16 @@ class LognormalDeviate(Deviate):
         """Return the quantiles."""
         from tracerisk.prm.numbers.arrays import np
 
-        require_large("scipy")
-        from scipy.special import ndtri
-
         if len(arguments) == 3:
             mean, factor, level = arguments
             for worst in {int(mean.argmin()), int(factor.argmin()), int(level.argmin())}:
                 _check_error_factor(float(mean[worst]), float(factor[worst]), float(level[worst]))
-            sigma = np.log(factor) / ndtri(level)
+            sigma = np.log(factor) / special().ndtri(level)
             mu = np.log(mean) - sigma**2 / 2
         else:
             mu, sigma = arguments
             _check_positive("lognormal", sigma=float(sigma.min()))
-        found: Array = np.exp(mu + sigma * ndtri(uniform))
+        found: Array = np.exp(mu + sigma * special().ndtri(uniform))
         return found
 
 
@@ -158,12 +153,10 @@ class GammaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        require_large("scipy")
-        from scipy.special import gammaincinv
 
         shape, scale = arguments
         _check_positive("gamma", shape=float(shape.min()), scale=float(scale.min()))
-        found: Array = scale * gammaincinv(shape, uniform)
+        found: Array = scale * special().gammaincinv(shape, uniform)
         return found
 
 
@@ -187,12 +180,10 @@ class BetaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        require_large("scipy")
-        from scipy.special import betaincinv
 
         alpha, beta = arguments
         _check_positive("beta", alpha=float(alpha.min()), beta=float(beta.min()))
-        found: Array = betaincinv(alpha, beta, uniform)
+        found: Array = special().betaincinv(alpha, beta, uniform)
         return found
 
 

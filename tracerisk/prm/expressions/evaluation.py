@@ -9,6 +9,10 @@ from tracerisk.prm.expressions.node import Expression, MissionTime, Reference
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.records import dataclass, field
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
 Names = Mapping[str, Expression | float]
 """What each name stands for: a number, or an expression over other names."""
 
@@ -55,19 +59,80 @@ def evaluate(expression: Expression, names: Names, mission_time_h: float) -> flo
     return Evaluation(names, mission_time_h).of(expression)
 
 
-class Evaluation:
+class Walk:
+    """Takes expressions apart over the same names, each name once.
+
+    What a node comes to is for its subclasses to say.
+    """
+
+    def __init__(self, names: Names, mission_time_h: float) -> None:
+        self._names = names
+        self._mission_time_h = mission_time_h
+        self._known: dict[str, Any] = {}
+
+    def _number(self, number: float) -> Any:
+        """Return what a name that stands for a number comes to."""
+        raise NotImplementedError
+
+    def _of(self, node: Expression, arguments: list[Any], opened: Mapping[str, None]) -> Any:
+        """Return what a node comes to; `opened` are the names whose definitions hold it."""
+        raise NotImplementedError
+
+    def _values(self, expressions: Sequence[Expression]) -> list[Any]:
+        """Return what the expressions come to; iterative, for any depth."""
+        results: list[Any] = []
+        opened: dict[str, None] = {}
+        stack = [(expression, False) for expression in reversed(expressions)]
+        while stack:
+            node, ready = stack.pop()
+            if isinstance(node, Reference):
+                self._refer(node, ready, results, opened, stack)
+                continue
+            arguments = node.arguments
+            if arguments and not ready:
+                stack.append((node, True))
+                stack.extend((argument, False) for argument in reversed(arguments))
+                continue
+            count = len(results) - len(arguments)
+            results[count:] = [self._of(node, results[count:], opened)]
+        return results
+
+    def _refer(
+        self,
+        node: Reference,
+        ready: bool,
+        results: list[Any],
+        opened: dict[str, None],
+        stack: list[tuple[Expression, bool]],
+    ) -> None:
+        """Push what a name comes to, or what must be known before."""
+        name = node.name
+        if ready:
+            self._known[name] = results[-1]
+            del opened[name]
+        elif name in self._known:
+            results.append(self._known[name])
+        else:
+            definition = definition_of(name, self._names, opened)
+            if isinstance(definition, Expression):
+                opened[name] = None
+                stack += [(node, True), (definition, False)]
+            else:
+                results.append(self._number(definition))
+
+
+class Evaluation(Walk):
     """Evaluates many expressions over the same names, each name once."""
 
     def __init__(self, names: Names, mission_time_h: float) -> None:
         if not mission_time_h >= 0.0:
             raise ModelError(f"the mission time is {mission_time_h!r} h; allowed: 0 or more")
-        self._names = names
-        self._mission_time_h = mission_time_h
-        self._known: dict[str, float] = {}
+        super().__init__(names, mission_time_h)
 
     def of(self, expression: Expression) -> float:
         """Return the point value of the expression; raises as `evaluate` does."""
-        return self._values((expression,))[0]
+        found: float = self._values((expression,))[0]
+        return found
 
     def probability(self, expression: Expression) -> Probability:
         """Return the expression's value and its complement as a probability.
@@ -84,46 +149,16 @@ class Evaluation:
             return followed.probability(self._values(followed.arguments), self._mission_time_h)
         return Probability.of(followed)
 
-    def _values(self, expressions: Sequence[Expression]) -> list[float]:
-        """Return the point values of the expressions; iterative, for any depth."""
-        results: list[float] = []
-        opened: dict[str, None] = {}
-        stack = [(expression, False) for expression in reversed(expressions)]
-        while stack:
-            node, ready = stack.pop()
-            if isinstance(node, Reference):
-                self._refer(node.name, ready, results, opened, stack)
-                continue
-            arguments = node.arguments
-            if arguments and not ready:
-                stack.append((node, True))
-                stack.extend((argument, False) for argument in reversed(arguments))
-                continue
-            count = len(results) - len(arguments)
-            results[count:] = [node.value(results[count:], self._mission_time_h)]
-        return results
+    def _number(self, number: float) -> float:
+        return float(number)
 
-    def _refer(
+    def _of(
         self,
-        name: str,
-        ready: bool,
-        results: list[float],
-        opened: dict[str, None],
-        stack: list[tuple[Expression, bool]],
-    ) -> None:
-        """Push the value of a name, or what must be evaluated before."""
-        if ready:
-            self._known[name] = results[-1]
-            del opened[name]
-        elif name in self._known:
-            results.append(self._known[name])
-        else:
-            definition = definition_of(name, self._names, opened)
-            if isinstance(definition, Expression):
-                opened[name] = None
-                stack += [(Reference(name), True), (definition, False)]
-            else:
-                results.append(float(definition))
+        node: Expression,
+        arguments: list[float],
+        opened: Mapping[str, None],  # noqa: ARG002
+    ) -> float:
+        return node.value(arguments, self._mission_time_h)
 
 
 def definition_of(name: str, names: Names, opened: Mapping[str, None]) -> Expression | float:

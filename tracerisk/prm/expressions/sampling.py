@@ -12,8 +12,8 @@ from zlib import crc32
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions.deviates import Deviate
-from tracerisk.prm.expressions.evaluation import Names, definition_of
-from tracerisk.prm.expressions.node import Expression, Reference
+from tracerisk.prm.expressions.evaluation import Names, Walk
+from tracerisk.prm.expressions.node import Expression
 
 if TYPE_CHECKING:
     import numpy as np
@@ -85,14 +85,14 @@ def sample(
     return Sampling(names, mission_time_h, draws).of(expression, owner)
 
 
-class Sampling:
+class Sampling(Walk):
     """Samples many expressions over the same names, each name once."""
 
     def __init__(self, names: Names, mission_time_h: float, draws: Draws) -> None:
-        self._names = names
-        self._mission_time_h = mission_time_h
+        super().__init__(names, mission_time_h)
         self._draws = draws
-        self._known: dict[str, Array] = {}
+        self._owner = ""
+        self._ranks: dict[str, int] = {}
 
     @property
     def sampled(self) -> Mapping[str, Array]:
@@ -106,41 +106,18 @@ class Sampling:
         are independent. A deviate's key is `parameter:name` or `event:owner`, with its rank there.
         Raises ModelError as `evaluate` does.
         """
+        self._owner, self._ranks = owner, {}
+        found: Array = self._values((expression,))[0]
+        return found
+
+    def _number(self, number: float) -> Array:
         from tracerisk.prm.numbers.arrays import np
 
-        results: list[Array] = []
-        opened: dict[str, None] = {}
-        ranks: dict[str, int] = {}
-        size = self._draws.size
-        stack: list[tuple[Expression, str, bool]] = [(expression, f"event:{owner}", False)]
-        while stack:
-            node, home, ready = stack.pop()
-            if isinstance(node, Reference):
-                name = node.name
-                if ready:
-                    self._known[name] = results[-1]
-                    del opened[name]
-                elif name in self._known:
-                    results.append(self._known[name])
-                else:
-                    found = definition_of(name, self._names, opened)
-                    if isinstance(found, Expression):
-                        opened[name] = None
-                        stack += [(node, home, True), (found, f"parameter:{name}", False)]
-                    else:
-                        results.append(np.full(size, float(found)))
-                continue
-            if node.arguments and not ready:
-                stack.append((node, home, True))
-                stack.extend((argument, home, False) for argument in reversed(node.arguments))
-                continue
-            count = len(results) - len(node.arguments)
-            arguments = results[count:]
-            if isinstance(node, Deviate):
-                rank = ranks[home] = ranks.get(home, -1) + 1
-                uniform = self._draws.uniform(f"{home}:{rank}")
-                values = node.quantiles(arguments, uniform)
-            else:
-                values = node.values(arguments, self._mission_time_h, size)
-            results[count:] = [values]
-        return results[0]
+        return np.full(self._draws.size, float(number))
+
+    def _of(self, node: Expression, arguments: list[Array], opened: Mapping[str, None]) -> Array:
+        if not isinstance(node, Deviate):
+            return node.values(arguments, self._mission_time_h, self._draws.size)
+        home = f"parameter:{[*opened][-1]}" if opened else f"event:{self._owner}"
+        rank = self._ranks[home] = self._ranks.get(home, -1) + 1
+        return node.quantiles(arguments, self._draws.uniform(f"{home}:{rank}"))

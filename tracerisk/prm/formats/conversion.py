@@ -17,6 +17,7 @@ from tracerisk.prm.expressions import (
     Number,
     Reference,
     Weibull,
+    depends_on_mission_time,
 )
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -80,8 +81,7 @@ def logic_of_tree(
         raise ModelError(f"'{unknown[0]}' is no parameter; {one_of(tree.parameters, unknown[0])}")
     written = _of_gates(tree)
     shared = [name for name in tree.parameters if name in given]
-    taken = {each.name for each in written.gates} | {each.name for each in written.events}
-    taken |= {each.name for each in written.houses}
+    taken = set(_names_of(written))
     figures = {each: f"p_{each}" if each in taken else each for each in shared}
     return LogicModel(
         name=name or tree.top,
@@ -121,9 +121,7 @@ def logic_of_functions(model: HybridModel) -> LogicModel:
     for state in trees:
         place = Place(home=state.name, private=True)
         tree = _of_gates(state.tree)
-        names = {each.name: f"{state.name}.{each.name}" for each in tree.gates}
-        names |= {each.name: f"{state.name}.{each.name}" for each in tree.events}
-        names |= {each.name: f"{state.name}.{each.name}" for each in tree.houses}
+        names = {name: f"{state.name}.{name}" for name in _names_of(tree)}
         for gate in reversed(tree.upwards):
             inputs = tuple(names[name] for name in gate.inputs)
             gates.append(GateDefinition(replace(gate, name=names[gate.name], inputs=inputs), place))
@@ -199,31 +197,15 @@ def _law(model: FailureModel, owner: LogicModel, evaluation: Evaluation) -> Fail
     names = owner.definitions.by_name
     while isinstance(expression, Reference):
         expression = names[expression.name]
-    if not _is_timed(expression, names):
+    if not depends_on_mission_time((expression,), names):
         return failure_models.Constant(model.probability(0.0).p)
     if isinstance(expression, Exponential | Weibull | Glm):
         *figures, time = expression.arguments
         while isinstance(time, Reference):
             time = names[time.name]
-        if isinstance(time, MissionTime) and not any(_is_timed(each, names) for each in figures):
+        if isinstance(time, MissionTime) and not depends_on_mission_time(figures, names):
             return expression.model([evaluation.of(each) for each in figures])
     return None
-
-
-def _is_timed(expression: Expression, names: Mapping[str, Expression]) -> bool:
-    waiting = [expression]
-    seen: set[str] = set()
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, MissionTime):
-            return True
-        if isinstance(node, Reference):
-            if node.name not in seen:
-                seen.add(node.name)
-                waiting.append(names[node.name])
-        else:
-            waiting.extend(node.arguments)
-    return False
 
 
 def _expression(name: str, model: FailureModel, mission_time_h: float | None) -> Expression:
@@ -248,8 +230,7 @@ def _expression(name: str, model: FailureModel, mission_time_h: float | None) ->
 def _of_gates(tree: FaultTree) -> FaultTree:
     """Return the tree with a gate at its top, and its constants under names that can be written."""
     constants = {ALWAYS: "always", NEVER: "never"}
-    taken = {each.name for each in tree.gates}
-    taken |= {each.name for each in tree.events} | {each.name for each in tree.houses}
+    taken = set(_names_of(tree))
     names = {}
     for name, new in constants.items():
         while new in taken:
@@ -267,6 +248,11 @@ def _of_gates(tree: FaultTree) -> FaultTree:
         top += "_"
     inputs = (*(each.name for each in tree.events), *(each.name for each in houses))
     return FaultTree(top, (Gate(top, GateKind.OR, inputs),), tree.events, houses)
+
+
+def _names_of(tree: FaultTree) -> list[str]:
+    names = [gate.name for gate in tree.gates] + [event.name for event in tree.events]
+    return names + [house.name for house in tree.houses]
 
 
 def _listed(names: list[str]) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from functools import partial
 from typing import Any
 
 from tracerisk.errors import ModelError, one_of
@@ -20,19 +22,15 @@ from tracerisk.prm.numbers.distributions import (
 def distribution_to_json(distribution: Distribution) -> dict[str, Any]:
     """Return a distribution as plain JSON values; raise ModelError for one of an unknown kind."""
     if isinstance(distribution, Lognormal):
-        fields = {"errorFactor": distribution.error_factor, "valueIs": distribution.value_is}
-        return {"lognormal": fields}
-    if isinstance(distribution, Uniform):
-        kind = "loguniform" if distribution.log else "uniform"
-        return {kind: {"low": distribution.low, "high": distribution.high}}
-    if isinstance(distribution, Beta):
-        return {"beta": {"alpha": distribution.alpha, "beta": distribution.beta}}
-    if isinstance(distribution, Gamma):
-        return {"gamma": {"shape": distribution.shape, "scale": distribution.scale}}
-    if isinstance(distribution, Normal):
-        fields = {"mean": distribution.mean_value, "deviation": distribution.deviation}
-        return {"normal": fields}
-    raise ModelError(f"{type(distribution).__name__} has no place in the JSON of models")
+        written = {"errorFactor": distribution.error_factor, "valueIs": distribution.value_is}
+        return {"lognormal": written}
+    kind = _KINDS.get(type(distribution))
+    if kind is None:
+        raise ModelError(f"{type(distribution).__name__} has no place in the JSON of models")
+    if isinstance(distribution, Uniform) and distribution.log:
+        kind = "loguniform"
+    values = [getattr(distribution, each.name) for each in fields(distribution)]  # type: ignore[arg-type]
+    return {kind: dict(zip(_PLAIN[kind][1], values, strict=False))}
 
 
 def read_distribution(element: Element) -> Distribution:
@@ -41,14 +39,18 @@ def read_distribution(element: Element) -> Distribution:
     Raises ModelError with its path and place when it states none.
     """
     entries = element.entries()
+    names = ("lognormal", *_PLAIN)
     if len(entries) != 1:
-        element.fail(f"expected one key; {one_of(_DISTRIBUTIONS)}")
+        element.fail(f"expected one key; {one_of(names)}")
     ((name, inner),) = entries.items()
-    if name not in _DISTRIBUTIONS:
-        element.fail(f"unknown distribution '{name}'; {one_of(_DISTRIBUTIONS, name)}")
-    required, optional, make = _DISTRIBUTIONS[name]
-    fields = inner.fields(required, optional=optional)
-    return inner.guard(lambda: make(fields))
+    if name not in names:
+        element.fail(f"unknown distribution '{name}'; {one_of(names, name)}")
+    if name == "lognormal":
+        stated = inner.fields(("errorFactor",), optional=("valueIs",))
+        return inner.guard(lambda: _lognormal(stated))
+    make, keys = _PLAIN[name]
+    found = inner.fields(keys)
+    return inner.guard(lambda: make(*(found[key].number() for key in keys)))
 
 
 def _lognormal(fields: Mapping[str, Element]) -> Lognormal:
@@ -58,21 +60,12 @@ def _lognormal(fields: Mapping[str, Element]) -> Lognormal:
     return Lognormal(fields["errorFactor"].number(), "mean" if stated == "mean" else "median")
 
 
-_DISTRIBUTIONS: dict[
-    str, tuple[Sequence[str], Sequence[str], Callable[[Mapping[str, Element]], Distribution]]
-] = {
-    "lognormal": (("errorFactor",), ("valueIs",), _lognormal),
-    "uniform": (("low", "high"), (), lambda f: Uniform(f["low"].number(), f["high"].number())),
-    "loguniform": (
-        ("low", "high"),
-        (),
-        lambda f: Uniform(f["low"].number(), f["high"].number(), log=True),
-    ),
-    "beta": (("alpha", "beta"), (), lambda f: Beta(f["alpha"].number(), f["beta"].number())),
-    "gamma": (("shape", "scale"), (), lambda f: Gamma(f["shape"].number(), f["scale"].number())),
-    "normal": (
-        ("mean", "deviation"),
-        (),
-        lambda f: Normal(f["mean"].number(), f["deviation"].number()),
-    ),
+_PLAIN: dict[str, tuple[Callable[..., Distribution], tuple[str, ...]]] = {
+    "uniform": (Uniform, ("low", "high")),
+    "loguniform": (partial(Uniform, log=True), ("low", "high")),
+    "beta": (Beta, ("alpha", "beta")),
+    "gamma": (Gamma, ("shape", "scale")),
+    "normal": (Normal, ("mean", "deviation")),
 }
+"""What takes numbers alone, with their keys in order."""
+_KINDS: dict[type, str] = {Uniform: "uniform", Beta: "beta", Gamma: "gamma", Normal: "normal"}

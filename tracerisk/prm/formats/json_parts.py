@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
+from fractions import Fraction
 from importlib.resources import files
 from typing import Any
 
-from tracerisk.prm.trees.gates import Gate
+from tracerisk.prm.formats.element import Element
+from tracerisk.prm.trees.gates import Gate, GateKind
+
+_FRACTION = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 
 def schema_of(name: str, version: int) -> dict[str, Any]:
@@ -28,3 +33,27 @@ def gate_to_json(gate: Gate, least: str, most: str) -> dict[str, Any]:
     if gate.most is not None:
         written[most] = gate.most
     return written
+
+
+def read_gate(element: Element, least: str, most: str) -> Gate:
+    """Return the gate that an element states; `least` and `most` as in `gate_to_json`."""
+    found = element.fields(("name", "type", "inputs"), optional=(least, most))
+    kinds = {kind.value: kind for kind in GateKind}
+    return Gate(
+        name=found["name"].string(),
+        kind=kinds[found["type"].choice(kinds)],
+        inputs=found["inputs"].each(Element.string),
+        k=found[least].integer() if least in found else None,
+        most=found[most].integer() if most in found else None,
+    )
+
+
+def read_fraction(element: Element, examples: str) -> Fraction:
+    """Return the fraction that a text of an element states; `examples` are for messages."""
+    written = element.string()
+    if not _FRACTION.fullmatch(written):
+        element.fail(f"is '{written}'; expected a fraction such as {examples}")
+    try:
+        return Fraction(written)
+    except ZeroDivisionError:
+        element.fail(f"is '{written}', divided by zero")

@@ -14,7 +14,7 @@ from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
-from tracerisk.prm.formats.json_parts import gate_to_json, schema_of
+from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
 from tracerisk.prm.formats.linked_values import read_value, value_to_json
 from tracerisk.prm.linked.elements import (
     UNITS,
@@ -29,13 +29,12 @@ from tracerisk.prm.linked.elements import (
 from tracerisk.prm.linked.links import ElementKey
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.trees.fault_tree import HouseEvent
-from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
+from tracerisk.prm.trees.gates import Gate, check_gate
 
 SCHEMA = "tracerisk-linked-model"
 VERSION = 1
 
 # Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
-_SHARE = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 
 def linked_schema() -> dict[str, Any]:
@@ -219,15 +218,7 @@ def _tree(element: Element) -> LinkedTree:
 
 
 def _gate(element: Element) -> Gate:
-    found = element.fields(("name", "type", "inputs"), optional=("min", "max"))
-    kinds = {kind.value: kind for kind in GateKind}
-    gate = Gate(
-        found["name"].string(),
-        kinds[found["type"].choice(kinds)],
-        found["inputs"].each(Element.string),
-        found["min"].integer() if "min" in found else None,
-        found["max"].integer() if "max" in found else None,
-    )
+    gate = read_gate(element, "min", "max")
     element.guard(lambda: check_gate(gate))
     return gate
 
@@ -274,17 +265,7 @@ def _transition(element: Element, key: str) -> Transition:
     value: Expression | None = None
     share = Fraction(1)
     if given == ["remainder"]:
-        share = _share(found["remainder"])
+        share = read_fraction(found["remainder"], '"9/10", "0.9" or "1"')
     else:
         value = read_value(found[key])
     return Transition(found["source"].string(), found["target"].string(), value, share)
-
-
-def _share(element: Element) -> Fraction:
-    written = element.string()
-    if not _SHARE.fullmatch(written):
-        element.fail(f'is \'{written}\'; expected a fraction such as "9/10", "0.9" or "1"')
-    try:
-        return Fraction(written)
-    except ZeroDivisionError:
-        element.fail(f"is '{written}', divided by zero")

@@ -80,15 +80,10 @@ def value_to_json(expression: Expression) -> Any:
     if isinstance(expression, Absorption):
         return {"absorption": {"markovChain": expression.chain, "states": list(expression.states)}}
     if isinstance(expression, Occupancy):
-        found: dict[str, Any] = {
-            "markovChain": expression.chain,
-            "states": list(expression.states),
-        }
-        if expression.time_h is not None:
-            found["time"] = expression.time_h
-        if expression.steps is not None:
-            found["steps"] = expression.steps
-        return {"occupancy": found}
+        found = {"markovChain": expression.chain, "states": list(expression.states)}
+        times = {"time": expression.time_h, "steps": expression.steps}
+        given = {key: value for key, value in times.items() if value is not None}
+        return {"occupancy": found | given}
     if isinstance(expression, Negation):
         return {"neg": value_to_json(expression.term)}
     if isinstance(expression, Histogram):

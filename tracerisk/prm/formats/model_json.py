@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
-from tracerisk.prm.formats.json_parts import gate_to_json, schema_of
+from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.spares import Spares
 
 SCHEMA = "tracerisk-hybrid-model"
 VERSION = 1
 
 # Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
-_WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 
 def model_data(model: HybridModel) -> dict[str, Any]:
@@ -174,35 +171,17 @@ def _spares(element: Element) -> Spares:
 
 def _step(element: Element) -> NextStep:
     found = element.fields({"target", "weight"})
-    written = found["weight"].string()
-    if not _WEIGHT.fullmatch(written):
-        found["weight"].fail(f'is \'{written}\'; expected a fraction such as "9/10" or "0.9"')
-    try:
-        weight = Fraction(written)
-    except ZeroDivisionError:
-        found["weight"].fail(f"is '{written}', divided by zero")
+    weight = read_fraction(found["weight"], '"9/10" or "0.9"')
     return NextStep(found["target"].string(), weight)
 
 
 def _tree(element: Element) -> FaultTree:
     found = element.fields({"top", "gates", "basic_events"}, optional={"house_events"})
     top = found["top"].string()
-    gates = found["gates"].each(_gate)
+    gates = found["gates"].each(lambda each: read_gate(each, "k", "most"))
     events = found["basic_events"].each(_event)
     houses = found["house_events"].each(_house) if "house_events" in found else ()
     return element.guard(lambda: FaultTree(top, gates, events, houses))
-
-
-def _gate(element: Element) -> Gate:
-    found = element.fields({"name", "type", "inputs"}, optional={"k", "most"})
-    kinds = {kind.value: kind for kind in GateKind}
-    return Gate(
-        name=found["name"].string(),
-        kind=kinds[found["type"].choice(kinds)],
-        inputs=found["inputs"].each(Element.string),
-        k=found["k"].integer() if "k" in found else None,
-        most=found["most"].integer() if "most" in found else None,
-    )
 
 
 def _event(element: Element) -> BasicEvent:

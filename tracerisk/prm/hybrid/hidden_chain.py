@@ -133,19 +133,10 @@ class HiddenChain:
             if any(arriving):
                 here = self._layer(layer, cut).left(arriving)
                 for number, count in enumerate(here):
-                    if count == 0.0:
-                        continue
-                    if layer == layers:
-                        worst = self._beyond(number)
-                        failed[number] = count * worst.p
-                        leaving[number] += count * worst.q
-                        continue
-                    failed[number] = count * self.visit(number, layer).p
-                    through = count * self.rest[number].q
-                    for reached, weight in self.spread(number, layer):
-                        entering[reached][number] += through * weight
-                    if states.most is not None:
-                        entering[layers][number] += through * self.exceeding(number, layer)
+                    if count != 0.0:
+                        failed[number], ways = self._passed(number, layer, count)
+                        for to, going in ways:
+                            entering[to][number] += going
             visits.append(tuple(here))
             failures.append(tuple(failed))
             done[layer] = total(leaving[number] * function.done for number, function in functions)
@@ -160,24 +151,29 @@ class HiddenChain:
 
     def pass_once(self, number: int, start: Sequence[float]) -> tuple[list[float], float]:
         """Return what survives one visit, by layer, and what fails; `start` is by layer."""
-        layers = len(self.states.hidden)
-        after = [0.0] * (layers + 1)
+        after = [0.0] * (len(self.states.hidden) + 1)
         failed = []
         for layer, mass in enumerate(start):
-            if mass == 0.0:
-                continue
-            if layer == layers:
-                worst = self._beyond(number)
-                failed.append(mass * worst.p)
-                after[layers] += mass * worst.q
-                continue
-            failed.append(mass * self.visit(number, layer).p)
-            through = mass * self.rest[number].q
-            for reached, weight in self.spread(number, layer):
-                after[reached] += through * weight
-            if self.states.most is not None:
-                after[layers] += through * self.exceeding(number, layer)
+            if mass != 0.0:
+                lost, ways = self._passed(number, layer, mass)
+                failed.append(lost)
+                for to, going in ways:
+                    after[to] += going
         return after, math.fsum(failed)
+
+    def _passed(
+        self, number: int, layer: int, mass: float
+    ) -> tuple[float, list[tuple[int, float]]]:
+        """Return what fails of a mass in one visit, and what goes on in which layers."""
+        layers = len(self.states.hidden)
+        if layer == layers:
+            worst = self._beyond(number)
+            return mass * worst.p, [(layers, mass * worst.q)]
+        through = mass * self.rest[number].q
+        ways = [(to, through * weight) for to, weight in self.spread(number, layer)]
+        if self.states.most is not None:
+            ways.append((layers, through * self.exceeding(number, layer)))
+        return mass * self.visit(number, layer).p, ways
 
     def _follow(self, leaving: Sequence[float], arriving: list[float], cut: Round | None) -> None:
         """Add to the arrivals at each function what leaves the others."""

@@ -140,7 +140,7 @@ def states_of(
     index = {state: number for number, state in enumerate(hidden)}
     # Functions of the same parts hold the same states.
     held = {
-        parts: tuple(_survives(parts, state) for state in hidden)
+        parts: tuple(survives(parts, state) for state in hidden)
         for parts in {function.parts: None for function in functions}
     }
     return HiddenStates(
@@ -151,19 +151,21 @@ def states_of(
         most=None if is_whole else sum(hidden[-1]),
         pattern=pattern,
         more=tuple(
-            tuple(index.get(_with_one_more(state, c), -1) for c in range(len(classes)))
+            tuple(index.get(with_more(state, c), -1) for c in range(len(classes)))
             for state in hidden
         ),
         held=tuple(held[function.parts] for function in functions),
     )
 
 
-def _survives(parts: Sequence[Part], hidden: Hidden) -> bool:
+def survives(parts: Sequence[Part], hidden: Hidden) -> bool:
+    """Return whether no part has failed."""
     return all(sum(hidden[c] for c in part.classes) < part.threshold for part in parts)
 
 
-def _with_one_more(hidden: Hidden, unit_class: int) -> Hidden:
-    return (*hidden[:unit_class], hidden[unit_class] + 1, *hidden[unit_class + 1 :])
+def with_more(hidden: Hidden, unit_class: int, failed: int = 1) -> Hidden:
+    """Return what has failed when more units of a class have."""
+    return (*hidden[:unit_class], hidden[unit_class] + failed, *hidden[unit_class + 1 :])
 
 
 def _parts(state: FunctionState, latent: set[str]) -> tuple[LatentPart, ...]:
@@ -263,11 +265,11 @@ def _grown(
     seen: set[Hidden] = set()
     for state in level:
         for number, units in enumerate(classes):
-            more = _with_one_more(state, number)
+            more = with_more(state, number)
             if (
                 state[number] < len(units)
                 and more not in seen
-                and any(number in used and _survives(parts, more) for parts, used in different)
+                and any(number in used and survives(parts, more) for parts, used in different)
             ):
                 seen.add(more)
                 yield more

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.hybrid.latent_units import check_latent
 from tracerisk.prm.notebook.display import DisplayedGraph
+from tracerisk.prm.numbers.quantities import check_names
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
-from tracerisk.strong_components import strong_components
+from tracerisk.strong_components import reached, strong_components
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.building import Following
@@ -87,8 +88,8 @@ class HybridModel(DisplayedGraph):
     counted: bool = False
 
     def __post_init__(self) -> None:
-        _check_names("state", [state.name for state in self.states], reserved=(DONE,))
-        _check_names("parameter", [parameter.name for parameter in self.parameters])
+        check_names("state", [state.name for state in self.states], reserved=(DONE,))
+        check_names("parameter", [parameter.name for parameter in self.parameters])
         names = {state.name for state in self.states}
         if self.entry not in names:
             raise ModelError(f"entry '{self.entry}' is not a state; {one_of(names, self.entry)}")
@@ -137,8 +138,8 @@ class HybridModel(DisplayedGraph):
     @property
     def reachable(self) -> tuple[str, ...]:
         """The states that the entry leads to, in the order of `states`."""
-        reached = reachable_states({state.name: state.next for state in self.states}, self.entry)
-        return tuple(state.name for state in self.states if state.name in reached)
+        begun = reachable_states({state.name: state.next for state in self.states}, self.entry)
+        return tuple(state.name for state in self.states if state.name in begun)
 
     @property
     def has_cycle(self) -> bool:
@@ -147,11 +148,11 @@ class HybridModel(DisplayedGraph):
             state.name: {step.target for step in state.next if step.weight > 0} - {DONE}
             for state in self.states
         }
-        reached = set(self.reachable)
+        begun = set(self.reachable)
         return any(
             len(component) > 1 or component[0] in following[component[0]]
             for component in strong_components(following)
-            if component[0] in reached
+            if component[0] in begun
         )
 
     @property
@@ -174,14 +175,10 @@ class HybridModel(DisplayedGraph):
 
 def reachable_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> set[str]:
     """Return the states, `done` excepted, that can be visited from `entry` on."""
-    reached = {entry}
-    waiting = [entry]
-    while waiting:
-        for step in steps[waiting.pop()]:
-            if step.weight > 0 and step.target != DONE and step.target not in reached:
-                reached.add(step.target)
-                waiting.append(step.target)
-    return reached
+    return reached(
+        (entry,),
+        lambda name: [s.target for s in steps[name] if s.weight > 0 and s.target != DONE],
+    )
 
 
 def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[str]:
@@ -191,27 +188,9 @@ def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[
         for step in following:
             if step.weight > 0:
                 sources.setdefault(step.target, []).append(name)
-    ending = {DONE}
-    waiting = [DONE]
-    while waiting:
-        for source in sources.get(waiting.pop(), ()):
-            if source not in ending:
-                ending.add(source)
-                waiting.append(source)
-    reached = reachable_states(steps, entry)
-    return [name for name in steps if name in reached and name not in ending]
-
-
-def _check_names(kind: str, names: Iterable[str], reserved: Sequence[str] = ()) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if not name or not name.isprintable():
-            raise ModelError(f"{kind} {name!r}: a name needs printable characters")
-        if name in seen:
-            raise ModelError(f"duplicate {kind} '{name}'; rename one")
-        if name in reserved:
-            raise ModelError(f"{kind} '{name}': this name is kept for the mission's good end")
-        seen.add(name)
+    ending = reached((DONE,), lambda name: sources.get(name, ()))
+    begun = reachable_states(steps, entry)
+    return [name for name in steps if name in begun and name not in ending]
 
 
 def _check_probability(where: str, value: float) -> None:

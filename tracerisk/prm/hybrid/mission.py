@@ -22,6 +22,7 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, at_least, log_complement, pair_of
 from tracerisk.prm.trees.spares import SpareGroup, Spares
+from tracerisk.strong_components import joined_parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,18 +251,9 @@ def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
 
 def _joined_parts(states: HiddenStates) -> list[tuple[tuple[int, ...], int]]:
     """Return the classes that parts of any function join, with the least threshold of these."""
-    joined: list[tuple[set[int], int]] = []
-    for part in dict.fromkeys(part for function in states.functions for part in function.parts):
-        classes, threshold = set(part.classes), part.threshold
-        apart = []
-        for other, least in joined:
-            if other & classes:
-                classes |= other
-                threshold = min(threshold, least)
-            else:
-                apart.append((other, least))
-        joined = [*apart, (classes, threshold)]
-    return [(tuple(sorted(classes)), threshold) for classes, threshold in joined]
+    parts = dict.fromkeys(part for function in states.functions for part in function.parts)
+    joined = joined_parts((set(part.classes), [part.threshold]) for part in parts)
+    return [(tuple(sorted(classes)), min(thresholds)) for classes, thresholds in joined]
 
 
 def _joined_spares(

@@ -23,7 +23,7 @@ from tracerisk.prm.linked.occupancy import (
 from tracerisk.prm.markov import ChainSolution, MarkovChain
 from tracerisk.prm.markov.steps import after_steps
 from tracerisk.prm.markov.uniformisation import after_time
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.probability import Probability, mean_of
 
 _ROW_TOLERANCE = 1e-9
 
@@ -127,7 +127,7 @@ class SolvedChain:
         ending = self._ending(self._targets(link))
         slopes = [0.0] * len(self._inputs)
         for state, row in self._made.rows.items():
-            taken = self._mean(row.remainder, ending) if row.remainder else ending[state]
+            taken = _mean(row.remainder, ending) if row.remainder else ending[state]
             visits = self._visits[state] / self._totals[state]
             for target, place in row.explicit.items():
                 slopes[place] = visits * apart(ending[target], taken)
@@ -146,7 +146,7 @@ class SolvedChain:
         ending = low._ending(self._targets(link))
         falls = []
         for state, row in self._made.rows.items():
-            taken = self._mean(row.remainder, ending) if row.remainder else ending[state]
+            taken = _mean(row.remainder, ending) if row.remainder else ending[state]
             grown = [
                 changes[place] * apart(ending[target], taken)
                 for target, place in row.explicit.items()
@@ -241,13 +241,6 @@ class SolvedChain:
             self._from_each[targets] = found
         return self._from_each[targets]
 
-    @staticmethod
-    def _mean(shares: Mapping[str, float], of: Mapping[str, Probability]) -> Probability:
-        return Probability(
-            math.fsum(share * of[target].p for target, share in shares.items()),
-            math.fsum(share * of[target].q for target, share in shares.items()),
-        )
-
     @cached_property
     def _fastest(self) -> float:
         """The greatest rate of leaving a state."""
@@ -315,3 +308,7 @@ class SolvedChain:
                 places[place] = Place(index[state], index[target], rest, scales[state])
         targets = frozenset(index[state] for state in link.states)
         return Occupied(Steps(rows, places, weights, index[chain.entry], targets))
+
+
+def _mean(shares: Mapping[str, float], of: Mapping[str, Probability]) -> Probability:
+    return mean_of((share, of[target]) for target, share in shares.items())

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.expressions import Call, Expression, Negation, Number, Product, Reference, Sum
+from tracerisk.prm.hybrid.hidden_states import hidden_states, survives
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.linked.elements import (
     Figure,
@@ -104,8 +105,6 @@ class _Unfolded:
     """The chain of functions times hidden failures, each state with its own fault tree."""
 
     def __init__(self, model: HybridModel, thetas: Mapping[str, float]) -> None:
-        from tracerisk.prm.hybrid.hidden_states import hidden_states
-
         self._model = model
         self._thetas = thetas
         self._states: HiddenStates = hidden_states(model, MOST_STATES)
@@ -157,7 +156,7 @@ class _Unfolded:
         self, function: Function, hidden: Hidden
     ) -> Iterator[tuple[Hidden, list[Expression]]]:
         """Yield the hidden states that a visit can leave, each with the factors of its way."""
-        if not _survives(function, hidden):
+        if not survives(function.parts, hidden):
             return
         classes = self._states.classes
         number = self._number[function.state.name]
@@ -171,7 +170,7 @@ class _Unfolded:
         for more in product(*(range(len(classes[c]) - hidden[c] + 1) for c in used)):
             grown = dict(zip(used, more, strict=True))
             after = tuple(count + grown.get(c, 0) for c, count in enumerate(hidden))
-            if _survives(function, after) and self._can_be(number, hidden, grown):
+            if survives(function.parts, after) and self._can_be(number, hidden, grown):
                 ways = list(sound)
                 for c, failed in grown.items():
                     if c in function.spares:
@@ -273,11 +272,6 @@ class _Unfolded:
 
 def _more(failed: int) -> str:
     return f"{failed} more failed"
-
-
-def _survives(function: Function, hidden: Hidden) -> bool:
-    """Return whether a visit with so many failed units goes on, if nothing else fails."""
-    return all(sum(hidden[c] for c in part.classes) < part.threshold for part in function.parts)
 
 
 def _labels(classes: Sequence[Sequence[str]]) -> list[str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, MissionTime, Number
-from tracerisk.prm.linked.chain_solution import chain_to_solve
+from tracerisk.prm.linked.chain_solution import ChainToSolve, chain_to_solve
 from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.elements import (
     Figure,
@@ -18,13 +18,17 @@ from tracerisk.prm.linked.elements import (
     check_mission_time,
 )
 from tracerisk.prm.linked.links import ElementKey, Link, Occupancy, leaf_key
-from tracerisk.prm.linked.solved import SolvableElement
-from tracerisk.prm.linked.tree_solution import tree_to_solve
+from tracerisk.prm.linked.tree_solution import TreeToSolve, tree_to_solve
+from tracerisk.prm.notebook.display import AsGraph
+from tracerisk.prm.numbers.quantities import check_names
+from tracerisk.strong_components import upwards
 
 if TYPE_CHECKING:
-    import networkx as nx
-
     from tracerisk.prm.linked.solution import LinkedSolution
+
+
+Solvable = ChainToSolve | TreeToSolve
+"""An element made ready for solving; its `inputs` are the expressions that it needs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +36,12 @@ class Prepared:
     """An element as it is solved: what it needs, as tapes; `None` stands for a parameter."""
 
     key: ElementKey
-    element: SolvableElement | None
+    element: Solvable | None
     tapes: tuple[Tape, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class LinkedModel:
+class LinkedModel(AsGraph):
     """A risk model of parameters, fault trees and Markov chains, joined by expressions.
 
     `figures` are its results, by name.
@@ -64,7 +68,7 @@ class LinkedModel:
             ("Markov chain", [each.name for each in self.chains]),
             ("figure", [each.name for each in self.figures]),
         ):
-            _check_names(kind, names)
+            check_names(kind, names)
         made = self._prepare()
         for key, each in made.items():
             for tape in each.tapes:
@@ -107,32 +111,6 @@ class LinkedModel:
 
         return LinkedSolution(self, dict(values or {}))
 
-    def to_networkx(self) -> nx.DiGraph:
-        """Return the elements and figures as a graph; edges lead to what takes an element's figure.
-
-        Nodes are named "fault tree 'pick'" and have their `kind` and `name`.
-        Raises ModelError when networkx, of the extra `graph`, is not installed.
-        """
-        try:
-            import networkx as nx
-        except ImportError as error:
-            raise ModelError(
-                "graphs are made by networkx, which is not installed; "
-                "install it with: pip install 'tracerisk[graph]'"
-            ) from error
-        graph = nx.DiGraph(name=self.name)
-        for prepared in self.prepared:
-            graph.add_node(str(prepared.key), kind=prepared.key.kind, name=prepared.key.name)
-        for name in self.figure_tapes:
-            graph.add_node(f"figure '{name}'", kind="figure", name=name)
-        users = [(str(each.key), each.tapes) for each in self.prepared]
-        users += [(f"figure '{name}'", (tape,)) for name, tape in self.figure_tapes.items()]
-        for user, tapes in users:
-            for tape in tapes:
-                for leaf in tape.leaves:
-                    graph.add_edge(str(leaf_key(leaf)), user)
-        return graph
-
     def tape_of(self, figure: str | Expression) -> Tape:
         """Return the tape of a figure, by its name or as an expression over the elements.
 
@@ -153,7 +131,7 @@ class LinkedModel:
         for parameter in self.parameters:
             made[parameter.key] = Prepared(parameter.key, None, (Tape.of(parameter.value),))
         trees = {tree.name: tree for tree in self.trees}
-        elements: list[tuple[ElementKey, SolvableElement]] = [
+        elements: list[tuple[ElementKey, Solvable]] = [
             *((tree.key, tree_to_solve(tree, trees)) for tree in self.trees),
             *((chain.key, chain_to_solve(chain)) for chain in self.chains),
         ]
@@ -184,36 +162,15 @@ class LinkedModel:
                 raise ModelError(f"{where}: needs the mission time; give the model one, in hours")
 
 
-def _check_names(kind: str, names: Iterable[str]) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if not name or not name.isprintable():
-            raise ModelError(f"{kind} {name!r}: a name needs printable characters")
-        if name in seen:
-            raise ModelError(f"duplicate {kind} '{name}'; rename one")
-        seen.add(name)
-
-
 def _ordered(made: Mapping[ElementKey, Prepared]) -> list[ElementKey]:
     """Return the elements, each after those that it takes figures of; iterative, for any depth."""
-    order: dict[ElementKey, None] = {}
-    opened: dict[ElementKey, None] = {}
-    for first in made:
-        stack = [(first, False)]
-        while stack:
-            key, ready = stack.pop()
-            if ready:
-                del opened[key]
-                order[key] = None
-                continue
-            if key in order:
-                continue
-            if key in opened:
-                path = [*opened, key]
-                cycle = " -> ".join(map(str, path[path.index(key) :]))
-                raise ModelError(f"elements depend on one another: {cycle}; break the cycle")
-            opened[key] = None
-            stack.append((key, True))
-            below = {leaf_key(leaf): None for tape in made[key].tapes for leaf in tape.leaves}
-            stack.extend((each, False) for each in reversed(below) if each is not None)
-    return list(order)
+
+    def below(key: ElementKey) -> list[ElementKey]:
+        keys = {leaf_key(leaf): None for tape in made[key].tapes for leaf in tape.leaves}
+        return [each for each in keys if each is not None]
+
+    def cycle(path: list[ElementKey]) -> ModelError:
+        shown = " -> ".join(map(str, path[path.index(path[-1]) :]))
+        return ModelError(f"elements depend on one another: {shown}; break the cycle")
+
+    return upwards(made, below, cycle)

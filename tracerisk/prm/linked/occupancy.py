@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.expressions.rules import apart
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.markov.steps import multiplied
+from tracerisk.prm.numbers.probability import Probability, mean_of
 
 SPARE = 1.25
 """Lambda over the greatest rate of leaving: no state's probability of staying is a small rest."""
@@ -81,10 +82,7 @@ class Occupied:
                 if here == 0.0:
                     continue
                 chances = backward[k + 1]
-                mean = Probability(
-                    math.fsum(share * chances[state].p for state, share in rest.items()),
-                    math.fsum(share * chances[state].q for state, share in rest.items()),
-                )
+                mean = mean_of((share, chances[state]) for state, share in rest.items())
                 parts.append(here * apart(chances[place.target], mean))
             found.append(place.scale * math.fsum(parts))
         return found
@@ -117,16 +115,10 @@ class Occupied:
 
 def _forward(steps: Steps) -> list[list[float]]:
     """Return pi_k: where the chain is after k steps."""
-    now = [0.0] * len(steps.rows)
-    now[steps.start] = 1.0
+    now = [float(state == steps.start) for state in range(len(steps.rows))]
     found = [now]
     for _ in steps.weights[1:]:
-        following = [0.0] * len(now)
-        for state, p in enumerate(now):
-            if p:
-                for target, share in steps.rows[state].items():
-                    following[target] += p * share
-        now = following
+        now = multiplied(now, steps.rows)
         found.append(now)
     return found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from tracerisk.prm.expressions import Expression
 from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.linked.tree_solution import tree_to_solve
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.probability import Probability, mean_of
 from tracerisk.prm.trees.forest import Forest
 
 
@@ -69,10 +68,7 @@ class FigureOverConditions:
     @property
     def figure(self) -> Probability:
         """The sum over the cases of their probability times the figure, in both halves."""
-        return Probability(
-            math.fsum(case.probability * case.figure.p for case in self.cases),
-            math.fsum(case.probability * case.figure.q for case in self.cases),
-        )
+        return mean_of((case.probability, case.figure) for case in self.cases)
 
 
 def over_conditions(

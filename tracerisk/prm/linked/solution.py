@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions import Expression, Reference
 from tracerisk.prm.expressions.rules import apart
+from tracerisk.prm.linked.chain_solution import SolvedChain
 from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.links import ElementKey, Link, leaf_key
 from tracerisk.prm.linked.model import LinkedModel, Prepared
-from tracerisk.prm.linked.solved import SolvedElement
+from tracerisk.prm.linked.tree_solution import SolvedTree
 from tracerisk.prm.numbers.probability import Probability
 
 TapeValues = tuple[Probability, ...]
@@ -31,7 +33,7 @@ class LinkedSolution:
         self._time_h = model.mission_time_h if model.mission_time_h is not None else math.nan
         self._tapes: dict[ElementKey, tuple[TapeValues, ...]] = {}
         self._parameters: dict[str, Probability] = {}
-        self._elements: dict[ElementKey, SolvedElement] = {}
+        self._elements: dict[ElementKey, SolvedChain | SolvedTree] = {}
         self._links: dict[Expression, Probability] = {}
         for prepared in model.prepared:
             self._solve_one(prepared)
@@ -118,7 +120,8 @@ class LinkedSolution:
             for leaf in leaves.get(key, {}):
                 if isinstance(leaf, Link):
                     if any(grown):
-                        changes[leaf] = self._elements[key].change(low._elements[key], grown, leaf)
+                        below: Any = low._elements[key]  # of the same kind: one model made both
+                        changes[leaf] = self._elements[key].change(below, grown, leaf)
                 elif key.name in self._set or key.name in low._set:
                     changes[leaf] = apart(self._parameters[key.name], low._parameters[key.name])
                 else:

@@ -14,7 +14,8 @@ from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.links import Link
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
-from tracerisk.prm.trees.gates import Gate, gate_probability, gate_shares
+from tracerisk.prm.trees.gates import Gate, gate_shares, slopes, swept
+from tracerisk.strong_components import upwards
 
 if TYPE_CHECKING:
     from tracerisk.prm.bdd import SharedTree
@@ -34,10 +35,10 @@ class TreeToSolve:
     @cached_property
     def compiled(self) -> SharedTree:
         """The tree made ready for many solutions, for one that shares events or gates."""
-        from tracerisk.prm.bdd import compiled
+        from tracerisk.prm import bdd
 
         try:
-            return compiled(self.tree)
+            return bdd.SharedTree(self.tree)
         except TooLargeError as error:
             raise TooLargeError(
                 f"fault tree '{self.name}': {error.message}",
@@ -112,30 +113,22 @@ def tree_to_solve(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> TreeToSo
 
 def _parts(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> list[LinkedTree]:
     """Return the tree and those that it transfers to, each after those below it."""
-    order: list[LinkedTree] = []
-    stack = [(tree, False)]
-    opened: list[str] = []
-    while stack:
-        part, ready = stack.pop()
-        if ready:
-            opened.pop()
-            order.append(part)
-            continue
-        if part in order:
-            continue
-        if part.name in opened:
-            path = " -> ".join(f"'{name}'" for name in [*opened, part.name])
-            raise ModelError(f"{tree.key}: transfers lead back ({path}); break the cycle")
-        opened.append(part.name)
-        stack.append((part, True))
-        for transfer in reversed(part.transfers):
-            if transfer.tree not in trees:
+    known = {**trees, tree.name: tree}
+
+    def below(name: str) -> list[str]:
+        for transfer in reversed(known[name].transfers):
+            if transfer.tree not in known:
                 raise ModelError(
-                    f"{part.key}, transfer '{transfer.name}': there is no fault tree "
+                    f"{known[name].key}, transfer '{transfer.name}': there is no fault tree "
                     f"'{transfer.tree}'; {one_of(trees, transfer.tree)}"
                 )
-            stack.append((trees[transfer.tree], False))
-    return order
+        return [transfer.tree for transfer in known[name].transfers]
+
+    def cycle(path: list[str]) -> ModelError:
+        shown = " -> ".join(f"'{name}'" for name in path)
+        return ModelError(f"{tree.key}: transfers lead back ({shown}); break the cycle")
+
+    return [known[name] for name in upwards((tree.name,), below, cycle)]
 
 
 class SolvedTree:
@@ -193,11 +186,7 @@ class SolvedTree:
             found = self._made.compiled.sensitivities(self._named(inputs))
             return [found[event.name] for event in self._tree.events]
         nodes = self._swept() if inputs is self._inputs else self._sweep(inputs)
-        weights = {self._tree.top: 1.0}
-        for gate in reversed(self._tree.upwards):
-            values = [nodes[name] for name in gate.inputs]
-            for name, share in zip(gate.inputs, gate_shares(gate, values, values), strict=True):
-                weights[name] = weights[gate.name] * share
+        weights = slopes(self._tree.upwards, self._tree.top, nodes)
         return [weights[event.name] for event in self._tree.events]
 
     def _swept(self) -> dict[str, Probability]:
@@ -209,9 +198,7 @@ class SolvedTree:
         nodes = self._named(inputs)
         for house in self._tree.houses:
             nodes[house.name] = Probability.of(float(house.state))
-        for gate in self._tree.upwards:
-            nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
-        return nodes
+        return swept(self._tree.upwards, nodes)
 
     def _named(self, inputs: Sequence[Probability]) -> dict[str, Probability]:
         return {event.name: pair for event, pair in zip(self._tree.events, inputs, strict=True)}

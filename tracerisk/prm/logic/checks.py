@@ -8,6 +8,7 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, Number, depends_on_mission_time, references
 from tracerisk.prm.trees.gates import check_gate
 from tracerisk.records import fields, is_dataclass
+from tracerisk.strong_components import upwards
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -98,27 +99,15 @@ def _check_names(model: LogicModel) -> None:
 
 def _check_cycles(kind: str, below: Mapping[str, tuple[str, ...]]) -> None:
     """Check that nothing leads to itself; iterative, for any depth."""
-    done: set[str] = set()
-    for start in below:
-        if start in done:
-            continue
-        path: dict[str, None] = {}
-        stack = [(start, False)]
-        while stack:
-            name, left = stack.pop()
-            if left:
-                del path[name]
-                done.add(name)
-            elif name in path:
-                names = [*path, name]
-                cycle = " -> ".join(names[names.index(name) :])
-                raise ElementError(
-                    kind, name, f"{kind} '{name}' stands above itself ({cycle}); break the cycle"
-                )
-            elif name not in done and name in below:
-                path[name] = None
-                stack.append((name, True))
-                stack.extend([(each, False) for each in reversed(below[name])])
+
+    def cycle(path: list[str]) -> ElementError:
+        name = path[-1]
+        shown = " -> ".join(path[path.index(name) :])
+        return ElementError(
+            kind, name, f"{kind} '{name}' stands above itself ({shown}); break the cycle"
+        )
+
+    upwards(below, lambda name: [each for each in below[name] if each in below], cycle)
 
 
 def _check_references(model: LogicModel, uses: Mapping[str, tuple[str, ...]]) -> None:

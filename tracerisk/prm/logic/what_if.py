@@ -19,16 +19,14 @@ from tracerisk.prm.expressions import (
     Sampling,
     references,
 )
+from tracerisk.prm.expressions.evaluation import nodes
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.prm.questions.uncertainty import SAMPLES, InputShare, Uncertainty, percentiles_of
 from tracerisk.prm.trees.common_cause import ShareOf
-from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree, HouseEvent
+from tracerisk.prm.trees.fault_tree import FailureModel, HouseEvent
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array
-
-_CELLS = 4_000_000
-"""How many numbers one pass may hold; more draws are taken in passes."""
 
 
 def value_of(model: LogicModel, name: str, mission_time_h: float) -> float:
@@ -143,7 +141,7 @@ def propagate(
     for name, count in cut.items():
         if count and name not in own and name not in shared:
             note(f"{name}: {count} of {samples} samples above 1 were taken as 1")
-    results = _tops(tree, drawn, samples)
+    results: Array = tree.probabilities(drawn)[:, 0]
     shares = first_order_shares(np.column_stack(list(inputs.values())), results)
     evaluation = Evaluation(names, mission_time_h)
     rows = [
@@ -158,18 +156,6 @@ def propagate(
     ]
     rows.sort(key=lambda each: (-each.share, each.name))
     return Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
-
-
-def _tops(tree: FaultTree, drawn: Mapping[str, Array], samples: int) -> Array:
-    from tracerisk.prm.numbers.arrays import np
-
-    step = max(64, _CELLS // (len(tree.events) + len(tree.gates) + 1))
-    parts = [
-        tree.probabilities({name: each[start : start + step] for name, each in drawn.items()})
-        for start in range(0, samples, step)
-    ]
-    found: Array = np.concatenate(parts)[:, 0]
-    return found
 
 
 def _sampled(model: FailureModel, sampling: Sampling, owner: str) -> Array:
@@ -192,13 +178,7 @@ def _expression(model: FailureModel) -> Expression | None:
 
 def _holds_deviate(expression: Expression) -> bool:
     """Return whether a deviate stands in the expression itself, not behind a name."""
-    waiting = [expression]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, Deviate):
-            return True
-        waiting.extend(node.arguments)
-    return False
+    return any(isinstance(node, Deviate) for node in nodes(expression))
 
 
 def _check_factors(model: LogicModel) -> None:

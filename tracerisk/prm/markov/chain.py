@@ -12,6 +12,7 @@ from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.steps import distribution_after
 from tracerisk.prm.notebook.display import DisplayedGraph
+from tracerisk.strong_components import reached
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.matrix_chain import MatrixChain
@@ -132,13 +133,7 @@ def check_absorbed(
         for target, weight in row.items():
             if weight > 0.0:
                 sources.setdefault(target, []).append(state)
-    absorbed = set(absorbing)
-    waiting = list(absorbing)
-    while waiting:
-        for state in sources.get(waiting.pop(), []):
-            if state not in absorbed:
-                absorbed.add(state)
-                waiting.append(state)
+    absorbed = reached(absorbing, lambda state: sources.get(state, ()))
     caught = [state for state in transitions if state not in absorbed]
     if caught:
         raise ModelError(

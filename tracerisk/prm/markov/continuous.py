@@ -19,6 +19,7 @@ from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.stationary import stationary
 from tracerisk.prm.markov.uniformisation import distribution_at
+from tracerisk.strong_components import reached
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +125,8 @@ class ContinuousChain:
 
         Raises ModelError as `steady_state` does, and when a state is unknown.
         """
-        return self._share(up)
+        chosen = self._known(up)
+        return math.fsum(share for s, share in self.steady_state().items() if s in chosen)
 
     def unavailability(self, up: Iterable[str]) -> float:
         """Return the long-run share of time in all other states, summed, not subtracted.
@@ -132,7 +134,7 @@ class ContinuousChain:
         Raises ModelError as `availability` does.
         """
         chosen = self._known(up)
-        return self._share(s for s in (*self.rates, *self.absorbing) if s not in chosen)
+        return self.availability(s for s in (*self.rates, *self.absorbing) if s not in chosen)
 
     def failure_frequency(self, up: Iterable[str]) -> float:
         """Return how often per unit of time the chain leaves the states `up`, in the long run.
@@ -148,10 +150,6 @@ class ContinuousChain:
             for target, rate in row.items()
             if target not in chosen
         )
-
-    def _share(self, states: Iterable[str]) -> float:
-        chosen = self._known(states)
-        return math.fsum(share for s, share in self.steady_state().items() if s in chosen)
 
     def _known(self, states: Iterable[str]) -> set[str]:
         names = (*self.rates, *self.absorbing)
@@ -172,8 +170,8 @@ class ContinuousChain:
             for target in targets:
                 sources[target].append(state)
         # If all states lead to some state, the last root of a search backwards is such a one.
-        closed = _reached([_last_root(names, sources)], onward)
-        joined = _reached(closed, sources)
+        closed = reached([_last_root(names, sources)], lambda state: onward.get(state, ()))
+        joined = reached(closed, sources.__getitem__)
         rest = [name for name in names if name not in joined]
         if rest:
             one, other = min(closed), rest[0]
@@ -238,17 +236,6 @@ class ContinuousSolution:
         """
         entry = self._solution.entry
         return self.absorption_from_each(targets)[entry] / self.expected_time()
-
-
-def _reached(starts: Iterable[str], onward: Mapping[str, list[str]]) -> set[str]:
-    reached = set(starts)
-    waiting = list(reached)
-    while waiting:
-        for target in onward.get(waiting.pop(), []):
-            if target not in reached:
-                reached.add(target)
-                waiting.append(target)
-    return reached
 
 
 def _last_root(names: Iterable[str], onward: Mapping[str, list[str]]) -> str:

@@ -10,8 +10,9 @@ from tracerisk.errors import TooLargeError
 from tracerisk.prm.numbers.elimination import Elimination, FilledInError, Label, Pattern
 
 if TYPE_CHECKING:
-    from tracerisk.prm.markov.large.certificate import Array, Certified
+    from tracerisk.prm.markov.large.certificate import Certified
     from tracerisk.prm.markov.large.factors import Budget, Factors, Plan, Weights
+    from tracerisk.prm.markov.large.pattern import Array
 
 SMALL = 20_000
 """Chains of up to so many states are solved with no array library imported, if they stay sparse."""

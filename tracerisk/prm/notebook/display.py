@@ -40,7 +40,8 @@ class AsGraph:
         The attribute `kind` says what a node is.
         Of a fault tree, edges lead from a gate to its inputs; of a chain or hybrid model, from a
         state to what may follow it, with its `probability` or, of what follows given that
-        nothing failed, its `weight`.
+        nothing failed, its `weight`; of a linked model, from an element, as "fault tree 'pick'",
+        to what takes its figure.
         Raises ModelError when networkx, of the extra `graph`, is not installed.
         """
         return _by_name("tracerisk.prm.notebook.graphs", "graph_of", self)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import ModelError
 from tracerisk.prm.dynamic import DynamicTree
 from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
+from tracerisk.prm.linked.links import leaf_key
+from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.markov import MarkovChain
 from tracerisk.prm.trees.fault_tree import FaultTree
 
@@ -35,6 +37,8 @@ def graph_of(model: object) -> nx.DiGraph:
         _add_chain(model, graph)
     elif isinstance(model, HybridModel):
         _add_hybrid(model, graph)
+    elif isinstance(model, LinkedModel):
+        _add_linked(model, graph)
     else:
         raise TypeError(f"{type(model).__name__} is not a graph")
     return graph
@@ -90,3 +94,17 @@ def _add_hybrid(model: HybridModel, graph: Any) -> None:
         graph.add_edge(state.name, failures[state.name])
         for step in state.next:
             graph.add_edge(state.name, step.target, weight=float(step.weight))
+
+
+def _add_linked(model: LinkedModel, graph: Any) -> None:
+    graph.graph.update(name=model.name)
+    for prepared in model.prepared:
+        graph.add_node(str(prepared.key), kind=prepared.key.kind, name=prepared.key.name)
+    for name in model.figure_tapes:
+        graph.add_node(f"figure '{name}'", kind="figure", name=name)
+    users = [(str(each.key), each.tapes) for each in model.prepared]
+    users += [(f"figure '{name}'", (tape,)) for name, tape in model.figure_tapes.items()]
+    for user, tapes in users:
+        for tape in tapes:
+            for leaf in tape.leaves:
+                graph.add_edge(str(leaf_key(leaf)), user)

@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
-from tracerisk.dependencies import require_large
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.special import special
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,10 +65,7 @@ class Lognormal:
         """Return the quantiles at `shares`."""
         from tracerisk.prm.numbers.arrays import np
 
-        require_large("scipy")
-        from scipy.special import ndtri
-
-        factors: Samples = np.exp(self.sigma * ndtri(shares))
+        factors: Samples = np.exp(self.sigma * special().ndtri(shares))
         return self._median(value) * factors
 
     def mean(self, value: float) -> float:
@@ -127,10 +124,8 @@ class Beta:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        require_large("scipy")
-        from scipy.special import betaincinv
 
-        found: Samples = betaincinv(self.alpha, self.beta, shares)
+        found: Samples = special().betaincinv(self.alpha, self.beta, shares)
         return found
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
@@ -159,10 +154,8 @@ class Gamma:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        require_large("scipy")
-        from scipy.special import gammaincinv
 
-        found: Samples = gammaincinv(self.shape, shares) * self.scale
+        found: Samples = special().gammaincinv(self.shape, shares) * self.scale
         return found
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
@@ -187,12 +180,9 @@ class Normal:
         """Return the quantiles at `shares` of the part from zero up."""
         from tracerisk.prm.numbers.arrays import np
 
-        require_large("scipy")
-        from scipy.special import ndtr, ndtri
-
         # From the upper end, so that the part above zero keeps its digits.
-        above = ndtr(self.mean_value / self.deviation)
-        found: Samples = self.mean_value - self.deviation * ndtri((1.0 - shares) * above)
+        above = special().ndtr(self.mean_value / self.deviation)
+        found: Samples = self.mean_value - self.deviation * special().ndtri((1.0 - shares) * above)
         return np.maximum(found, 0.0)
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute

@@ -91,6 +91,12 @@ class Pattern:
         self.steps = tuple(steps)
 
 
+_Ways = tuple[Sequence[int], Sequence[float]]
+_Step = tuple[int, float, tuple[_Ways, _Ways]]
+"""A state, the weight that leaves it, and the ways into it and out of it."""
+_INTO, _OUT = 0, 1
+
+
 class Elimination:
     """The matrix I - P of a chain after elimination, `P` given by its rows and ways out."""
 
@@ -104,7 +110,7 @@ class Elimination:
         """
         left = [dict(row) for row in rows]
         ways_out = list(exits)
-        done = []
+        done: list[_Step] = []
         for state, sources, following in pattern.steps:
             row = left[state]
             outgoing = [row.get(target, 0.0) for target in following]
@@ -122,37 +128,29 @@ class Elimination:
                     for target, way in zip(following, outgoing, strict=True):
                         if target != source and way != 0.0:
                             there[target] = there.get(target, 0.0) + share * way
-            done.append((state, sources, incoming, following, outgoing, leaving))
+            done.append((state, leaving, ((sources, incoming), (following, outgoing))))
         self._done = done
 
     def left(self, start: Sequence[float]) -> list[float]:
         """Return x with x (I - P) = `start`: how often each state is visited."""
-        mass = list(start)
-        for state, _, _, following, outgoing, leaving in self._done:
-            share = mass[state] / leaving
-            if share != 0.0:
-                for target, way in zip(following, outgoing, strict=True):
-                    mass[target] += share * way
-        found = mass
-        for state, sources, incoming, _, _, leaving in reversed(self._done):
-            arriving = found[state]
-            for source, way in zip(sources, incoming, strict=True):
-                arriving += found[source] * way
-            found[state] = arriving / leaving
-        return found
+        return self._solved(start, _INTO, _OUT)
 
     def right(self, reward: Sequence[float]) -> list[float]:
         """Return x with (I - P) x = `reward`: what each state collects until the chain is left."""
-        mass = list(reward)
-        for state, sources, incoming, _, _, leaving in self._done:
+        return self._solved(reward, _OUT, _INTO)
+
+    def _solved(self, given: Sequence[float], back: int, onward: int) -> list[float]:
+        """Move what is given on by the ways of one side, and collect it by those of the other."""
+        mass = list(given)
+        for state, leaving, ways in self._done:
             share = mass[state] / leaving
             if share != 0.0:
-                for source, way in zip(sources, incoming, strict=True):
-                    mass[source] += share * way
-        for state, _, _, following, outgoing, leaving in reversed(self._done):
+                for other, way in zip(*ways[onward], strict=True):
+                    mass[other] += share * way
+        for state, leaving, ways in reversed(self._done):
             collected = mass[state]
-            for target, way in zip(following, outgoing, strict=True):
-                collected += mass[target] * way
+            for other, way in zip(*ways[back], strict=True):
+                collected += mass[other] * way
             mass[state] = collected / leaving
         return mass
 
@@ -165,7 +163,7 @@ class Elimination:
         """
         # found[a][b] is how often b is visited from a.
         found: list[dict[int, float]] = [{} for _ in self._done]
-        for state, sources, incoming, following, outgoing, leaving in reversed(self._done):
+        for state, leaving, ((sources, incoming), (following, outgoing)) in reversed(self._done):
             onward = found[state]
             for source in sources:
                 onward[source] = (

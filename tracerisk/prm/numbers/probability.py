@@ -242,6 +242,15 @@ def log_products(pairs: Sequence[Probability]) -> list[float]:
     return sums
 
 
+def mean_of(parts: Iterable[tuple[float, Probability]]) -> Probability:
+    """Return the mean of pairs, each with its share."""
+    listed = list(parts)
+    return Probability(
+        math.fsum(share * pair.p for share, pair in listed),
+        math.fsum(share * pair.q for share, pair in listed),
+    )
+
+
 def worth(above: float, below: float) -> float:
     """Return the ratio of two figures that are never negative; 1 where both are 0."""
     if below > 0.0:

@@ -56,3 +56,18 @@ def is_number(value: object) -> bool:
 
 def _in(unit: str) -> str:
     return f" {unit}" if unit else ""
+
+
+def check_names(
+    kind: str, names: Iterable[str], *, reserved: Collection[str] = (), where: str = ""
+) -> None:
+    """Raise ModelError when a name cannot be shown, is there twice, or is reserved."""
+    seen: set[str] = set()
+    for name in names:
+        if not name or not name.isprintable():
+            raise ModelError(f"{where}{kind} {name!r}: a name needs printable characters")
+        if name in seen:
+            raise ModelError(f"{where}duplicate {kind} '{name}'; rename one")
+        if name in reserved:
+            raise ModelError(f"{kind} '{name}': this name is kept for the mission's good end")
+        seen.add(name)

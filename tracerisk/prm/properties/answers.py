@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, TooLargeError, one_of
 from tracerisk.prm.formats.explicit_chain import ExplicitChain, Rewards
-from tracerisk.prm.formats.prism.evaluation import Scope, State
-from tracerisk.prm.formats.prism.expressions import Expression, Value
+from tracerisk.prm.formats.prism.evaluation import Scope, State, truth
+from tracerisk.prm.formats.prism.expressions import Expression
+from tracerisk.prm.formats.prism.operations import Value
 from tracerisk.prm.formats.prism.reader import PrismModel
 from tracerisk.prm.properties.parser import parse_properties
 from tracerisk.prm.properties.property import Asked, Property, PropertyFile
@@ -260,10 +261,7 @@ class _Questions:
             )
         found = []
         for number, state in enumerate(self.states):
-            value = compiled.run((*state, number))
-            if not isinstance(value, bool):
-                raise ModelError(f"{value!r} is neither true nor false", expression.location)
-            found.append(value)
+            found.append(truth(compiled.run((*state, number)), expression))
         return found
 
 

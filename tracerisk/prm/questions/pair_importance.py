@@ -27,7 +27,7 @@ from tracerisk.prm.hybrid.mission import solve_mission
 from tracerisk.prm.hybrid.rest_trees import RestTrees
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
-from tracerisk.prm.trees.gates import gate_probability, gate_shares
+from tracerisk.prm.trees.gates import slopes, swept
 
 _STEP = 1e-100
 """The imaginary part of the parameter: its square is nothing beside figures above 1e-80."""
@@ -90,8 +90,8 @@ def pair_importances(
         along, of = (first, second) if second in latent else (second, first)
         if along not in tilted:
             tilted[along] = _slopes_along(chain.states, parameters[along])
-        slopes = [slope for _, _, slope in tilted[along].of(parameters[of])]
-        joint = math.fsum(slope.imag for slope in slopes) / _STEP
+        tilts = [slope for _, _, slope in tilted[along].of(parameters[of])]
+        joint = math.fsum(tilt.imag for tilt in tilts) / _STEP
         both = fall(first, second)
         scale = parameters[first].theta * parameters[second].theta
         found.append(
@@ -122,8 +122,10 @@ class _TiltedTrees(RestTrees):
             return rest.probability(here)
         if not rest.shared:
             return _sweep(rest, values)[rest.top]
-        top, slopes = rest.probability(here), rest.sensitivities(here)
-        tilt = math.fsum(slopes[event.name] * values[event.parameter].imag for event in rest.events)
+        top, by_event = rest.probability(here), rest.sensitivities(here)
+        tilt = math.fsum(
+            by_event[event.name] * values[event.parameter].imag for event in rest.events
+        )
         return Probability(cast(float, complex(top.p, tilt)), cast(float, complex(top.q, -tilt)))
 
     def sensitivities(self, number: int) -> Mapping[str, float]:
@@ -158,10 +160,7 @@ def _sweep(tree: FaultTree, values: Mapping[str, float]) -> dict[str, Probabilit
         for event in tree.events
     }
     nodes |= {house.name: Probability.of(float(house.state)) for house in tree.houses}
-    for gate in tree.upwards:
-        pair = gate_probability(gate, [nodes[name] for name in gate.inputs])
-        nodes[gate.name] = _opposed(pair)
-    return nodes
+    return swept(tree.upwards, nodes, _opposed)
 
 
 def _opposed(pair: Probability) -> Probability:
@@ -175,13 +174,8 @@ def _opposed(pair: Probability) -> Probability:
 
 
 def _slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:
-    nodes = _sweep(tree, values)
-    weights = {tree.top: 1.0}
-    for gate in reversed(tree.upwards):
-        inputs = [nodes[name] for name in gate.inputs]
-        for name, share in zip(gate.inputs, gate_shares(gate, inputs, inputs), strict=True):
-            weights[name] = weights[gate.name] * share
-    return {event.name: weights[event.name] for event in tree.events}
+    found = slopes(tree.upwards, tree.top, _sweep(tree, values))
+    return {event.name: found[event.name] for event in tree.events}
 
 
 def _shared_slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:
@@ -192,8 +186,8 @@ def _shared_slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, fl
     """
     own = replace(tree, events=tuple(BasicEvent(event.name) for event in tree.events))
     here = {event.name: values[event.parameter].real for event in tree.events}
-    slopes = own.sensitivities(here)
-    tilts = dict.fromkeys(slopes, 0.0)
+    plain = own.sensitivities(here)
+    tilts = dict.fromkeys(plain, 0.0)
     for event in tree.events:
         step = values[event.parameter].imag
         if step != 0.0:
@@ -202,4 +196,4 @@ def _shared_slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, fl
             for name in tilts:
                 if name != event.name:
                     tilts[name] += step * (high[name] - low[name])
-    return {name: cast(float, complex(slopes[name], tilts[name])) for name in slopes}
+    return {name: cast(float, complex(plain[name], tilts[name])) for name in plain}

@@ -8,7 +8,14 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.hybrid.groups.group_chain import groups_of, states_with
-from tracerisk.prm.hybrid.hidden_states import Function, Hidden, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hidden_states import (
+    Function,
+    Hidden,
+    HiddenStates,
+    hidden_states,
+    survives,
+    with_more,
+)
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, at_least
@@ -109,7 +116,7 @@ def _add_rows(
     held = set(states.hidden)
     for hidden in states.hidden:
         row: dict[Hashable, Values] = {}
-        if any(sum(hidden[c] for c in part.classes) >= part.threshold for part in function.parts):
+        if not survives(function.parts, hidden):
             rows[number, hidden] = {_FAILED: 1.0}
             continue
         fails, spread = _visit(states, number, hidden, units)
@@ -141,7 +148,7 @@ def _visit(
             survived, gone = group.visits(np.atleast_1d(units[unit_class]), lost)
             fails.append(Probability(gone, sum(survived)))  # type: ignore[arg-type]
             spread = [
-                (_with_more(state, unit_class, more_failed), share * left)
+                (with_more(state, unit_class, more_failed), share * left)
                 for state, share in spread
                 for more_failed, left in enumerate(survived)
             ]
@@ -167,10 +174,6 @@ def _visit(
         spread = grown
         fails.append(Probability(p, q))  # type: ignore[arg-type]
     return fails, spread
-
-
-def _with_more(hidden: Hidden, unit_class: int, failed: int) -> Hidden:
-    return (*hidden[:unit_class], hidden[unit_class] + failed, *hidden[unit_class + 1 :])
 
 
 def _binomial(units: int, failed: int, p: Values) -> Values:

@@ -5,10 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Samples = NDArray[np.float64]
+    from tracerisk.prm.numbers.distributions import Samples
 
 _CUTOFF = 1e-10
 """Directions of the regression with less than this share of its greatest are left out."""

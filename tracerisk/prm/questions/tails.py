@@ -6,15 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from tracerisk.dependencies import require_large
+from tracerisk.prm.numbers.special import special
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from tracerisk.prm.numbers.distributions import Samples
     from tracerisk.prm.questions.draws import UncertainInput
-
-    Samples = NDArray[np.float64]
 
 _CONFIDENCE = 0.95
 _PLAIN = 0.5
@@ -35,14 +31,11 @@ def intervals(results: Samples, percentiles: Sequence[float]) -> tuple[Interval,
     """
     from tracerisk.prm.numbers.arrays import np
 
-    require_large("scipy")
-    from scipy.special import bdtr
-
     ordered, count = np.sort(results), len(results)
     ranks = np.arange(count)
     found = []
     for level in percentiles:
-        below = bdtr(ranks, count, level / 100.0)
+        below = special().bdtr(ranks, count, level / 100.0)
         # P(at most i draws are below): the draw of rank i + 1 from below, and that from above.
         low = int(np.searchsorted(below, (1.0 - _CONFIDENCE) / 2.0, side="right"))
         high = int(np.searchsorted(below, (1.0 + _CONFIDENCE) / 2.0))
@@ -80,23 +73,20 @@ def tail_mean(
     from tracerisk.prm.expressions.sampling import LatinHypercube
     from tracerisk.prm.numbers.arrays import np
 
-    require_large("scipy")
-    from scipy.special import ndtr, ndtri
-
     shifted = [(name, by) for name in leading[:_MOST_SHIFTED] for by in _SHIFTS]
     plain = samples - int((1.0 - _PLAIN) * samples)
     ends = [plain + (samples - plain) * i // len(shifted) for i in range(len(shifted) + 1)]
     draws = LatinHypercube(samples, seed)
-    scores = {name: ndtri(draws.uniform(f"tail:{name}:0")) for name in inputs}
+    scores = {name: special().ndtri(draws.uniform(f"tail:{name}:0")) for name in inputs}
     for (name, by), start, end in zip(shifted, ends, ends[1:], strict=False):
         scores[name][start:end] += by
     density = np.full(samples, plain / samples)
     for (name, by), start, end in zip(shifted, ends, ends[1:], strict=False):
         density += (end - start) / samples * np.exp(by * scores[name] - by * by / 2.0)
     most = 1.0 - np.finfo(np.float64).epsneg
-    values = {
-        name: each.values(np.minimum(ndtr(scores[name]), most))[0] for name, each in inputs.items()
-    }
+    values = {}
+    for name, each in inputs.items():
+        values[name], _ = each.values(np.minimum(special().ndtr(scores[name]), most))
     found = figure(values) / density
     total, scale = float(found.sum()), float(found.max()) or 1.0
     error = float((found / scale).std(ddof=1)) * scale / math.sqrt(samples)

@@ -19,10 +19,7 @@ from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Samples = NDArray[np.float64]
+    from tracerisk.prm.numbers.distributions import Samples
 
 SAMPLES = 10_000
 """How many samples are drawn unless it is said."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import CALL_SEQUENCE, NEXT, component_fields
 from tracerisk.prm.review.component_changes import ComponentItem, alike, component_items
-from tracerisk.prm.review.contributions import Contributions
+from tracerisk.prm.review.contributions import contribution
 from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
 from tracerisk.prm.review.model_parts import (
     RiskVersion,
@@ -99,31 +99,37 @@ class _Part:
 def _changes(
     before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint], cause_of: CauseOf
 ) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
-    why = _Why(before, after, cause_of)
+    def explained(field: ChangedField) -> ChangedField:
+        """Return a change with its cause: a user's pin, else what the caller knows."""
+        pinned = any(
+            field.function in blocks and _is_pinned(blocks[field.function], field)
+            for blocks in (before.blocks, after.blocks)
+        )
+        return replace(field, causes=("pin",) if pinned else cause_of(field))
+
     flows, quiet_flows = flow_items(before, after)
     items, quiet = component_items(before, after)
-    flows = [replace(item, field=why.explained(item.field)) for item in flows]
-    items = [replace(item, fields=tuple(map(why.explained, item.fields))) for item in items]
+    flows = [replace(item, field=explained(item.field)) for item in flows]
+    items = [replace(item, fields=tuple(map(explained, item.fields))) for item in items]
     marks = _Marks(before, after, points)
-    contributions = Contributions(before)
-    parts = _solved([_component_part(group, marks) for group in alike(items)], contributions)
-    of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], contributions)
+    parts = _solved([_component_part(group, marks) for group in alike(items)], before)
+    of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
     if any(each.change.contribution is None for each in of_flow):
         # One of them alone leads nowhere: they are one change.
-        of_flow = _solved([_flow_part(flows, marks)], contributions)
+        of_flow = _solved([_flow_part(flows, marks)], before)
     parts += of_flow
     ordered = sorted((part.change for part in parts), key=_order)
-    return tuple(ordered), _causes(parts, contributions), quiet + quiet_flows
+    return tuple(ordered), _causes(parts, before), quiet + quiet_flows
 
 
-def _solved(parts: Sequence[_Part], contributions: Contributions) -> list[_Part]:
+def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
     return [
-        replace(part, change=replace(part.change, contribution=contributions.of(part.edits)))
+        replace(part, change=replace(part.change, contribution=contribution(before, part.edits)))
         for part in parts
     ]
 
 
-def _causes(parts: Sequence[_Part], contributions: Contributions) -> tuple[CauseShare, ...]:
+def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ...]:
     """Put changes together by component and kind of cause; each of the chain stays alone."""
     groups: dict[tuple[object, ...], list[_Part]] = {}
     for number, part in enumerate(parts):
@@ -136,7 +142,8 @@ def _causes(parts: Sequence[_Part], contributions: Contributions) -> tuple[Cause
         functions = tuple(sorted({name for part in group for name in part.change.functions}))
         together, summary = first.contribution, first.summary
         if len(group) > 1:
-            together = contributions.of(edit for part in group for edit in part.edits)
+            edits = (edit for part in group for edit in part.edits)
+            together = contribution(before, edits)
             where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
             summary = f"{first.component} in {where}"
         found.append(CauseShare(first.component, _kinds(first), functions, summary, together))
@@ -278,21 +285,6 @@ def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SingleP
         SinglePoint(name, tuple(new[name]), name not in known)
         for name in sorted(set(new) - set(old))
     )
-
-
-class _Why:
-    """Finds the cause of a change: a user's pin, else what the caller knows."""
-
-    def __init__(self, before: RiskVersion, after: RiskVersion, cause_of: CauseOf) -> None:
-        self._versions = (before.blocks, after.blocks)
-        self._cause_of = cause_of
-
-    def explained(self, field: ChangedField) -> ChangedField:
-        pinned = any(
-            field.function in blocks and _is_pinned(blocks[field.function], field)
-            for blocks in self._versions
-        )
-        return replace(field, causes=("pin",) if pinned else self._cause_of(field))
 
 
 def _is_pinned(block: RiskBlock, field: ChangedField) -> bool:

@@ -156,7 +156,6 @@ def _changed(
             before=None if old is None else old.text,
             after=None if new is None else new.text,
             location=entry.location if new is None else new.location,
-            is_gone=False,
         )
         for kind, old, new in values
     )
@@ -167,16 +166,8 @@ def _put(kind: ChangeKind, function: str, entry: ComponentEntry) -> ComponentIte
     def edit(parts: ModelParts) -> None:
         parts.components[function][entry.name] = entry
 
-    changed = ChangedField(
-        f"{function}.{entry.name}",
-        function,
-        entry.name,
-        None,
-        None,
-        entry.probability.text,
-        entry.location,
-        is_gone=False,
-    )
+    path, text = f"{function}.{entry.name}", entry.probability.text
+    changed = ChangedField(path, function, entry.name, None, None, text, entry.location)
     return ComponentItem(kind, (changed,), None, edit)
 
 
@@ -186,14 +177,8 @@ def _drop(
     def edit(parts: ModelParts) -> None:
         del parts.components[function][entry.name]
 
-    changed = ChangedField(
-        f"{function}.{entry.name}",
-        function,
-        entry.name,
-        None,
-        entry.probability.text,
-        None if omitted is None else "omit",
-        entry.location if omitted is None else omitted.location,
-        is_gone=omitted is None,
-    )
+    path, text = f"{function}.{entry.name}", entry.probability.text
+    changed = ChangedField(path, function, entry.name, None, text, None, entry.location, True)
+    if omitted is not None:
+        changed = replace(changed, after="omit", location=omitted.location, is_gone=False)
     return ComponentItem(kind, (changed,), None, edit)

@@ -10,25 +10,19 @@ from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion
 
 
-class Contributions:
-    """Makes changes in the earlier version, one at a time."""
-
-    def __init__(self, before: RiskVersion) -> None:
-        self._before = before
-
-    def of(self, edits: Iterable[Edit]) -> float | None:
-        """Return what edits do; `None` where they alone make no model."""
-        parts = ModelParts(self._before)
-        for edit in edits:
-            edit(parts)
-        try:
-            model = parts.model()
-            solved = solve_mission(model)
-            reading, alone = held_reading(model, solved)
-        except InputError:
-            return None
-        before = self._before.figures.mission
-        if reading != before.reading:
-            # The same edits make the numbers of cycles fixed, or vary: that is no cause of risk.
-            return solved.failure.p - before.geometric_cycles
-        return alone.p - before.failure_probability
+def contribution(before: RiskVersion, edits: Iterable[Edit]) -> float | None:
+    """Return what edits of the earlier version do; `None` where they alone make no model."""
+    parts = ModelParts(before)
+    for edit in edits:
+        edit(parts)
+    try:
+        model = parts.model()
+        solved = solve_mission(model)
+        reading, alone = held_reading(model, solved)
+    except InputError:
+        return None
+    mission = before.figures.mission
+    if reading != mission.reading:
+        # The same edits make the numbers of cycles fixed, or vary: that is no cause of risk.
+        return solved.failure.p - mission.geometric_cycles
+    return alone.p - mission.failure_probability

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.adder.blocks.block import Field
-from tracerisk.errors import Location
 from tracerisk.prm.hybrid.hybrid import DONE
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, Steps
 from tracerisk.prm.review.risk_change import ChangedField, Mark, is_noise
+from tracerisk.strong_components import joined_parts
 
 Edit = Callable[[ModelParts], None]
 
@@ -55,55 +55,29 @@ def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem],
 
 def joined(items: Iterable[FlowItem]) -> list[list[FlowItem]]:
     """Return the items in groups that cannot be distinguished: each function is in one group."""
-    groups: list[tuple[set[str], list[FlowItem]]] = []
-    for item in items:
-        needs, members = set(item.needs), [item]
-        apart = []
-        for group in groups:
-            if group[0] & needs:
-                needs |= group[0]
-                members = group[1] + members
-            else:
-                apart.append(group)
-        groups = [*apart, (needs, members)]
-    return [members for _, members in groups]
+    return [members for _, members in joined_parts((set(each.needs), [each]) for each in items)]
 
 
 def _added(after: RiskVersion, name: str, once: set[str]) -> FlowItem:
     block = after.blocks[name]
     needs = {name} | _mentioned(after.states[name].next, once)
-    changed = _field(name, None, None, "block", block.location, is_gone=False)
-
-    def edit(parts: ModelParts) -> None:
-        parts.put(after, name)
-
-    return FlowItem(changed, "new_state", frozenset(needs), edit)
+    changed = ChangedField(name, name, None, None, None, "block", block.location)
+    return FlowItem(changed, "new_state", frozenset(needs), lambda parts: parts.put(after, name))
 
 
 def _removed(before: RiskVersion, name: str, once: set[str]) -> FlowItem:
     block = before.blocks[name]
     needs = {name} | _mentioned(before.states[name].next, once)
-    changed = _field(name, None, "block", None, block.location, is_gone=True)
-
-    def edit(parts: ModelParts) -> None:
-        parts.drop(name)
-
-    return FlowItem(changed, "lost_state", frozenset(needs), edit)
+    changed = ChangedField(name, name, None, None, "block", None, block.location, is_gone=True)
+    return FlowItem(changed, "lost_state", frozenset(needs), lambda parts: parts.drop(name))
 
 
 def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) -> FlowItem:
     old, new = before.states[name].next, after.states[name].next
     stated = after.blocks[name].next
     place = after.blocks[name].location if stated is None else stated.location
-    changed = _field(
-        f"{name}.next",
-        "next",
-        _text(before.blocks[name].next, old),
-        _text(stated, new),
-        place,
-        is_gone=False,
-        function=name,
-    )
+    texts = _text(before.blocks[name].next, old), _text(stated, new)
+    changed = ChangedField(f"{name}.next", name, None, "next", *texts, place)
     needs = _mentioned(old, once) | _mentioned(new, once)
 
     def edit(parts: ModelParts) -> None:
@@ -115,33 +89,13 @@ def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) ->
 
 def _entry(before: RiskVersion, after: RiskVersion, once: set[str]) -> FlowItem:
     old, new = before.model.entry, after.model.entry
-    changed = _field(
-        "entry",
-        "callSequence",
-        old,
-        new,
-        after.blocks[new].call_sequence.location,
-        is_gone=False,
-        function=new,
-    )
+    place = after.blocks[new].call_sequence.location
+    changed = ChangedField("entry", new, None, "callSequence", old, new, place)
 
     def edit(parts: ModelParts) -> None:
         parts.entry = new
 
     return FlowItem(changed, None, frozenset({old, new} & once), edit)
-
-
-def _field(
-    path: str,
-    key: str | None,
-    before: str | None,
-    after: str | None,
-    location: Location | None,
-    *,
-    is_gone: bool,
-    function: str | None = None,
-) -> ChangedField:
-    return ChangedField(path, function or path, None, key, before, after, location, is_gone)
 
 
 def _text(stated: Field[Any] | None, steps: Steps) -> str:

@@ -47,7 +47,7 @@ class ChangedField:
     before: str | None
     after: str | None
     location: Location | None
-    is_gone: bool
+    is_gone: bool = False
     causes: tuple[Cause, ...] = ()
 
 

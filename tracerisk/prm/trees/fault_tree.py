@@ -269,9 +269,9 @@ class FaultTree(DisplayedGraph):
     def _compiled(self) -> SharedTree:
         """Return the tree's decision diagrams, made when first asked for."""
         if self._solver is None:
-            from tracerisk.prm.bdd import compiled
+            from tracerisk.prm import bdd
 
-            object.__setattr__(self, "_solver", compiled(self))
+            object.__setattr__(self, "_solver", bdd.SharedTree(self))
         assert self._solver is not None
         return self._solver
 

@@ -78,42 +78,32 @@ class FaultTreeSolution:
             events_of.setdefault(event.parameter, []).append(event.name)
         slopes = tree.sensitivities(values)
         conditionals = tree.conditional_tops(values)
+        total = self.top.p
         rows = []
         for name, members in events_of.items():
+            value = values[name]
             slope = math.fsum(slopes[member] for member in members)
             if len(members) == 1:
                 # The top is linear in the probability of one event.
                 failed, without = (pair.p for pair in conditionals[members[0]])
-                drop = values[name] * slope
+                drop = value * slope
             else:
-                failed, without = (
-                    tree.probability({**values, name: value}).p for value in (1.0, 0.0)
-                )
+                failed, without = (tree.probability({**values, name: p}).p for p in (1.0, 0.0))
                 drop = tree.drop_without(name, values)
-            rows.append(self._row(name, values[name], slope, drop, without, failed))
+            rows.append(
+                EventImportance(
+                    name=name,
+                    probability=value,
+                    birnbaum=slope,
+                    criticality=slope * value / total if total > 0.0 else 0.0,
+                    fussell_vesely=drop / total if total > 0.0 else 0.0,
+                    risk_reduction_worth=worth(total, without),
+                    risk_achievement_worth=worth(failed, total),
+                    diagnostic_importance=value * failed / total if total > 0.0 else 0.0,
+                )
+            )
         rows.sort(key=lambda row: (-abs(row.fussell_vesely), -abs(row.criticality), row.name))
         return Table(tuple(rows))
-
-    def _row(
-        self,
-        name: str,
-        probability: float,
-        birnbaum: float,
-        drop: float,
-        without: float,
-        failed: float,
-    ) -> EventImportance:
-        total = self.top.p
-        return EventImportance(
-            name=name,
-            probability=probability,
-            birnbaum=birnbaum,
-            criticality=birnbaum * probability / total if total > 0.0 else 0.0,
-            fussell_vesely=drop / total if total > 0.0 else 0.0,
-            risk_reduction_worth=worth(total, without),
-            risk_achievement_worth=worth(failed, total),
-            diagnostic_importance=probability * failed / total if total > 0.0 else 0.0,
-        )
 
     def _repr_html_(self) -> str:
         from html import escape

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import enum
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import accumulate
 
 from tracerisk.errors import ModelError
@@ -162,6 +162,34 @@ def gate_shares(
     heads = accumulate((pair.q - pair.p for pair in before[:-1]), operator.mul, initial=sign)
     tails = list(accumulate((pair.q - pair.p for pair in after[:0:-1]), operator.mul, initial=1.0))
     return tuple(head * tail for head, tail in zip(heads, reversed(tails), strict=True))
+
+
+def swept(
+    gates: Iterable[Gate],
+    nodes: dict[str, Probability],
+    of: Callable[[Probability], Probability] | None = None,
+) -> dict[str, Probability]:
+    """Return the nodes with those of gates added, each below those that it feeds.
+
+    `of` says what is taken of a gate's pair.
+    """
+    for gate in gates:
+        pair = gate_probability(gate, [nodes[name] for name in gate.inputs])
+        nodes[gate.name] = pair if of is None else of(pair)
+    return nodes
+
+
+def slopes(gates: Sequence[Gate], top: str, nodes: Mapping[str, Probability]) -> dict[str, float]:
+    """Return the derivative of the top by each node below it, where none feeds two gates.
+
+    `gates` stand each below those that they feed.
+    """
+    weights = {top: 1.0}
+    for gate in reversed(gates):
+        inputs = [nodes[name] for name in gate.inputs]
+        for name, share in zip(gate.inputs, gate_shares(gate, inputs, inputs), strict=True):
+            weights[name] = weights[gate.name] * share
+    return weights
 
 
 def _odd(inputs: Sequence[Probability]) -> Probability:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.gates import gate_probability
+from tracerisk.prm.trees.gates import swept
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -81,11 +81,8 @@ def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
         # The pair's type is of numbers; its algebra is that of arrays as well.
         return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
     nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
-    for house in tree.houses:
-        nodes[house.name] = Probability.of(float(house.state))
-    for gate in tree.upwards:
-        nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
-    return nodes[tree.top]
+    nodes |= {house.name: Probability.of(float(house.state)) for house in tree.houses}
+    return swept(tree.upwards, nodes)[tree.top]
 
 
 def _pair(value: Values) -> Probability:

@@ -19,10 +19,7 @@ from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability, log_complement, pair_of, total
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Samples = NDArray[np.float64]
+    from tracerisk.prm.numbers.distributions import Samples
 
 _NEGLIGIBLE = 1e-18
 """What is left of a series when it ends, relative to each of its sums."""

@@ -20,6 +20,7 @@ from tracerisk.prm.formats.galileo.statements import Statement, Word, read_state
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
 from tracerisk.prm.trees.fault_tree import FailureModel
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.strong_components import reached
 from tracerisk.text.bounded import whole_number
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
@@ -166,7 +167,10 @@ def _read(draft: _Draft, statement: Statement) -> None:
     draft.places[name] = first.place
     try:
         if attributes and attributes[0][0].text == "pdep":
-            _read_dependency(draft, name, words[1:], attributes)
+            if len(attributes) > 1:
+                raise ModelError(f"dependency '{name}' takes no attributes", attributes[1][0].place)
+            inputs = tuple(word.text for word in words[1:])
+            _add_dependency(draft, name, inputs, _number(attributes[0][1]))
         elif len(words) == 1:
             _read_event(draft, first, attributes)
         else:
@@ -207,18 +211,6 @@ def _read_gate(
         draft.restrictions[name] = Restriction(name, _RESTRICTIONS[text], inputs)
     else:
         raise ModelError(f"'{kind.text}' is not a kind of gate; {one_of(_TYPES, text)}", kind.place)
-
-
-def _read_dependency(
-    draft: _Draft,
-    name: str,
-    words: tuple[Word, ...],
-    attributes: tuple[tuple[Word, Word], ...],
-) -> None:
-    if len(attributes) > 1:
-        raise ModelError(f"dependency '{name}' takes no attributes", attributes[1][0].place)
-    inputs = tuple(word.text for word in words)
-    _add_dependency(draft, name, inputs, _number(attributes[0][1]))
 
 
 def _add_dependency(draft: _Draft, name: str, inputs: tuple[str, ...], probability: float) -> None:
@@ -344,7 +336,7 @@ def _dormancies(draft: _Draft) -> dict[str, float]:
     }
     kinds: dict[str, tuple[str, str]] = {}
     for gate, kind, unit in draft.waiting:
-        for name in sorted(_reached(draft, unit.text)):
+        for name in sorted(reached((unit.text,), lambda name: _inputs_of(draft, name))):
             if name not in draft.models or isinstance(draft.models[name], Constant):
                 continue
             if name in draft.dormancies:
@@ -361,15 +353,8 @@ def _dormancies(draft: _Draft) -> dict[str, float]:
     return found
 
 
-def _reached(draft: _Draft, top: str) -> set[str]:
-    reached: set[str] = set()
-    stack = [top]
-    while stack:
-        name = stack.pop()
-        if name not in reached:
-            reached.add(name)
-            stack.extend(draft.gates[name].inputs if name in draft.gates else ())
-    return reached
+def _inputs_of(draft: _Draft, name: str) -> tuple[str, ...]:
+    return draft.gates[name].inputs if name in draft.gates else ()
 
 
 def _below(draft: _Draft) -> set[str]:
@@ -388,7 +373,7 @@ def _below(draft: _Draft) -> set[str]:
         if name in below:
             continue
         below.add(name)
-        waiting += draft.gates[name].inputs if name in draft.gates else ()
+        waiting += _inputs_of(draft, name)
         for tie in of.get(name, ()):
             below.add(tie.name)
             waiting += tie.inputs

@@ -1,5 +1,6 @@
 """The Open-PSA Model Exchange Format 2.0d, XML, as SCRAM 0.16 reads it."""
 
+from tracerisk.on_demand import on_demand
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa, read_open_psa
 
 TYPE_CHECKING = False
@@ -7,12 +8,5 @@ if TYPE_CHECKING:
     from tracerisk.prm.formats.open_psa.writer import dumps_open_psa, write_open_psa
 
 __all__ = ["dumps_open_psa", "loads_open_psa", "read_open_psa", "write_open_psa"]
-
-
-def __getattr__(name: str) -> object:
-    if name not in __all__:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    # What writes a model knows models of every kind; who only reads one does not load it.
-    from tracerisk.prm.formats.open_psa import writer
-
-    return getattr(writer, name)
+# What writes a model knows models of every kind; who only reads one does not load it.
+__getattr__ = on_demand(__name__, {"writer": "dumps_open_psa write_open_psa"})

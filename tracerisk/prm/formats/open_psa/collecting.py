@@ -239,22 +239,23 @@ class Collector:
                     )
         return label, tuple(attributes)
 
-    def _gate(self, element: Element) -> None:
-        element.check_attributes("name", "role")
+    def _added(
+        self, scope: Scope, element: Element, kind: str, *attributes: str
+    ) -> tuple[str, Place]:
+        """Add what an element defines to those of its kind; return its full name and its place."""
+        element.check_attributes("name", "role", *attributes)
         place = self.place(element)
-        name = self.events.add(
-            element, "gate", self._short(element), place.home, private=place.private
-        )
+        name = scope.add(element, kind, self._short(element), place.home, private=place.private)
+        return name, place
+
+    def _gate(self, element: Element) -> None:
+        name, place = self._added(self.events, element, "gate")
         if len(element.children) != 1:
             element.fail(f"gate '{name}' has {len(element.children)} formulas; give it exactly one")
         self.gates.append((read_formula(element.children[0], name), place))
 
     def _basic_event(self, element: Element) -> None:
-        element.check_attributes("name", "role")
-        place = self.place(element)
-        name = self.events.add(
-            element, "basic event", self._short(element), place.home, private=place.private
-        )
+        name, place = self._added(self.events, element, "basic event")
         if len(element.children) > 1:
             element.fail(f"basic event '{name}' has several expressions; give it one")
         self.basic.append(
@@ -262,11 +263,7 @@ class Collector:
         )
 
     def _house_event(self, element: Element) -> None:
-        element.check_attributes("name", "role")
-        place = self.place(element)
-        name = self.events.add(
-            element, "house event", self._short(element), place.home, private=place.private
-        )
+        name, place = self._added(self.events, element, "house event")
         state = False
         if element.children:
             child = element.one_child()
@@ -276,11 +273,7 @@ class Collector:
         self.houses.append(HouseDefinition(HouseEvent(name, state), place))
 
     def _parameter(self, element: Element) -> None:
-        element.check_attributes("name", "role", "unit")
-        place = self.place(element)
-        name = self.parameters.add(
-            element, "parameter", self._short(element), place.home, private=place.private
-        )
+        name, place = self._added(self.parameters, element, "parameter", "unit")
         unit = element.attributes.get("unit", "")
         if unit and unit not in UNITS:
             element.fail(f"parameter '{name}' has the unit '{unit}'; {one_of(UNITS, unit)}")

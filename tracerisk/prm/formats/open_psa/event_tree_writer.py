@@ -22,7 +22,7 @@ from tracerisk.prm.event_trees.elements import (
 )
 from tracerisk.prm.expressions import Difference, ExpressionModel, Number
 from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
-from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
+from tracerisk.prm.formats.open_psa.stochastic import Node, constant_node, expression_node
 from tracerisk.prm.formats.open_psa.xml_text import notes
 from tracerisk.prm.logic.model import Attribute, EventTreeDefinition, LogicModel, Place
 
@@ -41,10 +41,7 @@ def event_tree_nodes(
     it is written in place.
     Raises ModelError when Open-PSA cannot hold an event tree.
     """
-    nodes: list[Node] = [
-        ("define-initiating-event", {"name": names.name(each.name)}, [])
-        for each in model.initiating_events
-    ]
+    nodes = [names.node("define-initiating-event", each.name) for each in model.initiating_events]
     for each in model.event_trees:
         nodes += _TreeWriter(each, names, condition).nodes()
     return nodes
@@ -67,60 +64,53 @@ class _TreeWriter:
     def nodes(self) -> list[Node]:
         """Return the initiating event, if there is one, and the tree."""
         tree = self._tree
-        named = {"name": self._names.name(tree.name)}
         found: list[Node] = []
         if tree.initiating is not None:
-            begins = {
-                "name": self._names.name(tree.initiating.name),
-                "event-tree": named["name"],
-            }
+            begins = {"event-tree": self._names.name(tree.name)}
             place = self._notes.get(("initiating-event", tree.initiating.name), Place())
             if tree.initiating.value != 1.0 or tree.initiating.per:
                 value = repr(float(tree.initiating.value))
                 place = _marked(place, Attribute(FREQUENCY_MARK, value, tree.initiating.per))
-            found.append(("define-initiating-event", begins, notes(place)))
+            node = self._names.node
+            name = tree.initiating.name
+            found.append(node("define-initiating-event", name, notes(place), **begins))
         body = [self._defined("functional-event", name, []) for name in tree.functional_events]
         sequences = [self._sequence(each) for each in tree.sequences]
         branches = [
             self._defined("branch", each.name, self._course(each.target, each.instructions))
             for each in tree.branches
         ]
-        start: Node = (
-            "initial-state",
-            {},
-            self._course(tree.start.target, tree.start.instructions),
-        )
+        start = self._course(tree.start.target, tree.start.instructions)
         sequences += [
             ("define-sequence", {"name": name}, [("event-tree", {"name": linked}, [])])
             for linked, name in self._links.items()
         ]
-        body += [*sequences, *branches, start]
-        found.append(("define-event-tree", named, [*notes(self._place), *body]))
+        body += [*sequences, *branches, ("initial-state", {}, start)]
+        body = [*notes(self._place), *body]
+        found.append(self._names.node("define-event-tree", tree.name, body))
         return found
 
     def _remarks(self, kind: str, name: str) -> list[Node]:
         return notes(self._notes.get((kind, name), Place()))
 
     def _defined(self, kind: str, name: str, body: list[Node]) -> Node:
-        named = {"name": self._names.name(name)}
-        return f"define-{kind}", named, [*self._remarks(kind, name), *body]
+        return self._names.node(f"define-{kind}", name, [*self._remarks(kind, name), *body])
 
     def _sequence(self, sequence: EventSequence) -> Node:
         place = self._notes.get(("sequence", sequence.name), Place())
         if sequence.end_state != sequence.name:
             place = _marked(place, Attribute(END_STATE_MARK, sequence.end_state))
-        named = {"name": self._names.name(sequence.name)}
         body = [*notes(place), *self._instructions(sequence.instructions)]
-        return "define-sequence", named, body
+        return self._names.node("define-sequence", sequence.name, body)
 
     def _course(self, target: Target, instructions: Sequence[Instruction]) -> list[Node]:
         return [*self._instructions(instructions), self._target(target)]
 
     def _target(self, target: Target) -> Node:
         if isinstance(target, End):
-            return "sequence", {"name": self._names.name(target.sequence)}, []
+            return self._names.node("sequence", target.sequence)
         if isinstance(target, Resume):
-            return "branch", {"name": self._names.name(target.branch)}, []
+            return self._names.node("branch", target.branch)
         if isinstance(target, Link):
             linked = self._names.name(target.event_tree)
             name = self._links.setdefault(linked, self._names.name(f"#{target.event_tree}"))
@@ -145,26 +135,15 @@ class _TreeWriter:
         if isinstance(instruction, Weight):
             return "collect-expression", {}, [self._weight(instruction)]
         if isinstance(instruction, SetHouse):
-            state: Node = ("constant", {"value": "true" if instruction.state else "false"}, [])
-            return "set-house-event", {"name": self._names.name(instruction.house)}, [state]
+            state = constant_node(instruction.state)
+            return self._names.node("set-house-event", instruction.house, [state])
         assert isinstance(instruction, When)
         test = instruction.test
-        asked: Node = (
-            (
-                "test-functional-event",
-                {
-                    "name": self._names.name(test.functional_event),
-                    "state": self._names.name(test.state),
-                },
-                [],
-            )
-            if isinstance(test, InState)
-            else (
-                "test-initiating-event",
-                {"name": self._names.name(test.initiating_event)},
-                [],
-            )
-        )
+        if isinstance(test, InState):
+            held = self._names.name(test.state)
+            asked = self._names.node("test-functional-event", test.functional_event, state=held)
+        else:
+            asked = self._names.node("test-initiating-event", test.initiating_event)
         arms = [self._block(instruction.then)]
         if instruction.otherwise:
             arms.append(self._block(instruction.otherwise))

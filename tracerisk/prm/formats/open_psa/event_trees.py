@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,7 @@ from tracerisk.prm.event_trees.elements import (
     When,
 )
 from tracerisk.prm.event_trees.event_tree import EventTree
-from tracerisk.prm.expressions import Definitions, Expression, ExpressionModel, Number
+from tracerisk.prm.expressions import Definitions, ExpressionModel, Number
 from tracerisk.prm.formats.open_psa.formulas import EVENTS, constant, kind_asked, read_formula
 from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.formats.open_psa.stochastic import read_bool
@@ -35,7 +35,7 @@ from tracerisk.prm.logic.model import Attribute, EventTreeDefinition, Place
 from tracerisk.prm.trees.gates import Gate
 
 if TYPE_CHECKING:
-    from tracerisk.prm.formats.open_psa.formulas import Find
+    from tracerisk.prm.formats.open_psa.collecting import Collector
 
 _INSTRUCTIONS = (
     "block",
@@ -51,18 +51,6 @@ _TARGETS = ("fork", "sequence", "branch")
 _TESTS = ("and", "bool", "not", "or", "test-functional-event", "test-initiating-event")
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
-    """What event trees refer to: names of events, expressions, written names, remarks."""
-
-    find: Find
-    expression: Callable[[Element], Expression]
-    name: Callable[[Element], str]
-    read_name: Callable[[Element, str], str]
-    place: Callable[[Element], Place]
-    definitions: Definitions
-
-
 @dataclass(slots=True)
 class EventTrees:
     """What was read: the trees, initiating events of no tree, and gates of complex conditions."""
@@ -72,12 +60,15 @@ class EventTrees:
     gates: list[Gate] = field(default_factory=list)
 
 
-def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
-    """Return the event trees among the elements, with what belongs to them.
+def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:
+    """Return the event trees that were collected, with what belongs to them.
+
+    `definitions` are the parameters that their weights refer to.
 
     Raises ModelError, with the position, for what is malformed or does not fit an EventTree.
     """
     found = EventTrees()
+    elements = source.trees
     rules: dict[str, Element] = {}
     begun: dict[str, tuple[Element, Place]] = {}
     alone: list[InitiatingEvent] = []
@@ -96,7 +87,7 @@ def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
             if "event-tree" not in element.attributes:
                 alone.append(InitiatingEvent(source.name(element)))
                 continue
-            tree = source.read_name(element, "event-tree")
+            tree = source.attribute_name(element, "event-tree")
             if tree in begun:
                 first = begun[tree][0].location
                 element.fail(
@@ -115,7 +106,7 @@ def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
     }
     for element in elements:
         if element.tag == "define-event-tree":
-            reader = _TreeReader(element, source, rules, found.gates, elsewhere)
+            reader = _TreeReader(element, source, definitions, rules, found.gates, elsewhere)
             trees.append(reader.read(begun.pop(reader.name, None)))
     for name, (element, _) in begun.items():
         names = [each.name for each in trees]
@@ -130,7 +121,8 @@ class _TreeReader:
     def __init__(
         self,
         element: Element,
-        source: Source,
+        source: Collector,
+        definitions: Definitions,
         rules: dict[str, Element],
         gates: list[Gate],
         elsewhere: Mapping[str, Element],
@@ -139,6 +131,7 @@ class _TreeReader:
         self.name = source.name(element)
         self._element = element
         self._source = source
+        self._definitions = definitions
         self._rules = rules
         # Sequences of other event trees, by name; those of this one; those read, borrowed or own.
         self._elsewhere = elsewhere
@@ -265,8 +258,10 @@ class _TreeReader:
                 child.unexpected(("path",))
             child.check_attributes("state")
             target, inner = self._course(child)
-            paths.append(Path(self._source.read_name(child, "state"), target, inner))
-        return Fork(self._source.read_name(last, "functional-event"), tuple(paths)), instructions
+            paths.append(Path(self._source.attribute_name(child, "state"), target, inner))
+        return Fork(
+            self._source.attribute_name(last, "functional-event"), tuple(paths)
+        ), instructions
 
     def _instructions(
         self, elements: Sequence[Element], rules: tuple[str, ...] = ()
@@ -287,7 +282,7 @@ class _TreeReader:
                 yield self._weight(element.one_child())
             elif element.tag == "set-house-event":
                 element.check_attributes("name", "direction")
-                house = self._source.find(element, "house event")
+                house = self._source.find_public(element, "house event")
                 yield SetHouse(house, read_bool(element.one_child()))
             elif element.tag == "if":
                 yield from self._when(element, rules)
@@ -300,12 +295,14 @@ class _TreeReader:
         happens = formula.tag != "not"
         inner = formula if happens else formula.one_child()
         if inner.tag in EVENTS:
-            return Condition(self._source.find(inner, kind_asked(inner)), happens)
+            return Condition(self._source.find_public(inner, kind_asked(inner)), happens)
         if inner.tag == "constant":
             return Condition(constant(inner), happens)
         self._conditions += 1
         name = f"#{self.name}#{self._conditions}"
-        self._gates += [each.resolved(self._source.find) for each in read_formula(inner, name)]
+        self._gates += [
+            each.resolved(self._source.find_public) for each in read_formula(inner, name)
+        ]
         return Condition(name, happens)
 
     def _weight(self, element: Element) -> Weight:
@@ -314,7 +311,7 @@ class _TreeReader:
             if not 0.0 <= expression.number <= 1.0:
                 element.fail(f"probability {expression.number!r} is outside [0, 1]")
             return Weight(expression.number)
-        return Weight(ExpressionModel(expression, self._source.definitions, element.location))
+        return Weight(ExpressionModel(expression, self._definitions, element.location))
 
     def _when(self, element: Element, rules: tuple[str, ...]) -> tuple[Instruction, ...]:
         if not 2 <= len(element.children) <= 3:
@@ -343,7 +340,7 @@ class _TreeReader:
             return then if is_and else otherwise
         found: InState | Initiated
         if test.tag == "test-functional-event":
-            state = self._source.read_name(test, "state")
+            state = self._source.attribute_name(test, "state")
             found = InState(self._source.name(test), state)
         elif test.tag == "test-initiating-event":
             found = Initiated(self._source.name(test))

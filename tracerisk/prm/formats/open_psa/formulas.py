@@ -11,21 +11,8 @@ from tracerisk.prm.logic.model import ALWAYS, NEVER
 from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 from tracerisk.records import dataclass
 
-CONNECTIVES = {
-    kind.value: kind
-    for kind in (
-        GateKind.AND,
-        GateKind.OR,
-        GateKind.NOT,
-        GateKind.XOR,
-        GateKind.NAND,
-        GateKind.NOR,
-        GateKind.ATLEAST,
-        GateKind.CARDINALITY,
-        GateKind.IFF,
-        GateKind.IMPLY,
-    )
-}
+_NO_CONNECTIVES = (GateKind.INHIBIT, GateKind.TRANSFER)
+CONNECTIVES = {kind.value: kind for kind in GateKind if kind not in _NO_CONNECTIVES}
 EVENTS: dict[str, str | None] = {
     "event": None,
     "gate": "gate",

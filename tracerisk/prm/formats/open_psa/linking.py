@@ -81,18 +81,10 @@ class Linker:
             raise ModelError(error.message, place) from error
 
     def _read_event_trees(self, parameters: tuple[ParameterDefinition, ...]) -> EventTrees:
-        from tracerisk.prm.formats.open_psa.event_trees import Source, read_event_trees
+        from tracerisk.prm.formats.open_psa.event_trees import read_event_trees
 
         definitions = Definitions(tuple((each.name, each.expression) for each in parameters))
-        source = Source(
-            self._from.find_public,
-            self._from.expression,
-            self._from.name,
-            self._from.attribute_name,
-            self._from.place,
-            definitions,
-        )
-        return read_event_trees(self._from.trees, source)
+        return read_event_trees(self._from, definitions)
 
     def _positions(self) -> list[tuple[Element, tuple[str, str]]]:
         found = [

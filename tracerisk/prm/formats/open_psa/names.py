@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa.rewriting import written_name
-from tracerisk.prm.formats.open_psa.stochastic import Node
+from tracerisk.prm.formats.open_psa.stochastic import Node, constant_node
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Container, LogicModel, Place
 
 
@@ -35,6 +35,10 @@ class Names:
             self.is_marked = True
         return written
 
+    def node(self, tag: str, name: str, body: list[Node] | None = None, **more: str) -> Node:
+        """Return an element of a name, with what stands in it and its further attributes."""
+        return tag, {"name": self.name(name)} | more, body or []
+
     def short(self, name: str, place: Place) -> str:
         """Return the name by which an element is defined in its home."""
         if place.private:
@@ -49,7 +53,7 @@ class Names:
     def reference(self, name: str) -> Node:
         """Return the element that refers to a gate or event."""
         if name in (ALWAYS, NEVER):
-            return "constant", {"value": "true" if name == ALWAYS else "false"}, []
+            return constant_node(name == ALWAYS)
         return self._kinds[name], {"name": self._path(name, self._homes.get(name))}, []
 
     def parameter(self, name: str) -> str:

@@ -152,6 +152,11 @@ Node = tuple[str, dict[str, str], list["Node"]]
 """An element to be written: its tag, attributes and children."""
 
 
+def constant_node(state: bool) -> Node:
+    """Return the constant that always happens, or never."""
+    return "constant", {"value": "true" if state else "false"}, []
+
+
 def expression_node(expression: Expression, name_of: Callable[[str], str], depth: int = 0) -> Node:
     """Return the element of an expression; `name_of` gives the written name of a parameter.
 

@@ -19,7 +19,7 @@ from tracerisk.prm.formats.open_psa.rewriting import (
     is_accepted,
     written_mark,
 )
-from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
+from tracerisk.prm.formats.open_psa.stochastic import Node, constant_node, expression_node
 from tracerisk.prm.formats.open_psa.xml_text import document, notes
 from tracerisk.prm.logic.model import (
     NOWHERE,
@@ -77,7 +77,7 @@ class _Writer:
     def __init__(self, model: LogicModel) -> None:
         self._model = model
         self._names = Names(model)
-        self._uses = Counter(name for each in model.gates for name in each.gate.inputs if True)
+        self._uses = Counter(name for each in model.gates for name in each.gate.inputs)
         self._definitions = {each.gate.name: each for each in model.gates}
         self._inlined: set[str] = set()
 
@@ -91,7 +91,10 @@ class _Writer:
                 self._inline_below(each)
         trees = event_tree_nodes(model, self._names, self._condition)
         substitutions = [self._substitution(each) for each in model.substitutions]
-        body = [*trees, *self._trees(), *self._groups(""), *self._data()]
+        fault_trees, data = self._trees()
+        body = [*trees, *fault_trees, *self._groups("")]
+        if data:
+            body.append(("model-data", {}, data))
         body += [self._alignment(each) for each in model.alignments]
         named = {"name": self._names.name(model.name)} if model.name else {}
         attributes = model.attributes
@@ -197,8 +200,7 @@ class _Writer:
         return self._defined("define-basic-event", each.name, each.place, body)
 
     def _house_event(self, each: HouseDefinition) -> Node:
-        state = "true" if each.house.state else "false"
-        body: list[Node] = [("constant", {"value": state}, [])]
+        body = [constant_node(each.house.state)]
         return self._defined("define-house-event", each.house.name, each.place, body)
 
     def _parameter(self, each: ParameterDefinition) -> Node:
@@ -221,24 +223,25 @@ class _Writer:
             ("distribution", {}, [expression_node(each.distribution, self._names.parameter)]),
             ("factors", {}, factors),
         ]
-        return (
-            "define-CCF-group",
-            {"name": self._names.name(each.name), "model": each.law.value},
-            body,
-        )
+        return self._names.node("define-CCF-group", each.name, body, model=each.law.value)
 
     def _groups(self, home: str) -> list[Node]:
         return [self._group(each) for each in self._model.groups if each.place.home == home]
 
-    def _trees(self) -> list[Node]:
-        """Return the fault trees, with all that is defined in them."""
+    def _trees(self) -> tuple[list[Node], list[Node]]:
+        """Return the fault trees, with all that is defined in them, and what is in none."""
         inside: dict[str, list[Node]] = {each.path: [] for each in self._model.containers}
         if NO_HOME in inside:
             raise ModelError(
                 f"the fault tree '{NO_HOME}' has the name of what holds the gates in none; "
                 "rename it"
             )
+        loose: list[Node] = []
+        data: list[Node] = []
         for home, node in self._contents():
+            if not home:
+                (loose if node[0] == "define-gate" else data).append(node)
+                continue
             if home not in inside:
                 raise ModelError(
                     f"the fault tree '{home}' is not among the containers; add it to them"
@@ -265,61 +268,34 @@ class _Writer:
                 inside[above].insert(index, node)
             else:
                 roots.insert(0, node)
-        loose = [
-            self._gate(each)
-            for each in self._model.gates
-            if not each.place.home and each.gate.name not in self._inlined
-        ]
         if loose:
-            roots.append(("define-fault-tree", {"name": self._names.name(NO_HOME)}, loose))
-        return roots
+            roots.append(self._names.node("define-fault-tree", NO_HOME, loose))
+        return roots, data
 
     def _contents(self) -> Iterator[tuple[str, Node]]:
         model = self._model
         members = {member for group in model.groups for member in group.members}
         for gate in model.gates:
-            if gate.place.home and gate.gate.name not in self._inlined:
+            if gate.gate.name not in self._inlined:
                 yield gate.place.home, self._gate(gate)
         for event in model.events:
-            if event.place.home and event.name not in members:
+            if event.name not in members:
                 yield event.place.home, self._basic_event(event)
         for house in model.houses:
-            if house.place.home:
-                yield house.place.home, self._house_event(house)
+            yield house.place.home, self._house_event(house)
         for parameter in model.parameters:
-            if parameter.place.home:
-                yield parameter.place.home, self._parameter(parameter)
-
-    def _data(self) -> list[Node]:
-        model = self._model
-        members = {member for group in model.groups for member in group.members}
-        found = [
-            self._basic_event(each)
-            for each in model.events
-            if not each.place.home and each.name not in members
-        ]
-        found += [self._house_event(each) for each in model.houses if not each.place.home]
-        found += [self._parameter(each) for each in model.parameters if not each.place.home]
-        return [("model-data", {}, found)] if found else []
+            yield parameter.place.home, self._parameter(parameter)
 
     def _alignment(self, each: Alignment) -> Node:
         phases: list[Node] = []
         for phase in each.phases:
-            houses: list[Node] = [
-                (
-                    "set-house-event",
-                    {"name": self._names.name(house)},
-                    [("constant", {"value": "true" if state else "false"}, [])],
-                )
+            body = notes(phase.place) + [
+                self._names.node("set-house-event", house, [constant_node(state)])
                 for house, state in phase.houses
             ]
-            named = {"name": self._names.name(phase.name), "time-fraction": repr(phase.fraction)}
-            phases.append(("define-phase", named, [*notes(phase.place), *houses]))
-        return (
-            "define-alignment",
-            {"name": self._names.name(each.name)},
-            [*notes(each.place), *phases],
-        )
+            share = {"time-fraction": repr(phase.fraction)}
+            phases.append(self._names.node("define-phase", phase.name, body, **share))
+        return self._names.node("define-alignment", each.name, [*notes(each.place), *phases])
 
     def _substitution(self, each: Substitution) -> Node:
         formula = self._condition(each.hypothesis, f"{each.name}#hypothesis")
@@ -327,14 +303,8 @@ class _Writer:
         if each.sources:
             body.append(("source", {}, [self._names.reference(name) for name in each.sources]))
         target = each.target
-        constant = "true" if target is True else "false"
-        inner: Node = (
-            self._names.reference(target)
-            if isinstance(target, str)
-            else ("constant", {"value": constant}, [])
-        )
+        inner = self._names.reference(target) if isinstance(target, str) else constant_node(target)
         body.append(("target", {}, [inner]))
-        attributes = {"name": self._names.name(each.name)} | (
-            {"type": each.type} if each.type else {}
-        )
-        return "define-substitution", attributes, [*notes(each.place), *body]
+        kind = {"type": each.type} if each.type else {}
+        body = [*notes(each.place), *body]
+        return self._names.node("define-substitution", each.name, body, **kind)

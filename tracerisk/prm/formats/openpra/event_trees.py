@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_trees.elements import (
@@ -166,42 +166,35 @@ def event_tree_data(
     notes = {(kind, name): place.label for kind, name, place in definition.notes}
     initiating = tree.initiating or InitiatingEvent(tree.name)
     begun: dict[str, Any] = {"name": initiating.name, "frequency": initiating.value}
-    _describe(begun, notes.get(("initiating-event", initiating.name), ""))
+    begun = described(begun, notes.get(("initiating-event", initiating.name), ""))
     if initiating.per not in ("", "year"):
         raise ModelError(
             f"{where}: OpenPRA has frequencies per year only, not per {initiating.per}; convert it"
         )
     if initiating.per:
         begun["unit"] = YEARLY
-    functions: list[dict[str, Any]] = []
-    for name in tree.functional_events:
-        functions.append({"name": name})
-        _describe(functions[-1], notes.get(("functional-event", name), ""))
+    functions = [
+        described({"name": name}, notes.get(("functional-event", name), ""))
+        for name in tree.functional_events
+    ]
     sequences = []
     for each in _courses(tree, where):
         states = [
             _state(name, each.states.get(name), tree_of, where) for name in tree.functional_events
         ]
         sequence = tree.sequence(each.sequence)
-        sequences.append(
-            {
-                "name": sequence.name,
-                "functionalStates": states,
-                "endState": sequence.end_state,
-            }
-        )
-    data: dict[str, Any] = {"name": tree.name}
-    _describe(data, definition.place.label)
-    return data | {
+        found = {"name": sequence.name, "functionalStates": states}
+        sequences.append(found | {"endState": sequence.end_state})
+    return described({"name": tree.name}, definition.place.label) | {
         "initiatingEvent": begun,
         "functionalEvents": functions,
         "sequences": sequences,
     }
 
 
-def _describe(data: dict[str, Any], label: str) -> None:
-    if label:
-        data["description"] = label
+def described(data: dict[str, Any], label: str) -> dict[str, Any]:
+    """Return the data with a description, where there is one."""
+    return data | ({"description": label} if label else {})
 
 
 def _state(
@@ -225,12 +218,11 @@ def _state(
     return data
 
 
-class _Course:
-    """A way through an event tree: what each path that it takes collects, and where it ends."""
+class _Course(NamedTuple):
+    """A path through an event tree: its sequence, and what it collects of functional events."""
 
-    def __init__(self, sequence: str, states: dict[str, tuple[Instruction, ...]]) -> None:
-        self.sequence = sequence
-        self.states = states
+    sequence: str
+    states: dict[str, tuple[Instruction, ...]]
 
 
 def _courses(tree: EventTree, where: str) -> list[_Course]:

@@ -12,18 +12,8 @@ from tracerisk.prm.logic.checks import suggestion
 from tracerisk.prm.logic.model import GateDefinition
 from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 
-OPERATIONS = {
-    kind.value: kind
-    for kind in (
-        GateKind.AND,
-        GateKind.OR,
-        GateKind.NOT,
-        GateKind.XOR,
-        GateKind.NAND,
-        GateKind.NOR,
-        GateKind.ATLEAST,
-    )
-}
+_NO_OPERATIONS = ("cardinality", "iff", "imply", "inhibit", "transfer")
+OPERATIONS = {kind.value: kind for kind in GateKind if kind.value not in _NO_OPERATIONS}
 GREATEST_DEPTH = 200
 LIMIT = 1_000_000
 """The most operations that a tree may be written as."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.expressions import Evaluation, Expression, Number
 from tracerisk.prm.formats.open_psa.rewriting import accepted_form, form_inputs
-from tracerisk.prm.formats.openpra.event_trees import event_tree_data
+from tracerisk.prm.formats.openpra.event_trees import described, event_tree_data
 from tracerisk.prm.formats.openpra.logic import LogicWriter
 from tracerisk.prm.logic.model import ALWAYS, NEVER, EventDefinition, HouseDefinition, LogicModel
+from tracerisk.strong_components import reached
 
 _CONSTANTS = {ALWAYS: 1.0, NEVER: 0.0}
 
@@ -67,9 +69,7 @@ class _Writer:
         if model.substitutions:
             raise ModelError("OpenPRA has no substitutions; write them as gates, or leave them out")
         event_trees = [event_tree_data(each, self._tree_of) for each in model.event_trees]
-        data: dict[str, Any] = {"name": model.name} if model.name else {}
-        if model.label:
-            data["description"] = model.label
+        data = described({"name": model.name} if model.name else {}, model.label)
         trees = [self._fault_tree(name, top) for top, name in self._trees.items()]
         self._add_unused(trees)
         if trees:
@@ -120,9 +120,7 @@ class _Writer:
     def _fault_tree(self, name: str, top: str) -> dict[str, Any]:
         expression = self._logic.top(top, name)
         below = self._below(top)
-        data: dict[str, Any] = {"name": name}
-        if self._labels.get(name):
-            data["description"] = self._labels[name]
+        data = described({"name": name}, self._labels.get(name, ""))
         events = [self._event(each) for each in self._model.events if each.name in below]
         # OpenPRA has no constants; these are the events that always and never happen.
         events += [{"name": each, "p": p} for each, p in _CONSTANTS.items() if each in below]
@@ -133,16 +131,11 @@ class _Writer:
         return data | {"top": expression}
 
     def _below(self, top: str) -> set[str]:
-        found: set[str] = set()
-        stack = [top]
-        while stack:
-            name = stack.pop()
-            if name in found:
-                continue
-            found.add(name)
+        def inputs(name: str) -> Iterator[str]:
             if name in self._gates:
-                stack.extend(form_inputs(accepted_form(self._gates[name].gate)))
-        return found
+                yield from form_inputs(accepted_form(self._gates[name].gate))
+
+        return reached((top,), inputs)
 
     def _event(self, each: EventDefinition) -> dict[str, Any]:
         group = self._groups.get(each.name)
@@ -151,9 +144,7 @@ class _Writer:
             raise ModelError(
                 f"event '{each.name}' has no probability, which OpenPRA needs; give it one"
             )
-        data: dict[str, Any] = {"name": each.name}
-        if each.place.label:
-            data["description"] = each.place.label
+        data = described({"name": each.name}, each.place.label)
         return data | {"p": self._value(expression, f"event '{each.name}'")}
 
     def _value(self, expression: Expression, what: str) -> float:
@@ -185,10 +176,7 @@ class _Writer:
 
     def _group(self, each: Any) -> dict[str, Any]:
         what = f"common cause group '{each.name}'"
-        data: dict[str, Any] = {"name": each.name}
-        if each.place.label:
-            data["description"] = each.place.label
-        return data | {
+        return described({"name": each.name}, each.place.label) | {
             "model": each.law.value,
             "members": list(each.members),
             "distribution": self._value(each.distribution, what),
@@ -200,5 +188,4 @@ class _Writer:
 
 
 def _house(each: HouseDefinition) -> dict[str, Any]:
-    data: dict[str, Any] = {"name": each.house.name, "state": each.house.state}
-    return data | ({"description": each.place.label} if each.place.label else {})
+    return described({"name": each.house.name, "state": each.house.state}, each.place.label)

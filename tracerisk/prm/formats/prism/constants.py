@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.formats.prism.evaluation import Scope, names_in
-from tracerisk.prm.formats.prism.expressions import Expression, Value
+from tracerisk.prm.formats.prism.expressions import Expression
+from tracerisk.prm.formats.prism.operations import Value
 from tracerisk.prm.formats.prism.program import Constant
 
 

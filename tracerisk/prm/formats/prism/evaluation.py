@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.formats.prism.expressions import MOST_DEPTH, Expression, Value, too_deep
+from tracerisk.prm.formats.prism.expressions import MOST_DEPTH, Expression, too_deep
+from tracerisk.prm.formats.prism.operations import FUNCTIONS, SIGNS, Value
 
 State = tuple[Value, ...]
 Run = Callable[[State], Value]
 
 MOST_OPERATIONS = 100_000
 """How many operations an expression may stand for, with its formulas put in."""
-_MOST_BITS = 2048  # of a whole number: more than any double has
-_LARGEST = 1 << _MOST_BITS
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,45 +30,7 @@ class Compiled:
     fixed: bool = False
 
 
-def _power(base: Value, exponent: Value) -> Value:
-    is_whole = isinstance(base, int) and isinstance(exponent, int) and exponent > 0
-    if is_whole and int(base).bit_length() * exponent > _MOST_BITS:
-        raise OverflowError("a power that is too large")
-    result = pow(base, exponent)
-    if isinstance(result, complex):
-        raise ValueError("a power that is no real number")
-    return result
-
-
-def _times(left: Value, right: Value) -> Value:
-    result = left * right
-    if isinstance(result, int) and not -_LARGEST < result < _LARGEST:
-        raise OverflowError("a product that is too large")
-    return result
-
-
-_BINARY: Mapping[str, Callable[[Value, Value], Value]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "+": operator.add,
-    "-": operator.sub,
-    "*": _times,
-    "/": operator.truediv,
-}
-_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "min": min,
-    "max": max,
-    "floor": math.floor,
-    "ceil": math.ceil,
-    "round": lambda x: math.floor(x + 0.5),
-    "pow": _power,
-    "mod": operator.mod,
-    "log": lambda x, base: math.log(x) / math.log(base),
-}
+_BINARY = {sign: both for sign, (_, both) in SIGNS.items() if both is not None}
 
 
 @dataclass(slots=True)
@@ -189,12 +149,12 @@ def _operation(expression: Expression, inputs: list[Compiled]) -> Run:
     runs = [part.run for part in inputs]
     match expression.operation:
         case "call":
-            function = _FUNCTIONS[expression.name]
+            function = FUNCTIONS[expression.name][1]
             return _guarded(lambda state: function(*[run(state) for run in runs]), expression)
         case "minus":
             return _guarded(lambda state: -runs[0](state), expression)
         case "!":
-            return lambda state: not _truth(runs[0](state), expression)
+            return lambda state: not truth(runs[0](state), expression)
         case "?":
             return _choice(runs, expression)
     signs = expression.signs
@@ -227,7 +187,7 @@ def _choice(runs: list[Run], expression: Expression) -> Run:
 
     def chosen(state: State) -> Value:
         for condition, value in pairs:
-            if _truth(condition(state), expression):
+            if truth(condition(state), expression):
                 return value(state)
         return last(state)
 
@@ -243,7 +203,7 @@ def _short(runs: list[Run], expression: Expression, *, ends: bool) -> Run:
             if value is ends:
                 return ends
             if value is not (not ends):
-                _truth(value, expression)
+                truth(value, expression)
         return not ends
 
     return found
@@ -254,18 +214,19 @@ def _implied(runs: list[Run], expression: Expression) -> Run:
     steps = list(zip(expression.signs, others, strict=True))
 
     def found(state: State) -> Value:
-        value = _truth(first(state), expression)
+        value = truth(first(state), expression)
         for sign, run in steps:
             if sign == "=>":
-                value = not value or _truth(run(state), expression)
+                value = not value or truth(run(state), expression)
             else:
-                value = value == _truth(run(state), expression)
+                value = value == truth(run(state), expression)
         return value
 
     return found
 
 
-def _truth(value: Value, expression: Expression) -> bool:
+def truth(value: Value, expression: Expression) -> bool:
+    """Return a value that is true or false; raise ModelError for any other."""
     if not isinstance(value, bool):
         raise ModelError(f"{value!r} is neither true nor false", expression.location)
     return value

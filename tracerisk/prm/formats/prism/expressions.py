@@ -5,45 +5,16 @@ What is chained (sums, products, conditions one after the other) is one node wit
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.prm.formats.prism.operations import FUNCTIONS, SIGNS, Value
 from tracerisk.prm.formats.prism.tokens import Token
 from tracerisk.text.bounded import finite_number, whole_number
 
-Value = bool | int | float
-
 MOST_DEPTH = 200
 """How deeply operations may stand in one another, formulas counted with what they stand for."""
-FUNCTIONS = {
-    "min": None,
-    "max": None,
-    "floor": 1,
-    "ceil": 1,
-    "round": 1,
-    "pow": 2,
-    "mod": 2,
-    "log": 2,
-}
-"""How many arguments each function takes; `None` is any number from one on."""
-_LEVELS = {
-    "=>": 1,
-    "<=>": 1,
-    "|": 2,
-    "&": 3,
-    "=": 5,
-    "!=": 5,
-    "<": 6,
-    "<=": 6,
-    ">": 6,
-    ">=": 6,
-    "+": 7,
-    "-": 7,
-    "*": 8,
-    "/": 8,
-}
-"""How tightly each sign between two inputs binds."""
+_LEVELS = {sign: level for sign, (level, _) in SIGNS.items()}
 _BEFORE = {"!": 4, "-": 9}
 
 
@@ -121,22 +92,17 @@ class _Open:
     chosen: bool = False
 
 
-Operand = Callable[[Cursor], Expression | None]
-
-
-def parse_expression(cursor: Cursor, special: Operand | None = None) -> Expression:
+def parse_expression(cursor: Cursor) -> Expression:
     """Return the expression that begins at the next word, and go on behind it.
 
-    `special` may read an operand that only some texts have; it returns `None` for any other.
     Raises ModelError with the position of what is malformed or stands too deep.
     """
-    return _Parser(cursor, special).parse()
+    return _Parser(cursor).parse()
 
 
 class _Parser:
-    def __init__(self, cursor: Cursor, special: Operand | None) -> None:
+    def __init__(self, cursor: Cursor) -> None:
         self._cursor = cursor
-        self._special = special
         self._values: list[Expression] = []
         self._open: list[_Open] = []
         self._brackets = 0
@@ -157,10 +123,6 @@ class _Parser:
         """Read one operand, with all that stands before it."""
         cursor = self._cursor
         while True:
-            found = self._special(cursor) if self._special is not None else None
-            if found is not None:
-                self._values.append(found)
-                return
             token = cursor.take()
             if token.kind == "sign" and token.text in _BEFORE:
                 level = _BEFORE[token.text]
@@ -196,7 +158,7 @@ class _Parser:
         self._open.pop()
         self._brackets -= 1
         if last.kind == "call":
-            count = FUNCTIONS[last.name]
+            count = FUNCTIONS[last.name][0]
             if count is not None and last.pairs != count:
                 raise ModelError(f"{last.name} takes {count} arguments", last.location)
             self._put("call", last.location, last.pairs, name=last.name)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from tracerisk.prm.formats.explicit_chain import INITIAL, ExplicitChain, names_from_labels
 from tracerisk.prm.formats.prism.constants import constant_scope, known_constants
 from tracerisk.prm.formats.prism.evaluation import Scope, State
-from tracerisk.prm.formats.prism.expressions import Value
+from tracerisk.prm.formats.prism.operations import Value
 from tracerisk.prm.formats.prism.program import parse_program
 from tracerisk.prm.formats.prism.state_space import MOST_STATES, StateSpace
 

@@ -9,8 +9,9 @@ from itertools import product
 
 from tracerisk.errors import Location, ModelError, TooLargeError, one_of
 from tracerisk.prm.formats.explicit_chain import ChainKind, Rewards
-from tracerisk.prm.formats.prism.evaluation import Compiled, Run, Scope, State
-from tracerisk.prm.formats.prism.expressions import Expression, Value
+from tracerisk.prm.formats.prism.evaluation import Compiled, Run, Scope, State, truth
+from tracerisk.prm.formats.prism.expressions import Expression
+from tracerisk.prm.formats.prism.operations import Value
 from tracerisk.prm.formats.prism.program import Command, Program, Reward
 
 MOST_STATES = 1_000_000
@@ -184,7 +185,7 @@ class StateSpace:
         self._count(math.prod(map(len, ways)) * (compiled.size + len(ways)))
         some = False
         for state in product(*ways):
-            if _truth(compiled.run(state), expression.location):
+            if truth(compiled.run(state), expression):
                 some = True
                 yield state
         if not some:
@@ -372,12 +373,6 @@ def _whole(value: Value, location: Location) -> int:
     if isinstance(value, bool) or not math.isfinite(value) or value != math.floor(value):
         raise ModelError(f"{value!r} is not a whole number", location)
     return int(value)
-
-
-def _truth(value: Value, location: Location) -> bool:
-    if not isinstance(value, bool):
-        raise ModelError(f"{value!r} is neither true nor false", location)
-    return value
 
 
 def _double(value: Value, location: Location) -> float:

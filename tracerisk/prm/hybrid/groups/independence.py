@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage
 from tracerisk.prm.hybrid.groups.group_chain import Group
 from tracerisk.prm.hybrid.hidden_states import HiddenStates
-from tracerisk.strong_components import strong_components
+from tracerisk.strong_components import joined_parts, strong_components
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,19 +36,9 @@ def blocks_of(
     for number, function in enumerate(states.functions):
         for part in function.parts:
             used[group_of[part.classes[0]]].add(segment_of[number])
-    joined: list[tuple[set[int], list[int]]] = []
-    for number, own in enumerate(used):
-        members, apart = [number], []
-        for other, those in joined:
-            if other & own:
-                own = own | other
-                members = [*those, *members]
-            else:
-                apart.append((other, those))
-        joined = [*apart, (own, members)]
     return tuple(
         Block(tuple(sorted(members)), all(segments[each][1] for each in own))
-        for own, members in joined
+        for own, members in joined_parts((own, [number]) for number, own in enumerate(used))
     )
 
 

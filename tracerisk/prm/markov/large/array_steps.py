@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-Array = np.ndarray[Any, Any]
+from tracerisk.prm.markov.large.pattern import Array
 
 Entries = tuple[Array, Array, Array]
 """The rows, columns and values of the entries of a sparse matrix."""

@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tracerisk.prm.markov.large.pattern import Array
 from tracerisk.prm.markov.large.residual import (
     leaving_and_terms,
     left_residual,
@@ -25,7 +26,6 @@ from tracerisk.prm.markov.large.residual import (
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.factors import Weights
 
-Array = np.ndarray[Any, Any]
 Solver = Callable[[Array], Array]
 """An approximate solution of u G = given or G x = given, of either sign."""
 

@@ -6,13 +6,8 @@ product of matrices without a negative entry.
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
 from tracerisk.prm.compiled.library import loop
-
-Array = np.ndarray[Any, Any]
+from tracerisk.prm.markov.large.pattern import Array
 
 _BLOCK = 96
 _ROWS = 1024

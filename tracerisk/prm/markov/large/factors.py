@@ -16,7 +16,7 @@ import numpy as np
 
 from tracerisk.prm.markov.large.dense_elimination import eliminate_dense
 from tracerisk.prm.markov.large.ordering import TOO_DENSE, minimum_degree
-from tracerisk.prm.markov.large.pattern import Rows, neighbours, transposed
+from tracerisk.prm.markov.large.pattern import Array, Rows, neighbours, transposed
 from tracerisk.prm.markov.large.sparse_elimination import eliminate_rows, solve_left, solve_right
 from tracerisk.prm.markov.large.symbolic import (
     count_fill,
@@ -25,8 +25,6 @@ from tracerisk.prm.markov.large.symbolic import (
     later_states,
 )
 from tracerisk.prm.numbers.elimination import Label, StuckStateError
-
-Array = np.ndarray[Any, Any]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tracerisk.prm.markov.large.pattern import Array
+
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.factors import Weights
 
-Array = np.ndarray[Any, Any]
 Product = Callable[[Array], Array]
 
 ROUNDS = 12

@@ -13,10 +13,8 @@ import numpy as np
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.markov.large.factors import Budget, Weights
 from tracerisk.prm.markov.large.matrix_solution import MatrixSolution
-from tracerisk.prm.markov.large.pattern import Rows, not_reached_backwards, split, transposed
+from tracerisk.prm.markov.large.pattern import Array, Rows, not_reached_backwards, split, transposed
 from tracerisk.prm.markov.solver import CertifiedSolver
-
-Array = np.ndarray[Any, Any]
 
 _ROW_TOLERANCE = 1e-9
 _NAMED_IN_ERRORS = 5

@@ -11,13 +11,12 @@ import numpy as np
 from tracerisk.errors import ModelError
 from tracerisk.prm.markov.cycles import CycleFigures
 from tracerisk.prm.markov.large.certificate import Certified
-from tracerisk.prm.markov.large.pattern import gathered, row_sums_into
+from tracerisk.prm.markov.large.pattern import Array, gathered, row_sums_into
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.matrix_chain import MatrixChain
     from tracerisk.prm.markov.solver import CertifiedSolver
 
-Array = np.ndarray[Any, Any]
 
 _ROUNDING = 2.0**-53
 

@@ -8,13 +8,10 @@ all the ways that it left behind, with bounds of the degrees in place of the deg
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
-
-Array = np.ndarray[Any, Any]
+from tracerisk.prm.markov.large.pattern import Array
 
 TOO_DENSE = -1
 """In place of the start of the dense rest: elimination would fill in beyond the budget."""

@@ -8,16 +8,16 @@ Computer Programming", volume 2, 4.2.2.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+from tracerisk.prm.markov.large.pattern import Array
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.factors import Weights
 
-Array = np.ndarray[Any, Any]
 
 _right_residual = loop("right_residual", "liddddddddd")
 _left_residual = loop("left_residual", "lidddddddd")

@@ -8,16 +8,16 @@ of the dense rest only gather here, and are eliminated by `dense_elimination`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+from tracerisk.prm.markov.large.pattern import Array
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.factors import Plan, Weights
 
-Array = np.ndarray[Any, Any]
 
 # head; order, rank, parent; the rows; in_; out_; leaving, dense; scratch; smallest
 _eliminate_rows = loop("eliminate_rows", "niiiliddllidllidddd?diiir", int)

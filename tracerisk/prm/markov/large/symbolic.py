@@ -7,16 +7,16 @@ Analysis and Applications 11 (1990).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tracerisk.prm.compiled.library import loop
+from tracerisk.prm.markov.large.pattern import Array
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.factors import Plan
 
-Array = np.ndarray[Any, Any]
 
 _elimination_tree = loop("elimination_tree", "iiliii")
 _depth_first = loop("depth_first", "niiiiii")
