@@ -50,10 +50,9 @@ def test_a_verb_prints_only_through_what_makes_it_printable():
                 bare.append(f"{file.name}: {ast.unparse(node)}")
     assert sorted(bare) == [
         "__init__.py: print('tracerisk: interrupted', file=sys.stderr)",
+        "actions.py: print(text, end='')",
         "build.py: print(text, end='')",
         "completion.py: print(shtab.complete(parser, shell=options.shell))",
-        "drivers.py: print(text, end='')",
-        "hardware.py: print(text, end='')",
         "parser.py: print(f'tracerisk {__version__}')",
     ]
 
