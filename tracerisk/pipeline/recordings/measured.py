@@ -20,11 +20,10 @@ from tracerisk.pipeline.recordings.effort import EffortUnit
 from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_states
 from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
 from tracerisk.pipeline.recordings.probed import Boundaries
-from tracerisk.pipeline.trace.run_trace import visits_of
+from tracerisk.pipeline.trace.run_trace import exposures_of
 from tracerisk.pipeline.trace.sensors import RunActivity, with_sensors
 from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
 from tracerisk.twin.recording.activity import ElementActivity, Thresholds, joint_activity
-from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
 from tracerisk.twin.recording.samples import Samples, between
 from tracerisk.twin.robots.robot import Gripper, Robot
@@ -105,9 +104,7 @@ def _trace(
     elements = tuple(
         each for each in robot.elements if each.name in known or _is_encoder(each, known)
     )
-    everywhere = np.ones(samples.n_steps, dtype=np.bool_)
-    active = {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
-    visits = visits_of(attribution, activity, samples)
+    active, visits = exposures_of(attribution, activity, samples)
     seen = RunActivity(elements, attribution, activity, samples)
     active, visits = with_sensors(seen, Recording(commands), active, visits)
     without = frozenset(each.name for each in robot.arm_joints) - states.has_effort

@@ -24,7 +24,7 @@ from tracerisk.twin.recording.contacts import (
     visit_contacts,
     visit_payloads,
 )
-from tracerisk.twin.recording.exposure import exposure, exposures
+from tracerisk.twin.recording.exposure import ElementExposures
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
@@ -68,11 +68,13 @@ def with_contacts(
     payloads = visit_payloads(run, activity, owners)
     touching = contact_activity(run, elements)
     everywhere = np.ones(n_steps, dtype=np.bool_)
-    found = {name: exposure(each, everywhere, samples.step_s) for name, each in touching.items()}
+    found: dict[str, Exposure] = {}
     by_visit: dict[int, dict[str, Exposure]] = {}
     for name, each in touching.items():
         owner = owners[moved_by(robot, each.element.part or "")]
-        for index, own in enumerate(exposures(each, owner, len(visits), samples.step_s)):
+        exposures = ElementExposures.of(each, samples.step_s)
+        found[name] = exposures.over(everywhere)
+        for index, own in enumerate(exposures.of_owners(owner, len(visits))):
             if own.grasping_s or own.releases:
                 by_visit.setdefault(index, {})[name] = own
     given = [

@@ -26,7 +26,7 @@ from tracerisk.source.python_source import MODULE_NAME
 from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
-from tracerisk.twin.recording.exposure import exposure, exposures
+from tracerisk.twin.recording.exposure import ElementExposures
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples, until
 
 if TYPE_CHECKING:
@@ -63,8 +63,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         grippers = [] if beside is None else [each.name for each in robot.grippers]
         activity = element_activity(samples, robot, only=grippers)
         measured = activity if beside is None else {}
-        active = _exposures(measured, samples)
-        visits = visits_of(attribution, measured, samples)
+        active, visits = exposures_of(attribution, measured, samples)
         seen = RunActivity(elements, attribution, activity, samples)
         if beside is None:
             active, visits = with_sensors(seen, recording, active, visits)
@@ -110,25 +109,22 @@ def _cycle(recording: Recording, attribution: Attribution, settings: Settings) -
     return Cycle(first, length, settings.mission_cycles)
 
 
-def _exposures(activity: Mapping[str, ElementActivity], samples: Samples) -> dict[str, Exposure]:
-    everywhere = np.ones(samples.n_steps, dtype=np.bool_)
-    return {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
-
-
-def visits_of(
+def exposures_of(
     attribution: Attribution, activity: Mapping[str, ElementActivity], samples: Samples
-) -> tuple[Visit, ...]:
-    """Return the visits with the exposure of each element in them."""
+) -> tuple[dict[str, Exposure], tuple[Visit, ...]]:
+    """Return the exposure of each element over the run, and the visits with that in each."""
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     current = attribution.current(n_steps, step_ns)
     steps_of = np.bincount(current[current >= 0], minlength=len(attribution.visits))
-    of_elements = {
-        name: exposures(
-            each, attribution.assign(name, n_steps, step_ns), len(steps_of), samples.step_s
-        )
-        for name, each in activity.items()
-    }
-    return tuple(
+    everywhere = np.ones(n_steps, dtype=np.bool_)
+    active: dict[str, Exposure] = {}
+    of_elements: dict[str, tuple[Exposure, ...]] = {}
+    for name, each in activity.items():
+        exposures = ElementExposures.of(each, samples.step_s)
+        active[name] = exposures.over(everywhere)
+        owner = attribution.assign(name, n_steps, step_ns)
+        of_elements[name] = exposures.of_owners(owner, len(steps_of))
+    visits = tuple(
         Visit(
             function=visit.function,
             start_s=visit.start_ns / 1e9,
@@ -140,6 +136,7 @@ def visits_of(
         )
         for index, visit in enumerate(attribution.visits)
     )
+    return active, visits
 
 
 def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:

@@ -21,76 +21,87 @@ _BORDER = 2.0  # a factor of the threshold, up or down
 
 
 def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
-    """Return the exposure of an element over the steps in `mask`, (n_steps,).
+    """Return the exposure of an element over the steps in `mask`, see `ElementExposures`."""
+    return ElementExposures.of(activity, step_s).over(mask)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ElementExposures:
+    """The exposures of an element; over parts of a run they take what reaches beyond these.
 
     Over masks that split the run, times, travel, wear, starts, grasps and releases sum to those
     of the whole run; a release belongs to the first step in which nothing is grasped any more.
     torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
     moving steps: the load at which a drive that wears by revolutions would age alike.
     """
-    (found,) = exposures(activity, np.where(mask, 0, -1), 1, step_s)
-    return found
-
-
-def exposures(
-    activity: ElementActivity, owner: Steps, n_owners: int, step_s: float
-) -> tuple[Exposure, ...]:
-    """Return the exposure of an element over the steps of each owner, as `exposure` does.
-
-    `owner` (n_steps,) has for each step one of 0 to `n_owners` - 1, or -1 for none.
-    """
-    element = _Element.of(activity)
-    found = [Exposure()] * n_owners
-    for index, span in _spans(owner):
-        found[index] = element.exposure(span, owner[span] == index, step_s)
-    return tuple(found)
-
-
-def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
-    """Yield each owner, and the steps from its first to its last."""
-    starts = np.flatnonzero(np.diff(owner, prepend=-2))
-    stops = np.append(starts, len(owner))[1:].tolist()
-    owners = owner[starts].tolist()
-    firsts = dict(zip(owners[::-1], starts.tolist()[::-1], strict=True))
-    behind = dict(zip(owners, stops, strict=True))
-    yield from ((each, slice(firsts[each], behind[each])) for each in firsts if each >= 0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Element:
-    """What an element did, and what of it reaches beyond the steps of one owner.
-
-    active, starts, grasps, releases: (n_steps,); the runs are where a state begins and where it
-    ends.
-    """
 
     activity: ElementActivity
+    step_s: float
+    """The physics step [s]."""
     active: Flags
+    """Whether it is in any of its states, (n_steps,)."""
     starts: Flags
+    """Where a motion begins, (n_steps,)."""
     grasps: Flags
+    """Where a grasp begins, (n_steps,)."""
     releases: Flags
+    """The first step after each grasp, (n_steps,)."""
     moving_runs: tuple[Steps, Steps]
+    """Where it begins to move, and where it has ended to."""
     active_runs: tuple[Steps, Steps]
+    """Where it becomes active, and where it has ceased to be."""
+    moved_before: Steps
+    """In how many steps before each it moves, (n_steps + 1,)."""
+    speed: Array
+    """The speed of each step in which it moves, (n_moving,)."""
+    torque: Array
+    """The torque of each such step, (n_moving,)."""
+    wear: tuple[Array, ...]
+    """|v| T^k of each such step, (n_moving,), for each of `WEAR_EXPONENTS`."""
 
     @classmethod
-    def of(cls, activity: ElementActivity) -> _Element:
+    def of(cls, activity: ElementActivity, step_s: float) -> ElementExposures:
+        """Prepare the exposures of an element."""
         active, grasping = activity.active, activity.grasping
+        speed, torque = activity.speed[activity.moving], activity.torque[activity.moving]
         return cls(
             activity,
+            step_s,
             active,
             _begins(activity.moving),
             _begins(grasping),
             _begins(~grasping) & (np.arange(len(grasping)) > 0),
             runs(activity.moving),
             runs(active),
+            np.concatenate(([0], np.cumsum(activity.moving))),
+            speed,
+            torque,
+            tuple(speed * torque**k for k in WEAR_EXPONENTS),
         )
 
-    def exposure(self, span: slice, mask: Flags, step_s: float) -> Exposure:
+    def over(self, mask: Flags) -> Exposure:
+        """Return the exposure over the steps in a mask, (n_steps,)."""
+        (found,) = self.of_owners(np.where(mask, 0, -1), 1)
+        return found
+
+    def of_owners(self, owner: Steps, n_owners: int) -> tuple[Exposure, ...]:
+        """Return the exposure over the steps of each owner.
+
+        `owner` (n_steps,) has for each step one of 0 to `n_owners` - 1, or -1 for none.
+        """
+        found = [Exposure()] * n_owners
+        for index, span in _spans(owner):
+            found[index] = self._within(span, owner[span] == index)
+        return tuple(found)
+
+    def _within(self, span: slice, mask: Flags) -> Exposure:
         """Return the exposure over those steps of a span that are in the mask."""
-        activity = self.activity
+        activity, step_s = self.activity, self.step_s
         moving, holding = activity.moving[span] & mask, activity.holding[span] & mask
         grasping, active = activity.grasping[span] & mask, self.active[span] & mask
-        speed, torque = activity.speed[span][moving], activity.torque[span][moving]
+        moved = slice(self.moved_before[span.start], self.moved_before[span.stop])
+        is_own = mask[activity.moving[span]]
+        speed, torque = self.speed[moved][is_own], self.torque[moved][is_own]
         own = runs(mask)
         longest_moving = _longest(moving, own, span.start, self.moving_runs)
         return Exposure(
@@ -108,8 +119,20 @@ class _Element:
             releases=int(np.count_nonzero(self.releases[span] & mask)),
             grasping_moving_s=_seconds(grasping & moving, step_s),
             travel_s=float(speed.sum()) * step_s,
-            wear=_wear(torque, speed, step_s) if len(speed) else (),
+            wear=tuple(float(each[moved][is_own].sum()) * step_s for each in self.wear)
+            if len(speed)
+            else (),
         )
+
+
+def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
+    """Yield each owner, and the steps from its first to its last."""
+    starts = np.flatnonzero(np.diff(owner, prepend=-2))
+    stops = np.append(starts, len(owner))[1:].tolist()
+    owners = owner[starts].tolist()
+    firsts = dict(zip(owners[::-1], starts.tolist()[::-1], strict=True))
+    behind = dict(zip(owners, stops, strict=True))
+    yield from ((each, slice(firsts[each], behind[each])) for each in firsts if each >= 0)
 
 
 def _seconds(flags: Flags, step_s: float) -> float:
@@ -136,11 +159,6 @@ def _longest(flags: Flags, own: tuple[Steps, Steps], first: int, whole: tuple[St
 
 def _begins(flags: Flags) -> Flags:
     return flags & ~np.concatenate(([False], flags[:-1]))
-
-
-def _wear(torque: Array, speed: Array, step_s: float) -> tuple[float, ...]:
-    """Return the integral of |v| T^k over the steps given, for each of `WEAR_EXPONENTS` [s]."""
-    return tuple(float((speed * torque**k).sum()) * step_s for k in WEAR_EXPONENTS)
 
 
 def _rms(torque: Array) -> float:
