@@ -25,7 +25,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.dependencies import require_simulator
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.hardware.formats import load_hardware as load_hardware
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.freshness.freshness import run_inputs
@@ -185,7 +185,9 @@ def trace_controller(
     require_simulator("running a controller")
     from tracerisk.pipeline.run.ended_run import RunOptions
 
-    options = RunOptions(keep, progress, live_speed=live_speed)
+    options = RunOptions(
+        keep, progress, live_speed=live_speed, meanwhile=lambda: _read_ahead(controller)
+    )
     if live_speed is not None:
         from tracerisk.pipeline.run.live.live_trace import trace_live
 
@@ -193,6 +195,16 @@ def trace_controller(
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
     return trace_with_draft(controller, settings, options)
+
+
+def _read_ahead(controller: Controller) -> None:
+    """Read of the source what coverage and blocks need of it, for which the run need not end."""
+    from tracerisk.adder.sources.positions import function_sites
+    from tracerisk.source.call_graph import call_graph
+
+    with contextlib.suppress(TraceRiskError):
+        call_graph(controller.source, controller.file)
+    function_sites(controller.source)
 
 
 def annotate(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import PurePosixPath
 
 import libcst as cst
@@ -76,6 +77,7 @@ class CallGraph:
         return cls(linked, imports)
 
 
+@lru_cache(maxsize=8)
 def call_graph(source: bytes, file: str) -> CallGraph:
     """Read the static call graph of one source file.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import cast
 
 import libcst as cst
@@ -12,7 +13,8 @@ from tracerisk.adder.sources.definitions import Site, normal_name
 from tracerisk.trace import QualifiedName
 
 
-def function_sites(source: bytes) -> dict[tuple[QualifiedName, int], Site] | None:
+@lru_cache(maxsize=8)
+def function_sites(source: bytes) -> Mapping[tuple[QualifiedName, int], Site] | None:
     """Return where the block of each function goes, by qualified name and line of the `def`.
 
     `None` if libcst cannot read the source: it rejects some that CPython accepts

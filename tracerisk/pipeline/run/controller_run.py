@@ -214,6 +214,8 @@ def _run_child(
     passing.start()
     try:
         start.handed_over()
+        if options.meanwhile is not None:
+            options.meanwhile()
         ended = watch(RunningChild(child, start, request, settings, options))
         has_begun = start.pid is not None
     finally:

@@ -91,7 +91,8 @@ class RunOptions:
     `keep` is a folder for its recording. `drafts` says when it notes what a scenario could say
     for its needs. With `live_speed` it is on real rospy, at most so many times as fast as the wall
     clock. `on_run` is called with each run that is tried. What a `quiet` run prints is dropped.
-    Its trace is to be judged `beside` another run, as `make_trace` says.
+    Its trace is to be judged `beside` another run, as `make_trace` says. `meanwhile` is called
+    once its process computes.
     """
 
     keep: Path | None = None
@@ -101,6 +102,7 @@ class RunOptions:
     on_run: Callable[[ControllerRun], None] | None = None
     quiet: bool = False
     beside: Recording | None = None
+    meanwhile: Callable[[], None] | None = None
 
 
 PLAIN = RunOptions()
