@@ -1,12 +1,14 @@
 """A campaign ends its workers, and says what it cannot write."""
 
 import multiprocessing
+import signal
 import time
 
 import pytest
 
 from tests.pipeline.evidence.test_file import CELL
 from tracerisk.errors import InputError
+from tracerisk.pipeline.evidence import workers
 from tracerisk.pipeline.evidence.campaign import _journal
 from tracerisk.pipeline.evidence.workers import Workers
 
@@ -23,6 +25,19 @@ def test_who_stops_a_campaign_waits_for_no_job():
     for each in workers:
         each.join(60.0)
         assert each.exitcode is not None
+
+
+def test_a_worker_that_does_not_end_is_killed(monkeypatch):
+    """Whatever it waits for: here a function that is to run at its exit."""
+    monkeypatch.setattr(workers, "_ENDING_S", 0.5)
+    before = set(multiprocessing.active_children())
+    stays = "import atexit, time; atexit.register(time.sleep, 3600.0)"
+    results = Workers(jobs=1).run(exec, [stays, "import time; time.sleep(3600.0)"])
+    next(results)
+    (worker,) = set(multiprocessing.active_children()) - before
+    results.close()
+    worker.join(20.0)
+    assert worker.exitcode == -signal.SIGKILL
 
 
 def test_a_journal_that_cannot_be_written_is_named(tmp_path):

@@ -29,7 +29,7 @@ CellProgress = Callable[[int, int, float], None]
 # Forked processes would share the threads and files of this one.
 _CONTEXT = multiprocessing.get_context("spawn")
 _ENDING_S = 10.0
-"""How long workers may take to end [s]."""
+"""How long workers may take to end before they are killed [s]."""
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
 
@@ -96,6 +96,8 @@ class Workers:
                 if self.executor is None:
                     for each in started:
                         each.join(_ENDING_S)
+                        if each.exitcode is None:
+                            each.kill()
 
 
 def _pool(workers: int, alive: Connection, folder: Path | None) -> ProcessPoolExecutor:
