@@ -151,30 +151,55 @@ def test_a_forked_process_sees_what_a_fresh_one_sees(begin, mode):
     assert mode != "off" or str(writing) in reported[0]["files"]
 
 
+# What a process does, the code with which it ends, and the last line that it has written.
 ENDS = {
-    "its end": "pass",
-    "a code": "sys.exit(3)",
-    "a sudden code": "os._exit(4)",
-    "an exception": "raise ValueError('no')",
-    "a signal": "os.kill(os.getpid(), signal.SIGKILL)",
-    "a fault": "signal.signal(11, signal.SIG_DFL); os.kill(os.getpid(), 11)",
-    "a closed pipe": "signal.signal(13, signal.SIG_DFL); os.kill(os.getpid(), 13)",
-    "processor time": "resource.setrlimit(resource.RLIMIT_CPU, (1, 1))\nwhile True: pass",
-    "memory": "resource.setrlimit(resource.RLIMIT_AS, (2**30,) * 2); bytes(2**31)",
-    "a child left": "subprocess.Popen(['sleep', '60'], start_new_session=True); print('x')",
+    "its end": ("pass", 0, []),
+    "a code": ("sys.exit(3)", 3, []),
+    "a message": ("sys.exit('no')", 1, ["no"]),
+    "a sudden code": ("os._exit(4)", 4, []),
+    "an exception": ("raise ValueError('no')", 1, ["ValueError: no"]),
+    "a signal": ("os.kill(os.getpid(), signal.SIGKILL)", -9, []),
+    "a fault": ("signal.signal(11, signal.SIG_DFL); os.kill(os.getpid(), 11)", -11, []),
+    "a closed pipe": ("signal.signal(13, signal.SIG_DFL); os.kill(os.getpid(), 13)", -13, []),
+    "processor time": (
+        "resource.setrlimit(resource.RLIMIT_CPU, (1, 1))\nwhile True: pass",
+        -signal.SIGKILL,
+        [],
+    ),
+    "memory": (
+        "resource.setrlimit(resource.RLIMIT_AS, (2**30,) * 2); bytes(2**31)",
+        1,
+        ["MemoryError"],
+    ),
+    "a child left": (
+        "subprocess.Popen(['sleep', '60'], start_new_session=True); print('x')",
+        0,
+        ["x"],
+    ),
+    "a call at exit": ("atexit.register(print, 'late'); print('x')", 0, ["late"]),
+    "a thread": (
+        "threading.Thread(target=lambda: [time.sleep(0.1), print('late')]).start(); print('x')",
+        0,
+        ["late"],
+    ),
+    "a text that C holds": ("ctypes.CDLL(None).printf(b'held\\n')", 0, ["held"]),
+    "a fork that ends otherwise": (
+        "child = os.fork()\nif not child: sys.exit(5)\nprint(os.waitpid(child, 0)[1] >> 8)",
+        0,
+        ["5"],
+    ),
 }
 
 
+@pytest.mark.parametrize("afresh", [True, False])
 @pytest.mark.parametrize("how", ENDS)
-def test_it_ends_as_a_fresh_one(begin, how):
-    found = []
-    for afresh in (True, False):
-        child = begin(ENDS[how], afresh=afresh)
-        output = child.stdout.read().decode()
-        child.stdout.close()
-        found.append((child.wait(60), output.splitlines()[-1:]))
-        assert child.poll() == child.wait() == child.returncode
-    assert found[0] == found[1]
+def test_it_ends_as_any_process(begin, how, afresh):
+    code, expected, last = ENDS[how]
+    child = begin(code, afresh=afresh)
+    output = child.stdout.read().decode()
+    child.stdout.close()
+    assert (child.wait(60), output.splitlines()[-1:]) == (expected, last)
+    assert child.poll() == child.wait() == child.returncode
 
 
 def test_what_differs_belongs_to_each_alone(begin, tmp_path, monkeypatch):
