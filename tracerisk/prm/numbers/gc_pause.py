@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 
 _FEW = 1000
+_MANY = 100_000
 
 
 class collection_paused:  # noqa: N801 - it is called as a function
@@ -14,7 +15,7 @@ class collection_paused:  # noqa: N801 - it is called as a function
 
     Each new generation would look through all of them again: three quarters of the time in a model
     of some thousand gates.
-    They are then old at once, and looked through when all that is old is.
+    Where they are very many, they are then old at once, and looked through when all that is old is.
     """
 
     def __init__(self, objects: int = _FEW) -> None:
@@ -27,7 +28,8 @@ class collection_paused:  # noqa: N801 - it is called as a function
 
     def __exit__(self, *_: object) -> None:
         if self._was_enabled:
-            if gc.get_freeze_count() == 0:
+            # To count what is frozen takes longer than to look through what a small model has made.
+            if gc.get_count()[0] >= _MANY and gc.get_freeze_count() == 0:
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()
