@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import mul
 from typing import TYPE_CHECKING, cast
 
 from tracerisk.errors import ModelError
@@ -201,15 +202,17 @@ def _after(
     weight = 1.0
     for number, (left, gone) in enumerate(_steps(rates, fastest, dormancy)):
         weight = weights[number] if number <= peak else weight * mean / number
-        for place, share in enumerate(left):
-            survived[place] += weight * share
+        survived = [sofar + weight * share for sofar, share in zip(survived, left, strict=True)]
         failed += weight * gone
         whole += weight
-        if number >= peak:
+        if number >= peak and weight == 0.0:
+            break
+        if number >= max(peak, len(rates)):
             # What follows is less than a geometric series of these ratios.
             rest = weight * mean / (number + 1 - mean)
-            least = min((x for x in (*survived, failed) if x > _SMALLEST * whole), default=0.0)
-            if weight == 0.0 or (number >= len(rates) and rest <= _NEGLIGIBLE * least):
+            smallest = _SMALLEST * whole
+            least = min((x for x in (*survived, failed) if x > smallest), default=0.0)
+            if rest <= _NEGLIGIBLE * least:
                 break
     return Outcome(tuple(share / whole for share in survived), failed / whole)
 
@@ -219,13 +222,13 @@ def _steps(
 ) -> Iterator[tuple[list[float], float]]:
     """Yield where the chain is after 0, 1, 2... steps of the fastest rate: left by place, gone."""
     now, gone = [1.0] + [0.0] * (len(rates) - 1), 0.0
+    mores, ends = [more for more, _ in rates], [end for _, end in rates]
     while True:
         yield now, gone
-        gone += sum(share * end for share, (_, end) in zip(now, rates, strict=True)) / fastest
-        following = []
-        entering = 0.0
-        for place, (share, (more, _)) in enumerate(zip(now, rates, strict=True)):
-            # A place is left the more slowly the fewer units wait: nothing is subtracted.
-            following.append((entering + share * place * dormancy) / fastest)
-            entering = share * more
-        now = following
+        gone += sum(map(mul, now, ends)) / fastest
+        entering = [0.0, *map(mul, now, mores)]
+        # A place is left the more slowly the fewer units wait: nothing is subtracted.
+        now = [
+            (entering[place] + share * place * dormancy) / fastest
+            for place, share in enumerate(now)
+        ]
