@@ -51,7 +51,7 @@ class Commands:
     def __init__(self, controller: str, environment: Mapping[str, str]) -> None:
         """Start it; it imports what a run of the controller, and a report on it, import.
 
-        Runs of commands with another environment than this have a server of their own.
+        Runs with other variables that are read once have a server of their own.
         """
         self._at_start = _read_at_start(environment)
         self._folder = tempfile.TemporaryDirectory()

@@ -100,9 +100,9 @@ def begin(tmp_path, monkeypatch, server):
                 sandbox=Sandbox(mode),
                 reads=[tmp_path],
                 writes=[tmp_path],
-                environment={"PATH": os.environ["PATH"], **environment},
+                environment={"PATH": os.environ["PATH"], "OWN": own, **environment},
                 options=("-u",),
-                own={"OWN": own},
+                is_repeated=True,
                 pass_fds=pass_fds,
                 **process.OF_FORKED,
             )
@@ -202,7 +202,7 @@ def test_it_ends_as_any_process(begin, how, afresh):
     assert child.poll() == child.wait() == child.returncode
 
 
-def test_what_differs_belongs_to_each_alone(begin, tmp_path, monkeypatch):
+def test_what_differs_belongs_to_each_alone(begin, server, tmp_path, monkeypatch):
     code = (
         "print(os.environ['OWN'], os.environ.get('A'), os.environ.get('B'), os.getcwd(), "
         "oct(os.umask(0)), resource.getrlimit(resource.RLIMIT_NOFILE)[0]); "
@@ -215,7 +215,9 @@ def test_what_differs_belongs_to_each_alone(begin, tmp_path, monkeypatch):
     try:
         first = said(begin(code, own="1", A="1"))
         assert first.split()[:5] == ["1", "1", "None", str(tmp_path), "0o22"]
+        number = server.server._process.pid
         assert said(begin(code, own="2", B="2")).split()[:3] == ["2", "None", "2"]
+        assert server.server._process.pid == number
         monkeypatch.chdir(other)
         os.umask(0o077)
         resource.setrlimit(resource.RLIMIT_NOFILE, (200, usual[1]))
@@ -239,6 +241,13 @@ def test_another_module_has_another_server(begin):
     assert said(begin("print('this')")) == "this\n"
     assert said(begin("pass", module="another")) == "another\n"
     assert said(begin("print('this')")) == "this\n"
+
+
+def test_what_is_read_once_has_another_server(begin, server):
+    code = "import locale; print(locale.setlocale(locale.LC_CTYPE, ''), os.environ.get('LC_ALL'))"
+    for language in ("C", "C.UTF-8", None, "C"):
+        given = {} if language is None else {"LC_ALL": language}
+        assert said(begin(code, **given)) == said(begin(code, afresh=True, **given))
 
 
 def test_forked_processes_draw_other_random_numbers(begin):
@@ -305,7 +314,7 @@ from tracerisk.sandbox import fork_server, process
 from tracerisk.limits import Sandbox
 fork_server.several_come()
 child = process.start("probe_of_a_fork", {code!r}, sandbox=Sandbox({mode!r}), options=("-u",),
-    environment=dict(os.environ), own={{}}, **process.OF_FORKED)
+    environment=dict(os.environ), is_repeated=True, **process.OF_FORKED)
 print(fork_server._KEPT.server._process.pid, child.pid, child.stdout.readline().decode().strip(),
     flush=True)
 {then}

@@ -39,6 +39,12 @@ _INHERITED = frozenset(
     }
 )
 
+# Variables that Python, the C library and libraries of numbers read once, by how they begin.
+_READ_ONCE = (
+    *("PYTHON", "LD_", "LC_", "LANG", "TZ", "MALLOC_", "GLIBC_", "MUJOCO_", "PYOPENGL_", "LIBCST_"),
+    *("BLIS_", "GOMP_", "KMP_", "MKL_", "NPY_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_"),
+)
+
 Start = Callable[..., "subprocess.Popen[bytes]"]
 """Starts a process afresh with a plan, an environment and descriptors."""
 
@@ -100,6 +106,7 @@ class _Server:
         import socket
 
         self.key = key
+        self._environment = dict(environment)
         self._starter = os.getpid()
         self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
@@ -122,16 +129,21 @@ class _Server:
         self,
         arguments: Sequence[str],
         plan: Mapping[str, Any],
-        own: Mapping[str, str],
+        environment: Mapping[str, str],
         pass_fds: Sequence[int],
     ) -> Forked:
         """Ask for a process. Raises OSError where the server cannot give it."""
         import socket
 
+        changed = {
+            name: environment.get(name)
+            for name in {**self._environment, **environment}
+            if environment.get(name) != self._environment.get(name)
+        }
         asked = {
             "plan": plan,
             "arguments": list(arguments),
-            "own": dict(own),
+            "changed": changed,
             "descriptors": list(pass_fds),
         }
         with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as stack:
@@ -195,33 +207,32 @@ def forked(
     *,
     plan: Mapping[str, Any],
     environment: Mapping[str, str],
-    own: Mapping[str, str],
     pass_fds: Sequence[int],
     start: Start,
 ) -> Forked | None:
     """Return a process that a server has forked; None where one is to be started afresh.
 
     That is so for the first of its kind, and where there can be no server. `kind` is the module
-    with Python's options; `own` are the variables in which this process differs from others of
-    its kind.
+    with Python's options. Of `environment`, variables that are read once, as a process starts or
+    imports a library, are those of the server: another has other ones.
     """
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
-    common = {**environment, **dict.fromkeys(own, "")}
+    read_once = [each for each in environment.items() if each[0].startswith(_READ_ONCE)]
     of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:
-            key = (list(kind), list(common.items()), plan["paths"], _inherited())
+            key = (list(kind), read_once, plan["paths"], _inherited())
             server = _KEPT.server
             if server is None or server.key != key or not server.is_alive:
                 is_first, _KEPT.key = _KEPT.key != key, key
                 if is_first and not _KEPT.is_wanted:
                     return None
                 _KEPT.close()
-                server = _KEPT.server = _Server(key, start, of_server, common)
+                server = _KEPT.server = _Server(key, start, of_server, environment)
                 atexit.unregister(_KEPT.close)
                 atexit.register(_KEPT.close)
-            return server.fork(arguments, plan, own, pass_fds)
+            return server.fork(arguments, plan, environment, pass_fds)
         except OSError:
             _KEPT.close()
             return None
@@ -371,7 +382,11 @@ def _begun(module: str, found: Sequence[int], server: int) -> dict[str, Any]:
         request = json.load(stream)
     wanted = (0, 1, 2, *request["descriptors"])
     _keep_only(dict(zip(wanted, given, strict=True)))
-    os.environ.update(request["own"])
+    for name, value in request["changed"].items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
     sys.argv = [module, *request["arguments"]]
     sys.orig_argv = [*sys.orig_argv, *request["arguments"]]
     return {**request["plan"], "parent": server}

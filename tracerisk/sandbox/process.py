@@ -119,15 +119,14 @@ def start(
     environment: Mapping[str, str],
     options: Sequence[str] = (),
     pass_fds: Sequence[int] = (),
-    own: Mapping[str, str] | None = None,
+    is_repeated: bool = False,
     **more: Any,
 ) -> subprocess.Popen[bytes]:
     """Start Python, isolated, with a module of ours; what it leaves running ends with it.
 
     `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
     what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
-    A module that is started again and again gives the variables that differ each time as `own`:
-    then a server may fork it, where `more` is `OF_FORKED`.
+    A module that `is_repeated`, again and again, a server may fork where `more` is `OF_FORKED`.
     Raises SandboxError where a sandbox is required that does not work here.
     """
     paths = _import_paths()
@@ -148,14 +147,13 @@ def start(
             "writable": [str(each) for each in writes],
         }
     begin = partial(_popen, module, options)
-    common = {**_without_python(environment), **(own or {}), "PYTHONHASHSEED": "0"}
-    if own is not None and more == OF_FORKED:
+    common = {**_without_python(environment), "PYTHONHASHSEED": "0"}
+    if is_repeated and more == OF_FORKED:
         found = forked(
             (module, *options),
             arguments,
             plan=plan,
             environment=common,
-            own=own,
             pass_fds=pass_fds,
             start=begin,
         )

@@ -200,11 +200,11 @@ def _run_child(
             "MUJOCO_GL": "disable",
             # The host's time zone must not show in what a controller sees.
             "TZ": "UTC",
-            **(own if is_live else {}),
+            **own,
         },
         options=("-u",),
         pass_fds=(start.descriptor,),
-        own=None if is_live else own,
+        is_repeated=not is_live,
         **OF_FORKED,
     )
     assert child.stdout is not None
