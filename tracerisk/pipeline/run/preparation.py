@@ -6,14 +6,18 @@ import contextlib
 import sys
 from importlib import import_module
 
+from tracerisk.ros.imports.finder import read_stand_ins
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.twin.physics.scene import load_scene, scene_names
 from tracerisk.vendors.driver_search import shipped_drivers
 
 _EVERY_RUN = ("dm_control.mujoco", "libcst.native", "tracerisk.text.yaml_bounds")
 _STORES = "rosbags.typesys.stores.ros"
 _MESSAGES = "moveit_msgs"
 """The package whose definitions most runs read: they are parsed once."""
+_LIBRARIES = ("actionlib", "moveit_commander", "rclpy", "rospy")
+"""The libraries whose code most runs read."""
 
 
 def prepare() -> None:
@@ -26,6 +30,9 @@ def prepare() -> None:
         for name in interfaces.message_names(_MESSAGES):
             interfaces.message(f"{_MESSAGES}/{name}")
     shipped_drivers()
+    read_stand_ins(*_LIBRARIES)
+    for name in scene_names():
+        load_scene(name)
 
 
 def leave_out_other_ros(version: int) -> None:

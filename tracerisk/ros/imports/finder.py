@@ -11,14 +11,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
-from types import MappingProxyType, ModuleType
-from typing import TYPE_CHECKING, Any, Literal
+from types import CodeType, MappingProxyType, ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from tracerisk.ros.imports.cfg_modules import cfg_module
 from tracerisk.ros.imports.compiled_modules import compiled_module
@@ -126,16 +126,16 @@ class StandInFinder(MetaPathFinder):
         return not isinstance(getattr(loaded.__spec__, "loader", None), _StandInLoader)
 
     def _library_spec(self, fullname: str) -> ModuleSpec | None:
-        base = STAND_INS.joinpath(*fullname.split("."))
-        for file, folder in ((base / "__init__.py", base), (base.with_suffix(".py"), None)):
-            if file.is_file():
-                return spec_from_file_location(
-                    fullname,
-                    file,
-                    loader=_StandInLoader(fullname, str(file)),
-                    submodule_search_locations=None if folder is None else [str(folder)],
-                )
-        return None
+        found = _file_and_folder(fullname)
+        if found is None:
+            return None
+        file, folder = found
+        return spec_from_file_location(
+            fullname,
+            file,
+            loader=_StandInLoader(fullname, file),
+            submodule_search_locations=None if folder is None else [folder],
+        )
 
     def _interface_spec(self, fullname: str, package: str, rest: str) -> ModuleSpec | None:
         kind, _, leaf = rest.partition(".")
@@ -195,6 +195,13 @@ class _StandInLoader(SourceFileLoader):
     other with it (`rclpy.node` comes with `rclpy.action`) is not for a stand-in to decide.
     """
 
+    _codes: ClassVar[dict[str, CodeType | None]] = {}
+
+    def get_code(self, fullname: str) -> CodeType | None:
+        if fullname not in self._codes:
+            self._codes[fullname] = super().get_code(fullname)
+        return self._codes[fullname]
+
     def exec_module(self, module: ModuleType) -> None:
         super().exec_module(module)
         if "__getattr__" not in vars(module):
@@ -204,6 +211,28 @@ class _StandInLoader(SourceFileLoader):
         vars(module).setdefault("__path__", [])
 
 
+def read_stand_ins(*libraries: str) -> None:
+    """Read the code of libraries' stand-ins: processes that are forked have it in memory."""
+    for file in (each for name in libraries for each in (STAND_INS / name).rglob("*.py")):
+        parts = file.relative_to(STAND_INS).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        _file_and_folder(name)
+        _StandInLoader(name, str(file)).get_code(name)
+        if file.name == "__init__.py":
+            _modules_beside(file)
+
+
+@cache
+def _file_and_folder(fullname: str) -> tuple[str, str | None] | None:
+    """Return the file of a stand-in's module, and its folder where it is a package."""
+    base = STAND_INS.joinpath(*fullname.split("."))
+    if (base / "__init__.py").is_file():
+        return str(base / "__init__.py"), str(base)
+    file = base.with_suffix(".py")
+    return (str(file), None) if file.is_file() else None
+
+
+@cache
 def _modules_beside(file: Path) -> frozenset[str]:
     """Return the names of the public modules and packages in a package's folder."""
     return frozenset(

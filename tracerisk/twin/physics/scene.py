@@ -6,6 +6,7 @@ Coordinates are in the world frame [m, rad]; z points up.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tracerisk.errors import RobotError, one_of
@@ -109,6 +110,7 @@ class _Rack:
         return floor, *sides, *ribs
 
 
+@cache
 def scene_names() -> tuple[str, ...]:
     """Return the names of the shipped scenes, sorted."""
     return tuple(sorted(path.stem for path in SHIPPED_SCENES.glob("*.yaml")))
@@ -122,14 +124,19 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     text = str(name_or_path)
     if text in scene_names():
-        path = SHIPPED_SCENES / f"{text}.yaml"
-        return _scene(read_yaml(path, RobotError, shown=f"scenes/{path.name}"), path.name)
+        return _shipped(text)
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
         return _scene(read_yaml(path, RobotError), text)
     raise RobotError(
         f"unknown scene '{text}'; {one_of(scene_names(), text)}; or give a scene file (.yaml)"
     )
+
+
+@cache
+def _shipped(name: str) -> Scene:
+    path = SHIPPED_SCENES / f"{name}.yaml"
+    return _scene(read_yaml(path, RobotError, shown=f"scenes/{path.name}"), path.name)
 
 
 def _scene(top: YamlMap, file: str) -> Scene:
