@@ -403,15 +403,20 @@ RUNS = {
 }
 
 
-def shown_afresh_and_forked(server, monkeypatch, capfd, settings) -> list[tuple[str, str]]:
+def shown_afresh_and_forked(monkeypatch, capfd, settings) -> list[tuple[str, str]]:
     """The trace of `cell.py` and what it printed, of a fresh process and of a forked one."""
     controller, found = load_controller(Path("cell.py")), []
     for afresh in (True, False):
+        given = []
+
+        def forked(*arguments, afresh=afresh, given=given, **more):
+            given.append(None if afresh else fork_server.forked(*arguments, **more))
+            return given[-1]
+
         with monkeypatch.context() as patched:
-            if afresh:
-                patched.setattr(process, "forked", lambda *_, **__: None)
+            patched.setattr(process, "forked", forked)
             trace = trace_controller(controller, settings)
-        assert (server.server is None) is afresh
+        assert [each is None for each in given] == [afresh]
         found.append((trace_json.dumps(trace), capfd.readouterr().err))
     return found
 
@@ -420,22 +425,22 @@ def shown_afresh_and_forked(server, monkeypatch, capfd, settings) -> list[tuple[
     ("name", "mode"),
     [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off"), ("hangs", "off")],
 )
-def test_a_run_shows_the_same(server, tmp_path, monkeypatch, capfd, name, mode):
+def test_a_run_shows_the_same(tmp_path, monkeypatch, capfd, name, mode):
     code, options = RUNS[name]
     monkeypatch.chdir(tmp_path)
     Path("cell.py").write_text(CELL.format(code=code))
     settings = Settings(sandbox=mode, **options)
-    afresh, forked = shown_afresh_and_forked(server, monkeypatch, capfd, settings)
+    afresh, forked = shown_afresh_and_forked(monkeypatch, capfd, settings)
     assert forked == afresh
 
 
 NODE = "import sys, rclpy\nprint(sorted(sys.modules))\n"
 
 
-def test_a_run_of_ros_2_shows_the_same(server, tmp_path, monkeypatch, capfd):
+def test_a_run_of_ros_2_shows_the_same(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     Path("cell.py").write_text(NODE)
-    afresh, forked = shown_afresh_and_forked(server, monkeypatch, capfd, Settings())
+    afresh, forked = shown_afresh_and_forked(monkeypatch, capfd, Settings())
     assert forked == afresh
     assert "'rosbags.typesys.stores.ros2_jazzy'" in forked[1]
     assert "ros1_noetic" not in forked[1]
