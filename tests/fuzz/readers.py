@@ -236,11 +236,16 @@ class Reader:
     """Whole inputs, which it accepts."""
 
 
+def _written(path: Path, content: bytes) -> Path:
+    """Write a new file: one that is cut and written anew at once waits for the disk."""
+    path.unlink(missing_ok=True)
+    path.write_bytes(content)
+    return path
+
+
 def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], object]:
     def of(data: bytes, folder: Path) -> object:
-        path = folder / name
-        path.write_bytes(data)
-        return read(path)
+        return read(_written(folder / name, data))
 
     return of
 
@@ -251,7 +256,7 @@ def _chain(
     def of(data: bytes, folder: Path) -> object:
         files = {name: data} if beside is None else {name: data, beside[0]: beside[1]}
         for each, content in files.items():
-            (folder / each).write_bytes(content)
+            _written(folder / each, content)
         first = name if name != "c.lab" else "c.tra"
         return ChainFile((str(folder / first),), kind, None).solve(None, importance=False)
 

@@ -53,7 +53,7 @@ def small_disk(tmp_path):
 
     yield made
     for disk in disks:
-        subprocess.run(["umount", str(disk)], check=False)
+        subprocess.run(["umount", "--lazy", str(disk)], check=False)
 
 
 @pytest.fixture(scope="module")
