@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
+from collections.abc import Mapping
 from dataclasses import is_dataclass
 from functools import cache
 from typing import Any, TypeVar, cast
@@ -11,10 +12,11 @@ from typing import Any, TypeVar, cast
 T = TypeVar("T")
 
 _hints = cache(typing.get_type_hints)
+_PLAIN = frozenset({str, int, float, bool})
 
 
 def read_back(kind: type[T], data: Any) -> T:
-    """Return a value of the kind; lists become the tuples that its fields are declared to be.
+    """Return a value of the kind; lists and maps become what its fields are declared to be.
 
     Raises ValueError, TypeError or AttributeError for data of another shape.
     """
@@ -22,9 +24,9 @@ def read_back(kind: type[T], data: Any) -> T:
 
 
 def _read(kind: Any, data: Any) -> Any:
+    if data is None or kind in _PLAIN:
+        return data
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if data is None:
-        return None
     if origin in (typing.Union, types.UnionType):
         return _read(next(each for each in arguments if each is not types.NoneType), data)
     if is_dataclass(kind):
@@ -33,4 +35,8 @@ def _read(kind: Any, data: Any) -> Any:
     if origin is tuple:
         kinds = arguments[:1] * len(data) if arguments[-1] is Ellipsis else arguments
         return tuple(_read(each, value) for each, value in zip(kinds, data, strict=True))
+    if origin is frozenset:
+        return frozenset(_read(arguments[0], each) for each in data)
+    if origin is Mapping:
+        return types.MappingProxyType({key: _read(arguments[1], data[key]) for key in data})
     return data

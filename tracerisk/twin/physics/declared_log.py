@@ -13,13 +13,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import Location, LogError
 from tracerisk.geometry.shapes import Shape
+from tracerisk.text.read_back import read_back
 
 _BODIES = "declared.jsonl"
 _POSES = "declared_poses.bin"
@@ -96,9 +96,10 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
         # The last line may have been cut short.
         read = [json.loads(line) for line in lines[:-1]]
         changes = [
-            (int(line["step"]), tuple(_body(body) for body in line["bodies"])) for line in read
+            (int(line["step"]), tuple(read_back(LoggedShape, body) for body in line["bodies"]))
+            for line in read
         ]
-    except (KeyError, TypeError, ValueError) as cause:
+    except (AttributeError, KeyError, TypeError, ValueError) as cause:
         raise LogError(f"is no log of declared bodies: {cause}", Location(str(path))) from cause
     data = (directory / _POSES).read_bytes()
     flat = np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
@@ -114,20 +115,3 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
         poses = rows[:, 1:].reshape(len(rows), n_free, POSE)
         found.append(DeclaredChange(step, bodies, rows[:, 0], poses))
     return tuple(found)
-
-
-def _shape(data: dict[str, Any]) -> Shape:
-    lists = {key: tuple(value) for key, value in data.items() if isinstance(value, list)}
-    return Shape(**{**data, **lists})
-
-
-def _body(data: dict[str, Any]) -> LoggedShape:
-    shapes = [_shape(each) for each in data["shapes"]]
-    return LoggedShape(
-        name=data["name"],
-        is_free=data["is_free"],
-        pose=tuple(data["pose"]),
-        shapes=tuple(shapes),
-        hulls=tuple(tuple((x, y, z) for x, y, z in hull) for hull in data["hulls"]),
-        planes=tuple(tuple(plane) for plane in data["planes"]),
-    )

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import Location, LogError
 from tracerisk.sandbox.process import read_regular
+from tracerisk.text.read_back import read_back
 from tracerisk.twin.physics.declared_log import DECLARED_FILES, DeclaredLogWriter
 from tracerisk.twin.recording.contact_log import ContactLog, ContactLogWriter, read_contacts
 
@@ -289,8 +290,7 @@ def _parsed_header(text: bytes) -> SampleHeader | None:
     found = json.loads(text)
     if found.pop("version") != _VERSION:
         return None
-    names = ("controls", "joints", "pads", "free_bodies", "free_at")
-    return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
+    return read_back(SampleHeader, found)
 
 
 def _floats(path: Path) -> Array:

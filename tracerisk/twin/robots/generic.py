@@ -170,60 +170,49 @@ def generic_arm(asked: NamesAsked) -> Robot:
     names = tuple(name for name in asked.joints if not _FINGER.search(name))[:_MOST_JOINTS]
     names = names or tuple(f"joint{index + 1}" for index in range(_N_JOINTS))
     fingers = fingers or ("gripper_finger_joint",)
-    count = len(names)
-    # A shorter arm is the first axes of the longer one; further ones turn at its wrist.
-    places = [min(index, _N_JOINTS - 1) for index in range(count)]
-    arm_links = [f"generic_link{index + 1}" for index in range(count)]
+    # A shorter arm is the first axes of the longer one.
+    axes = [axis_figures(index) for index in range(len(names))]
+    arm_links = [f"generic_link{index + 1}" for index in range(len(names))]
     base = "base_link"
+    parents = (base, *arm_links[:-1])
+    zero = (0.0, 0.0, 0.0)
     attachments = [
-        Attachment(
-            name,
-            "revolute",
-            base if index == 0 else arm_links[index - 1],
-            arm_links[index],
-            _FRAMES[place][0],
-            (0.0, 0.0, 0.0),
-            _FRAMES[place][1] if index < _N_JOINTS else ((1.0, 0, 0), (0, 1.0, 0))[index % 2],
-        )
-        for index, (name, place) in enumerate(zip(names, places, strict=True))
+        Attachment(name, "revolute", parent, link, each.xyz, zero, each.axis)
+        for name, parent, link, each in zip(names, parents, arm_links, axes, strict=True)
     ]
     joints = [
         Joint(
             name,
             "revolute",
-            -math.pi,
-            math.pi,
-            _VELOCITY,
+            -each.range_rad,
+            each.range_rad,
+            each.speed,
             _ACCELERATION,
-            _TORQUES[place],
-            derived_servo(_TORQUES[place], _VELOCITY),
+            each.torque_nm,
+            derived_servo(each.torque_nm, each.speed),
         )
-        for name, place in zip(names, places, strict=True)
+        for name, each in zip(names, axes, strict=True)
     ]
     taken = {base, *arm_links}
     frames = [name for name in asked.frames if name not in taken][:20]
     tool = "tool0" if "tool0" not in frames else "generic_tool"
     attachments.append(_fixed(tool, arm_links[-1], _TOOL))
-    attachments += [_fixed(name, tool, (0.0, 0.0, 0.0)) for name in frames]
-    links = [Link(base, 0.0, (0.0, 0.0, 0.0), None, (Shape("cylinder", (0.08, 0.1), (0, 0, 0.1)),))]
+    attachments += [_fixed(name, tool, zero) for name in frames]
+    links = [Link(base, 0.0, zero, None, (Shape("cylinder", (0.08, 0.1), (0, 0, 0.1)),))]
     links += [
-        Link(link, _MASSES[place], (0.0, 0.0, 0.0), None, ())
-        for link, place in zip(arm_links, places, strict=True)
+        Link(link, each.mass_kg, zero, None, ()) for link, each in zip(arm_links, axes, strict=True)
     ]
-    links += [Link(name, 0.0, (0.0, 0.0, 0.0), None, ()) for name in (tool, *frames)]
+    links += [Link(name, 0.0, zero, None, ()) for name in (tool, *frames)]
     pad = Shape("box", (0.015, 0.004, 0.01), (0.03, 0.0, 0.0), pad=True)
-    hand = sliding_fingers(fingers, tool, "generic_finger", pad, 0.05, (0.0, 0.0, 0.0))
+    hand = sliding_fingers(fingers, tool, "generic_finger", pad, 0.05, zero)
     links += hand.links
     attachments += hand.attachments
     joints += hand.joints
     outlines = [
         outlined(link, 0.04, attachments) if link.name in arm_links else link for link in links
     ]
-    rest = {name: _REST[place] for name, place in zip(names, places, strict=True)}
-    groups = {
-        "arm": Group(names, tool),
-        "gripper": Group(fingers, tool),
-    }
+    rest = {name: _REST[min(index, _N_JOINTS - 1)] for index, name in enumerate(names)}
+    groups = {"arm": Group(names, tool), "gripper": Group(fingers, tool)}
     return Robot(
         name=NAME,
         title=TITLE,
