@@ -21,8 +21,8 @@ from tracerisk.twin.recording.activity import (
     hysteresis,
 )
 from tracerisk.twin.recording.contact_log import ROW, BodyKind, ContactLog, LoggedBody, Weld
+from tracerisk.twin.recording.contact_pairs import between_pads
 from tracerisk.twin.recording.exposure import exposure
-from tracerisk.twin.recording.grasp import between_pads
 from tracerisk.twin.recording.samples import SampleHeader, Samples
 from tracerisk.twin.robots.robot import Robot
 

@@ -19,7 +19,7 @@ from tracerisk.twin.robots.generic import generic_arm, names_asked
 from tracerisk.twin.robots.known_arms import completed_as_ours
 from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Scaling, load_robot
-from tracerisk.twin.urdf.joint_limits import limited_as_beside
+from tracerisk.twin.urdf.moveit_package import changed_as_beside
 from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
@@ -192,7 +192,7 @@ def test_a_scaling_factor_that_is_none_is_reported_and_not_taken(tmp_path):
     srdf.write_text(texts.SRDF)
     (folder / "joint_limits.yaml").write_text("a: 1\ndefault_velocity_scaling_factor: 0.0\n")
     with pytest.raises(RobotError, match="above 0, at most 1") as caught:
-        limited_as_beside(texts.robot(), srdf, shown="tiny/tiny.srdf")
+        changed_as_beside(texts.robot(), srdf, "joint_limits.yaml", shown="tiny/tiny.srdf")
     assert str(caught.value.location).startswith("tiny/joint_limits.yaml:2")
     assert chosen(script).robot.default_scaling == Scaling(0.1, 0.1)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import LogError
 from tracerisk.trace import Element
 from tracerisk.twin.motion.execution import FINGER_LENGTH_M, servo_lead
-from tracerisk.twin.recording.grasp import between_pads
+from tracerisk.twin.recording.contact_pairs import between_pads
 from tracerisk.twin.recording.joint_motion import LEVER_M, MotionRule, SetPoint, motion_steps
 from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.robot import Gripper, Joint, Robot

@@ -125,6 +125,18 @@ class ElementExposures:
         )
 
 
+def longest_of_owners(flags: Flags, owner: Steps, n_owners: int) -> list[int]:
+    """Return the longest run of true entries in the steps of each owner, in steps; see `_longest`.
+
+    `owner` is as in `ElementExposures.of_owners`.
+    """
+    found, whole = [0] * n_owners, runs(flags)
+    for index, span in _spans(owner):
+        mask = owner[span] == index
+        found[index] = _longest(flags[span] & mask, runs(mask), span.start, whole)
+    return found
+
+
 def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
     """Yield each owner, and the steps from its first to its last."""
     starts = np.flatnonzero(np.diff(owner, prepend=-2))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tracerisk.trace import Element, Exposure
 from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.twin.recording.exposure import longest_of_owners
 from tracerisk.twin.robots.sensors import IN_JOINTS
 
 Flags = NDArray[np.bool_]
@@ -100,12 +101,12 @@ def sensor_exposures(
     )
     read_s = _seconds(activity.reading, owners, n_visits, step_s)
     active_s = _seconds(active, owners, n_visits, step_s)
-    longest_s = _longest(active, owners, n_visits) * step_s
+    longest = longest_of_owners(active, owners, n_visits)
     return [
         replace(
             each,
             active_s=float(active_s[index]),
-            longest_active_s=float(longest_s[index]),
+            longest_active_s=longest[index] * step_s,
             reading_s=float(read_s[index]),
         )
         for index, each in enumerate(joints)
@@ -115,30 +116,3 @@ def sensor_exposures(
 def _seconds(flags: Flags, owners: Owners, n_visits: int, step_s: float) -> NDArray[np.float64]:
     counted = owners[flags & (owners >= 0)]
     return np.bincount(counted, minlength=n_visits).astype(np.float64) * step_s
-
-
-def _longest(flags: Flags, owners: Owners, n_visits: int) -> NDArray[np.int64]:
-    """Return the longest run of true entries in each visit, in steps.
-
-    One that fills an unbroken part of the visit counts from its begin to its end in the run, as
-    `tracerisk.twin.recording.exposure` counts it for joints.
-    """
-    longest = np.zeros(n_visits, dtype=np.int64)
-    if not len(flags):
-        return longest
-    cuts = np.flatnonzero((np.diff(flags) != 0) | (np.diff(owners) != 0)) + 1
-    starts = np.concatenate(([0], cuts))
-    stops = np.concatenate((cuts, [len(flags)]))
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
-    whole_starts, whole_stops = edges[::2], edges[1::2]
-    kept = flags[starts] & (owners[starts] >= 0)
-    starts, stops = starts[kept], stops[kept]
-    own = owners[starts]
-    # It fills its part of the visit where the owner changes at both of its ends.
-    before = np.where(starts == 0, -2, owners[starts - 1])
-    after = np.where(stops == len(flags), -2, owners[np.minimum(stops, len(flags) - 1)])
-    fills = (before != own) & (after != own)
-    around = np.searchsorted(whole_starts, starts, side="right") - 1
-    lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
-    np.maximum.at(longest, own, lengths)
-    return longest

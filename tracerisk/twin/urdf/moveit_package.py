@@ -1,37 +1,51 @@
-"""Read the limits of a MoveIt package: the scaling and the joints of its joint_limits.yaml."""
+"""What the files of a MoveIt package beside an SRDF change of its robot: limits and solvers."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from tracerisk.text.yaml_reader import YamlMap
-from tracerisk.twin.robots.robot import Joint, Robot, Scaling
+from tracerisk.errors import RobotError
+from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.twin.robots.robot import Group, Joint, Robot, Scaling
 from tracerisk.twin.urdf.assembly import ASSUMED_ACCELERATION
-from tracerisk.twin.urdf.srdf import yaml_beside
 
-NAME = "joint_limits.yaml"
 _UNBOUNDED = 1.0  # what MoveIt's time parameterization takes where a joint has no limit
+_ALL_AXES = 6  # joints that it takes to bring a link to any pose
+_OF_ITS_ARM = "ikfast"  # such a solver is made for what its arm can reach
 
 
-def limited_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, Path | None]:
-    """Return the robot with the limits of the joint_limits.yaml beside its SRDF, and that file.
+def changed_as_beside(
+    robot: Robot, srdf: Path, name: str, *, shown: str
+) -> tuple[Robot, Path | None]:
+    """Return the robot as one of `PACKAGE_FILES` beside its SRDF changes it, and that file.
 
     It stands in the folder of the SRDF or in `config` beside that; `None` where there is none, or
-    nothing in it changes the robot. A joint's limits are those of plans: never above the rated
-    ones, but for an acceleration that was assumed. A joint that is said to have no limit is
-    planned with 1 rad/s and 1 rad/s^2 (or m/s, m/s^2), as MoveIt does.
-    `shown` is the SRDF's name for messages.
-    Raises RobotError with file and line for a factor outside (0, 1], a limit that is not a positive
-    number, or a file that is not YAML.
+    nothing in it changes the robot. `shown` is the SRDF's name for messages.
+    Raises RobotError with file and line for what it must not say, or a file that is not YAML.
     """
-    found = yaml_beside(srdf, NAME, shown=shown)
-    if found is None:
-        return robot, None
-    top, path = found
+    beside = (
+        (each.with_name(name), each.parent.parent / "config" / name) for each in (srdf, Path(shown))
+    )
+    for path, place in zip(*beside, strict=True):
+        if path.is_file():
+            top = read_yaml(path, RobotError, shown=str(place), version=(1, 1))
+            changed = PACKAGE_FILES[name](robot, top)
+            return (robot, None) if changed == robot else (changed, path)
+    return robot, None
+
+
+def _limited_robot(robot: Robot, top: YamlMap) -> Robot:
+    """Return the robot with a default scaling and limits of joints.
+
+    A joint's limits are those of plans: never above the rated ones, but for an acceleration that
+    was assumed. A joint that is said to have no limit is planned with 1 rad/s and 1 rad/s^2 (or
+    m/s, m/s^2), as MoveIt does. A factor is in (0, 1], a limit is a positive number.
+    """
     has_limits = top.get("joint_limits") is not None
     given = dict(top.map("joint_limits").items_as_maps()) if has_limits else {}
-    limited = replace(
+    return replace(
         robot,
         default_scaling=_scaling(top, robot.default_scaling),
         joints=tuple(
@@ -39,7 +53,6 @@ def limited_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, P
             for joint in robot.joints
         ),
     )
-    return (robot, None) if limited == robot else (limited, path)
 
 
 def _scaling(top: YamlMap, default: Scaling) -> Scaling:
@@ -80,3 +93,32 @@ def _limit(entry: YamlMap, kind: str) -> float | None:
             entry.fail(most, f"0 is not allowed; give a positive number, or {has}: false")
         return _UNBOUNDED
     return value
+
+
+def _solved_robot(robot: Robot, top: YamlMap) -> Robot:
+    """Return the robot with groups that turn freely: their solver is for positions only.
+
+    A group does where `position_only_ik` is set, and where an arm of fewer than six joints has a
+    solver made for it (IKFast): it does what it can.
+    """
+    groups = {
+        name: replace(group, turns_freely=True)
+        if isinstance(top.get(name), dict) and _is_of_positions(top.map(name), group)
+        else group
+        for name, group in robot.groups.items()
+    }
+    return replace(robot, groups=groups)
+
+
+def _is_of_positions(entry: YamlMap, group: Group) -> bool:
+    if entry.get("position_only_ik") is True:
+        return True
+    solver = str(entry.get("kinematics_solver") or "")
+    return len(group.joints) < _ALL_AXES and _OF_ITS_ARM in solver.lower()
+
+
+PACKAGE_FILES: Mapping[str, Callable[[Robot, YamlMap], Robot]] = {
+    "joint_limits.yaml": _limited_robot,
+    "kinematics.yaml": _solved_robot,
+}
+"""The files that are read, and what each changes."""

@@ -8,10 +8,8 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from tracerisk.errors import RobotError
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
 
 
@@ -110,19 +108,3 @@ def _state(entry: XmlElement) -> dict[str, float]:
         with contextlib.suppress(RobotError):
             values[joint.string("name")] = joint.number("value")
     return values
-
-
-def yaml_beside(srdf: Path, name: str, *, shown: str) -> tuple[YamlMap, Path] | None:
-    """Return a YAML file of a MoveIt package and its path, `None` where it has none of that name.
-
-    It stands in the folder of the SRDF or in `config` beside that. `shown` is the SRDF's name for
-    messages.
-    Raises RobotError with file and line for a file that is not YAML.
-    """
-    beside = (
-        (each.with_name(name), each.parent.parent / "config" / name) for each in (srdf, Path(shown))
-    )
-    for path, place in zip(*beside, strict=True):
-        if path.is_file():
-            return read_yaml(path, RobotError, shown=str(place), version=(1, 1)), path
-    return None

@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 from tracerisk.errors import Location, RobotError, one_of
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.urdf.xml_reader import XmlElement
 
-_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+MovingType = Literal["revolute", "continuous", "prismatic"]
+_MOVING: dict[str, MovingType] = {kind: kind for kind in get_args(MovingType)}
+_TYPES = (*_MOVING, "fixed", "floating", "planar")
 _MOST_LINKS = 500
 _WORLD, _WORLD_LINK = "world", "world_link"
 _ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
@@ -30,7 +32,7 @@ class UrdfJoint:
     """
 
     name: str
-    type: Literal["revolute", "continuous", "prismatic"]
+    type: MovingType
     moves: bool
     parent: str
     child: str
@@ -187,13 +189,12 @@ def on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
 
 
 def _joint(entry: XmlElement, links: dict[str, XmlElement]) -> UrdfJoint:
-    zero = (0.0, 0.0, 0.0)
     kind = entry.string("type")
     if kind not in _TYPES:
         entry.fail(f"unknown joint type '{kind}'; {one_of(_TYPES, kind)}")
-    origin, axis, limit = (entry.first(tag) for tag in ("origin", "axis", "limit"))
+    (xyz, rpy), axis, limit = entry.placing(), entry.first("axis"), entry.first("limit")
     along = (1.0, 0.0, 0.0) if axis is None else axis.triple("xyz", (1.0, 0.0, 0.0))
-    moves = kind in ("revolute", "continuous", "prismatic") and any(along)
+    moves = kind in _MOVING and any(along)
     mimic = entry.first("mimic")
     figures = {
         key: 0.0 if limit is None else limit.number(key, 0.0)
@@ -201,12 +202,12 @@ def _joint(entry: XmlElement, links: dict[str, XmlElement]) -> UrdfJoint:
     }
     return UrdfJoint(
         name=entry.string("name"),
-        type="continuous" if kind == "continuous" else _moving_type(kind),
+        type=_MOVING.get(kind, "revolute"),
         moves=moves,
         parent=_link(entry, "parent", links),
         child=_link(entry, "child", links),
-        xyz=zero if origin is None else origin.triple("xyz", zero),
-        rpy=zero if origin is None else origin.triple("rpy", zero),
+        xyz=xyz,
+        rpy=rpy,
         axis=along if any(along) else (0.0, 0.0, 1.0),
         lower=figures["lower"],
         upper=figures["upper"],
@@ -216,10 +217,6 @@ def _joint(entry: XmlElement, links: dict[str, XmlElement]) -> UrdfJoint:
         if mimic is None
         else (mimic.string("joint"), mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)),
     )
-
-
-def _moving_type(kind: str) -> Literal["revolute", "prismatic"]:
-    return "prismatic" if kind == "prismatic" else "revolute"
 
 
 def _link(entry: XmlElement, tag: str, links: dict[str, XmlElement]) -> str:

@@ -31,6 +31,7 @@ from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
 MeshShape = Callable[[XmlElement], Shape | None]
 """What stands for a `<mesh>`, in the mesh's own frame; `None` where nothing is known of it."""
 
+_ZERO: Triple = (0.0, 0.0, 0.0)
 _FARTHEST = 1.0  # from a link's centre of mass, as a radius of gyration [m]
 _RADIUS = (0.008, 0.05)  # of the capsules that stand for meshes, least and greatest [m]
 
@@ -113,15 +114,12 @@ def _inertial(
     entry: XmlElement,
 ) -> tuple[float, Triple, tuple[float, float, float, float, float, float] | None]:
     """Return mass, centre of mass and inertia in the link's axes; the latter may be missing."""
-    zero = (0.0, 0.0, 0.0)
     inertial = entry.first("inertial")
     mass_entry = inertial.first("mass") if inertial is not None else None
     if inertial is None or mass_entry is None:
-        return 0.0, zero, None
+        return 0.0, _ZERO, None
     mass = max(mass_entry.number("value"), 0.0)
-    origin = inertial.first("origin")
-    centre = zero if origin is None else origin.triple("xyz", zero)
-    rpy = zero if origin is None else origin.triple("rpy", zero)
+    centre, rpy = inertial.placing()
     tensor = inertial.first("inertia")
     if tensor is None:
         return mass, centre, None
@@ -153,13 +151,10 @@ def _shape(entry: XmlElement, mesh_shape: MeshShape) -> Shape | None:
     geometry = entry.first("geometry")
     if geometry is None:
         return None
-    zero = (0.0, 0.0, 0.0)
-    origin = entry.first("origin")
-    xyz = zero if origin is None else origin.triple("xyz", zero)
-    rpy = zero if origin is None else origin.triple("rpy", zero)
+    xyz, rpy = entry.placing()
     for solid in geometry.children:
         if solid.tag == "box":
-            x, y, z = (max(abs(length) / 2, 1e-4) for length in solid.triple("size", zero))
+            x, y, z = (max(abs(length) / 2, 1e-4) for length in solid.triple("size", _ZERO))
             return Shape("box", (x, y, z), xyz, rpy)
         if solid.tag == "sphere":
             return Shape("sphere", (max(solid.number("radius"), 1e-4),), xyz, rpy)

@@ -9,10 +9,12 @@ from dataclasses import dataclass, field
 from typing import NoReturn
 
 from tracerisk.errors import Location, RobotError, one_of
+from tracerisk.geometry.frames import Triple
 
 MOST_BYTES = 16 * 1024 * 1024
 MOST_ELEMENTS = 200_000
 _DEEPEST = 200
+_ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(slots=True)
@@ -50,12 +52,19 @@ class XmlElement:
             return default
         return self._numbers(name, 1)[0]
 
-    def triple(self, name: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
+    def triple(self, name: str, default: Triple) -> Triple:
         """Return an attribute of three numbers, or the default where it is missing."""
         if name not in self.attributes:
             return default
         x, y, z = self._numbers(name, 3)
         return x, y, z
+
+    def placing(self) -> tuple[Triple, Triple]:
+        """Return `xyz` and `rpy` of the element's `<origin>`, zeros where they are missing."""
+        origin = self.first("origin")
+        if origin is None:
+            return _ZERO, _ZERO
+        return origin.triple("xyz", _ZERO), origin.triple("rpy", _ZERO)
 
     def _numbers(self, name: str, length: int) -> list[float]:
         text = self.string(name)

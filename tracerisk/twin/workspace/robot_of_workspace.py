@@ -25,8 +25,7 @@ from tracerisk.twin.robots.names_in_source import (
 from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.robots.robot_names import Hint, decide
-from tracerisk.twin.urdf.joint_limits import limited_as_beside
-from tracerisk.twin.urdf.solvers import solved_as_beside
+from tracerisk.twin.urdf.moveit_package import PACKAGE_FILES, changed_as_beside
 from tracerisk.twin.urdf.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf.tree import NoWholeRobotError
 from tracerisk.twin.urdf.urdf import read_urdf
@@ -175,9 +174,9 @@ class _Search:
         self, robot: Robot, srdf: DescriptionFile, read: tuple[Path, ...]
     ) -> tuple[Robot, tuple[Path, ...]]:
         """Return the robot with the limits and solvers of the MoveIt package of its SRDF."""
-        for as_beside in (limited_as_beside, solved_as_beside):
+        for name in PACKAGE_FILES:
             try:
-                robot, path = as_beside(robot, srdf.path, shown=srdf.shown)
+                robot, path = changed_as_beside(robot, srdf.path, name, shown=srdf.shown)
             except TraceRiskError as error:
                 self._skipped.append(str(error))
                 continue
