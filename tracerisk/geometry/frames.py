@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 Triple = tuple[float, float, float]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+
+
+def triple(values: Iterable[float]) -> Triple:
+    """Return three numbers of any kind as floats."""
+    x, y, z = (float(each) for each in values)
+    return x, y, z
 
 
 def rotation(rpy: Triple) -> Matrix:

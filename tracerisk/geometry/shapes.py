@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, cast, get_args
+from typing import Literal, get_args
 
-from tracerisk.errors import one_of
 from tracerisk.text.yaml_reader import YamlMap
 
 ShapeKind = Literal["box", "sphere", "capsule", "cylinder"]
@@ -37,14 +36,12 @@ def read_shapes(entry: YamlMap) -> tuple[Shape, ...]:
 
 def _shape(entry: YamlMap) -> Shape:
     entry.forbid_unknown({"kind", "size", "xyz", "rpy", "contact", "pad"})
-    kind = entry.string("kind")
-    if kind not in get_args(ShapeKind):
-        entry.fail("kind", f"unknown shape '{kind}'; {one_of(get_args(ShapeKind), kind)}")
+    kind = entry.choice("kind", get_args(ShapeKind), "shape")
     size = entry.numbers("size", length=_SIZES[kind])
     if min(size) <= 0.0:
         entry.fail("size", "every length must be above 0")
     return Shape(
-        kind=cast(ShapeKind, kind),
+        kind=kind,
         size=tuple(size),
         xyz=entry.triple("xyz"),
         rpy=entry.triple("rpy"),

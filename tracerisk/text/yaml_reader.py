@@ -9,9 +9,11 @@ import math
 import warnings
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar, cast
 
 from tracerisk.errors import InputError, Location, one_of
+
+_Word = TypeVar("_Word", bound=str)
 
 _MAX_BYTES = 16 * 1024 * 1024
 
@@ -149,6 +151,25 @@ class YamlMap:
         if not isinstance(value, str):
             self.fail(key, f"expected a string, found {_kind(value)}; put it in quotes")
         return str(value)
+
+    def choice(
+        self, key: str, allowed: Collection[_Word], what: str, *, default: str | None = None
+    ) -> _Word:
+        """Return the string at `key`, one of those that are allowed; `what` it is, for messages."""
+        value = self.string(key, default=default)
+        self._check_choice(key, value, allowed, what)
+        return cast(_Word, value)
+
+    def choices(self, key: str, allowed: Collection[str], what: str) -> tuple[str, ...]:
+        """Return the strings at `key`, each one of those that are allowed, as `choice` does."""
+        values = self.strings(key)
+        for value in values:
+            self._check_choice(key, value, allowed, what)
+        return tuple(values)
+
+    def _check_choice(self, key: str, value: str, allowed: Collection[str], what: str) -> None:
+        if value not in allowed:
+            self.fail(key, f"unknown {what} '{value}'; {one_of(allowed, value)}")
 
     def optional_string(self, key: str) -> str | None:
         """Return the string at `key`, `None` where the key is absent."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import roll_pitch_yaw
+from tracerisk.geometry.frames import roll_pitch_yaw, triple
 from tracerisk.geometry.shapes import Shape, ShapeKind
 
 Array = NDArray[np.float64]
@@ -54,5 +54,4 @@ def _along(points: Array, axes: Array) -> Iterator[tuple[float, Shape]]:
 
 
 def _shape(kind: ShapeKind, size: tuple[float, ...], middle: Array, turn: Array) -> Shape:
-    x, y, z = (float(each) for each in turn @ middle)
-    return Shape(kind, size, (x, y, z), roll_pitch_yaw(turn))
+    return Shape(kind, size, triple(turn @ middle), roll_pitch_yaw(turn))

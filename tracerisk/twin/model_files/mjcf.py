@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tracerisk.errors import Location, RobotError
-from tracerisk.geometry.frames import Triple, about, matrix_of, roll_pitch_yaw
+from tracerisk.geometry.frames import Triple, about, matrix_of, roll_pitch_yaw, triple
 from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.model_files.mjcf_joints import BALL, FREE, HINGE, SLIDE, Drives, drives_of
 from tracerisk.twin.model_files.mjcf_model import Data, MjcfModel, shape_of
@@ -185,11 +185,11 @@ class _Reader:
                 place, anchor = place - turn @ axis * joint["ref"], np.zeros(3)
             else:
                 place = place + turn @ anchor
-                turn = turn @ about(_triple(axis), -joint["ref"])
+                turn = turn @ about(triple(axis), -joint["ref"])
             is_last = position == len(own) - 1
             at_frame = float(np.linalg.norm(anchor)) < _AT
             child = name if is_last and at_frame else self._fresh(f"{name}_{self._joints[number]}")
-            yield self._moving(number, parent, child, place, turn, _triple(axis))
+            yield self._moving(number, parent, child, place, turn, triple(axis))
             parent, place, turn = child, -anchor, np.eye(3)
             if is_last and not at_frame:
                 yield _fixed(f"{name}_fixed", parent, name, place, turn)
@@ -213,7 +213,7 @@ class _Reader:
             moves=number not in drives.passive,
             parent=parent,
             child=child,
-            xyz=_triple(place),
+            xyz=triple(place),
             rpy=roll_pitch_yaw(turn),
             axis=axis,
             lower=float(limits[0]) if limits else 0.0,
@@ -262,7 +262,7 @@ class _Reader:
         xx, yy, zz, xy, xz, yz = (float(each) for each in found)
         mass = float(body["mass"])
         inertia = (xx, yy, zz, xy, xz, yz) if min(body["inertia"]) > 1e-9 else None
-        centre = _triple(body["ipos"]) if mass >= LIGHTEST else _ZERO
+        centre = triple(body["ipos"]) if mass >= LIGHTEST else _ZERO
         return Link(name, mass if mass >= LIGHTEST else 0.0, centre, inertia, self._shapes(index))
 
     def _shapes(self, index: int) -> tuple[Shape, ...]:
@@ -300,10 +300,5 @@ class _Reader:
 
 
 def _fixed(name: str, parent: str, child: str, place: Any, turn: Any) -> UrdfJoint:
-    at, turned = _triple(place), roll_pitch_yaw(turn)
+    at, turned = triple(place), roll_pitch_yaw(turn)
     return UrdfJoint(name, "revolute", False, parent, child, at, turned)
-
-
-def _triple(values: Any) -> Triple:
-    x, y, z = (float(each) for each in values)
-    return x, y, z

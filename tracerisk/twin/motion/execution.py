@@ -326,32 +326,30 @@ def _no_faster(asked: TimedWay, speed: float) -> TimedWay:
 
 def check_trajectory(trajectory: JointTrajectory, robot: Robot) -> None:
     """Raise PlanningError("bad_request") for what no controller would follow."""
+    refusal = _refusal(trajectory, robot)
+    if refusal is not None:
+        raise PlanningError("bad_request", refusal)
+
+
+def _refusal(trajectory: JointTrajectory, robot: Robot) -> str | None:
     joints = [joint.name for joint in robot.joints]
     shape = (len(trajectory.time), len(trajectory.joints))
     if not shape[0] or not shape[1]:
-        raise PlanningError("bad_request", "the trajectory has no points or no joints")
+        return "the trajectory has no points or no joints"
     for name in trajectory.joints:
         if name not in joints:
-            raise PlanningError(
-                "bad_request", f"robot '{robot.name}' has no joint '{name}'; {one_of(joints, name)}"
-            )
+            return f"robot '{robot.name}' has no joint '{name}'; {one_of(joints, name)}"
     if len(set(trajectory.joints)) != shape[1]:
-        raise PlanningError("bad_request", "the trajectory names a joint twice")
+        return "the trajectory names a joint twice"
     if trajectory.position.shape != shape or trajectory.velocity.shape != shape:
-        raise PlanningError(
-            "bad_request",
-            f"positions and velocities must be {shape[0]} points of {shape[1]} joints",
-        )
+        return f"positions and velocities must be {shape[0]} points of {shape[1]} joints"
     arrays = (trajectory.time, trajectory.position, trajectory.velocity)
     if not all(np.isfinite(array).all() for array in arrays):
-        raise PlanningError("bad_request", "the trajectory holds a number that is not finite")
+        return "the trajectory holds a number that is not finite"
     if trajectory.time[-1] > _LONGEST_S:
-        raise PlanningError(
-            "bad_request",
-            f"the trajectory lasts {trajectory.time[-1]:g} s; "
-            f"at most {_LONGEST_S:g} s are followed",
+        return (
+            f"the trajectory lasts {trajectory.time[-1]:g} s; at most {_LONGEST_S:g} s are followed"
         )
     if trajectory.time[0] < 0.0 or not (np.diff(trajectory.time) > 0.0).all():
-        raise PlanningError(
-            "bad_request", "the times of a trajectory must rise from point to point, from 0 on"
-        )
+        return "the times of a trajectory must rise from point to point, from 0 on"
+    return None

@@ -73,13 +73,14 @@ class Kinematics:
         body = self._link(link)
         self._data.qpos[:] = self.positions(positions)
         mujoco.mj_kinematics(self._model, self._data)
-        return self._pose(body)
+        return Pose.of(self._data.xpos[body], self._data.xquat[body])
 
     def forward_all(self, positions: Mapping[str, float]) -> dict[str, Pose]:
         """Return the pose of every link at the joint positions; raise RobotError as `forward`."""
         self._data.qpos[:] = self.positions(positions)
         mujoco.mj_kinematics(self._model, self._data)
-        return {name: self._pose(body) for name, body in self._body.items()}
+        xpos, xquat = self._data.xpos, self._data.xquat
+        return {name: Pose.of(xpos[body], xquat[body]) for name, body in self._body.items()}
 
     def jacobian(
         self, positions: Mapping[str, float], link: str, joints: Sequence[str]
@@ -115,14 +116,17 @@ class Kinematics:
         Raises PlanningError("no_ik_solution") when no start leads there, and
         PlanningError("bad_request") when the group has no tip link or the pose is not a pose.
         """
+        target = self.target(group, pose, link)
+        return self.inverse_all(group, [target], seed=seed, restarts=restarts, accept=accept)
+
+    def target(self, group: str, pose: Pose, link: str | None = None) -> LinkTarget:
+        """Return what brings `link`, the group's tip by default, to `pose`; raise as `inverse`."""
         tip = link or self._robot.group(group).tip_link
         if tip is None:
             raise PlanningError(
                 "bad_request", f"group '{group}' has no tip link; name the link the pose is for"
             )
-        return self.inverse_all(
-            group, [LinkTarget(tip, pose)], seed=seed, restarts=restarts, accept=accept
-        )
+        return LinkTarget(tip, pose)
 
     def inverse_all(
         self,
@@ -217,11 +221,6 @@ class Kinematics:
                 f"robot '{self._robot.name}' has no link '{name}'; {one_of(self._body, name)}"
             )
         return self._body[name]
-
-    def _pose(self, body: int) -> Pose:
-        x, y, z = (float(value) for value in self._data.xpos[body])
-        qw, qx, qy, qz = (float(value) for value in self._data.xquat[body])
-        return Pose((x, y, z), (qx, qy, qz, qw))
 
 
 @dataclass(eq=False)

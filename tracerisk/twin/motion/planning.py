@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.geometry.frames import triple
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
@@ -111,12 +112,8 @@ class Planner:
         Raises PlanningError("no_ik_solution") for a pose out of reach, ("collision") for one that
         is reached in collision only.
         """
-        return self._clear(
-            seed,
-            lambda is_clear: self._kinematics.inverse(
-                group, pose, link=link, seed=seed, accept=is_clear
-            ),
-        )
+        target = self._kinematics.target(group, pose, link)
+        return self.reach_all(group, [target], seed=seed)
 
     def reach_all(
         self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float]
@@ -125,18 +122,6 @@ class Planner:
 
         Raises PlanningError as `reach` does.
         """
-        return self._clear(
-            seed,
-            lambda is_clear: self._kinematics.inverse_all(
-                group, targets, seed=seed, accept=is_clear
-            ),
-        )
-
-    def _clear(
-        self,
-        seed: Mapping[str, float],
-        search: Callable[[Callable[[Mapping[str, float]], bool]], dict[str, float]],
-    ) -> dict[str, float]:
         pair: tuple[str, str] | None = None
         broken: str | None = None
 
@@ -150,7 +135,7 @@ class Planner:
             return touching is None
 
         try:
-            return search(is_clear)
+            return self._kinematics.inverse_all(group, targets, seed=seed, accept=is_clear)
         except PlanningError as error:
             if pair is None and broken is None:
                 raise
@@ -339,9 +324,8 @@ def _straight_steps(corners: Sequence[Pose], eef_step: float) -> list[Pose]:
             )
         for i in range(1, count + 1):
             part = i / count
-            x, y, z = (float(value) for value in a + part * (b - a))
             qx, qy, qz, qw = (float(value) for value in _slerp(qa, qb, angle / 2, part))
-            steps.append(Pose((x, y, z), (qx, qy, qz, qw)))
+            steps.append(Pose(triple(a + part * (b - a)), (qx, qy, qz, qw)))
     return steps
 
 

@@ -131,40 +131,28 @@ def _compiled(
     )
     present: set[str] = set()
     for body in declared.bodies:
-        if body.link is None and body.is_free:
-            if declared.simulated(body):
-                add_body(
-                    spec,
-                    body,
-                    spec.worldbody,
-                    contype=OBJECT | FREE,
-                    conaffinity=FIXTURE | ROBOT | OBJECT,
-                    free=True,
-                    pose=_in_world(data, body, robot.base_link),
-                )
-                present.add(body_name(body.name))
-        elif body.link is None:
-            if declared.simulated(body):
-                added = add_body(
-                    spec, body, spec.worldbody, contype=FIXTURE, conaffinity=ROBOT | OBJECT
-                )
-                added.set_frame(base)
-                present.add(body_name(body.name))
-        elif declared.simulated(body):
+        is_own = declared.simulated(body)
+        if is_own and body.link is None and not body.is_free:
+            added = add_body(
+                spec, body, spec.worldbody, contype=FIXTURE, conaffinity=ROBOT | OBJECT
+            )
+            added.set_frame(base)
+        elif is_own:
             add_body(
                 spec,
                 body,
                 spec.worldbody,
-                contype=OBJECT,
+                contype=OBJECT | FREE if body.link is None else OBJECT,
                 conaffinity=FIXTURE | ROBOT | OBJECT,
                 free=True,
-                pose=_in_world(data, body, body.link),
+                pose=_in_world(data, body, robot.base_link if body.link is None else body.link),
             )
-            add_weld(spec, body_name(body.name), body.link, body.pose)
+        if is_own:
             present.add(body_name(body.name))
-        else:
-            thing = (declared.stands_for or {})[body.name]
-            add_weld(spec, thing, body.link, _relative(data, thing, body.link))
+        if body.link is not None:
+            held = body_name(body.name) if is_own else (declared.stands_for or {})[body.name]
+            in_link = body.pose if is_own else _relative(data, held, body.link)
+            add_weld(spec, held, body.link, in_link)
     pads = {pad for gripper in robot.grippers for pad in gripper.pads}
     apart = {pair for pair in declared.apart if pair[0] in present}
     for body in declared.bodies:
@@ -241,7 +229,7 @@ def _in_world(data: Any, body: SceneBody, frame: str) -> Pose:
     mujoco.mju_mulPose(
         position, turn, link.xpos, link.xquat, np.array(body.pose.position), np.array([w, x, y, z])
     )
-    return _pose(position, turn)
+    return Pose.of(position, turn)
 
 
 def _relative(data: Any, thing: str, link: str) -> Pose:
@@ -252,10 +240,4 @@ def _relative(data: Any, thing: str, link: str) -> Pose:
     mujoco.mju_mulPose(
         position, turn, back, turn_back, data.body(thing).xpos, data.body(thing).xquat
     )
-    return _pose(position, turn)
-
-
-def _pose(position: NDArray[np.float64], turn: NDArray[np.float64]) -> Pose:
-    x, y, z = (float(value) for value in position)
-    qw, qx, qy, qz = (float(value) for value in turn)
-    return Pose((x, y, z), (qx, qy, qz, qw))
+    return Pose.of(position, turn)

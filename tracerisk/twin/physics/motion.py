@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import TraceRiskError
+from tracerisk.geometry.frames import triple
 
 MotionOutcome = Literal["active", "succeeded", "aborted", "preempted"]
 PlanningFailure = Literal[
@@ -22,6 +24,12 @@ class Pose:
 
     position: tuple[float, float, float]
     orientation: tuple[float, float, float, float]
+
+    @classmethod
+    def of(cls, position: Iterable[float], turn: Iterable[float]) -> Pose:
+        """Return a pose as MuJoCo has it: `turn` is the quaternion (w, x, y, z)."""
+        w, x, y, z = (float(value) for value in turn)
+        return cls(triple(position), (x, y, z, w))
 
 
 @dataclass(frozen=True, slots=True)

@@ -225,11 +225,8 @@ def _goals(entry: YamlMap, racks: dict[str, _Rack]) -> list[Goal]:
 
 
 def _places(entry: YamlMap, key: str, racks: dict[str, _Rack]) -> list[tuple[int, Triple]]:
-    name = entry.string(key)
-    if name not in racks:
-        entry.fail(key, f"unknown rack '{name}'; {one_of(racks, name)}")
+    rack = racks[entry.choice(key, racks, "rack")]
     height = entry.number("origin_height", minimum=0.0)
-    rack = racks[name]
     places = []
     for slot in range(1, rack.slots + 1):
         x, y, z = rack.bottom_of(slot)

@@ -10,8 +10,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.geometry.frames import Triple, triple
+
 Array = NDArray[np.float64]
-Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +56,4 @@ def _wrench(model: Any, data: Any, body: int, spatial: Array) -> Wrench:
     centre = data.subtree_com[model.body_rootid[body]]
     axes = data.xmat[body].reshape(3, 3)
     about = torque + np.cross(centre - data.xpos[body], force)
-    return Wrench(_triple(axes.T @ force), _triple(axes.T @ about))
-
-
-def _triple(values: Array) -> Triple:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
+    return Wrench(triple(axes.T @ force), triple(axes.T @ about))

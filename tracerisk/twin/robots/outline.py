@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracerisk.geometry.frames import Triple, rotation
+from tracerisk.geometry.frames import Triple, rotation, triple
 from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Attachment, Link, Servo
 
@@ -69,8 +69,8 @@ def _legs(attachment: Attachment) -> list[tuple[Triple, Triple]]:
     zero = (0.0, 0.0, 0.0)
     if attachment.type == "fixed" or min(abs(along), float(np.linalg.norm(corner))) < _STRAIGHT:
         return [(zero, attachment.xyz)]
-    x, y, z = (float(each) for each in corner)
-    return [(zero, (x, y, z)), ((x, y, z), attachment.xyz)]
+    bend = triple(corner)
+    return [(zero, bend), (bend, attachment.xyz)]
 
 
 def _capsule(begin: Triple, end: Triple, radius: float) -> Shape:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import cast, get_args
+from typing import get_args
 
-from tracerisk.errors import RobotError, one_of
+from tracerisk.errors import RobotError
 from tracerisk.geometry.shapes import read_shapes
 from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.twin.robots.outline import derived_servo, outlined
@@ -50,7 +50,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
     plain = tuple(_link(entry) for entry in top.maps("links"))
     _unique((link.name for link in plain), top, "links")
     link_names = {link.name for link in plain}
-    base_link = _known(top, "base_link", link_names)
+    base_link = top.choice("base_link", link_names, "name")
     attachments, joints = _joints(top, link_names)
     radii = {
         entry.string("name"): _positive(entry, "radius")
@@ -121,7 +121,9 @@ def _link(entry: YamlMap) -> Link:
     )
 
 
-def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
+def _joints(
+    top: YamlMap, links: Collection[str]
+) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
     servos = {name: _servo(entry) for name, entry in top.section("servos").items_as_maps()}
     attachments, joints = [], []
     for entry in top.maps("joints"):
@@ -132,23 +134,21 @@ def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...],
                 "plan_acceleration", "friction",
             }
         )  # fmt: skip
-        kind = entry.string("type", default="revolute")
-        if kind not in get_args(JointType):
-            entry.fail("type", f"unknown joint type '{kind}'; {one_of(get_args(JointType), kind)}")
-        joint_type = cast(JointType, kind)
+        kinds = get_args(JointType)
+        kind: JointType = entry.choice("type", kinds, "joint type", default="revolute")
         attachments.append(
             Attachment(
                 name=entry.string("name"),
-                type=joint_type,
-                parent=_known(entry, "parent", links),
-                child=_known(entry, "child", links),
+                type=kind,
+                parent=entry.choice("parent", links, "name"),
+                child=entry.choice("child", links, "name"),
                 xyz=entry.triple("xyz"),
                 rpy=entry.triple("rpy"),
                 axis=entry.triple("axis", (0.0, 0.0, 1.0)),
             )
         )
-        if joint_type != "fixed":
-            joints.append(_joint(entry, joint_type, servos))
+        if kind != "fixed":
+            joints.append(_joint(entry, kind, servos))
     _unique((attachment.name for attachment in attachments), top, "joints")
     return tuple(attachments), tuple(joints)
 
@@ -162,7 +162,7 @@ def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Join
     velocity, torque = _positive(entry, "velocity"), _positive(entry, "torque")
     acceleration = _positive(entry, "acceleration")
     if "servo" in entry:
-        servo = servos[_known(entry, "servo", servos)]
+        servo = servos[entry.choice("servo", servos, "name")]
     else:
         servo = derived_servo(torque, velocity)
     if "friction" in entry:
@@ -200,10 +200,10 @@ def _servo(entry: YamlMap) -> Servo:
     )
 
 
-def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Iterable[str]) -> Group:
+def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Collection[str]) -> Group:
     entry.forbid_unknown({"joints", "tip_link"})
     names = _known_all(entry, "joints", joints)
-    return Group(names, _known(entry, "tip_link", links) if "tip_link" in entry else None)
+    return Group(names, entry.choice("tip_link", links, "name") if "tip_link" in entry else None)
 
 
 def _named_states(
@@ -233,7 +233,7 @@ def _state(entry: YamlMap, joints: Mapping[str, Joint]) -> dict[str, float]:
 def _gripper(
     entry: YamlMap,
     joints: Mapping[str, Joint],
-    links: Iterable[str],
+    links: Collection[str],
     groups: Mapping[str, Group],
 ) -> Gripper:
     entry.forbid_unknown(
@@ -248,7 +248,7 @@ def _gripper(
         entry.fail("signs", "each is 1 or -1, the first 1: the joint whose position is reported")
     return Gripper(
         name=entry.string("name"),
-        group=_known(entry, "group", groups),
+        group=entry.choice("group", groups, "name"),
         joints=names,
         pads=_known_all(entry, "pads", links),
         opening=entry.number("opening", minimum=joints[names[0]].lower),
@@ -264,12 +264,8 @@ def _gripper(
 
 def _controller(entry: YamlMap, joints: Mapping[str, Joint]) -> Controller:
     entry.forbid_unknown({"name", "type", "joints"})
-    kind = entry.string("type")
-    if kind not in get_args(ControllerType):
-        entry.fail("type", f"unknown type '{kind}'; {one_of(get_args(ControllerType), kind)}")
-    return Controller(
-        entry.string("name"), cast(ControllerType, kind), _known_all(entry, "joints", joints)
-    )
+    kind: ControllerType = entry.choice("type", get_args(ControllerType), "type")
+    return Controller(entry.string("name"), kind, _known_all(entry, "joints", joints))
 
 
 def _scaling(entry: YamlMap) -> Scaling:
@@ -281,7 +277,7 @@ def _scaling(entry: YamlMap) -> Scaling:
 
 
 def _check_tree(
-    top: YamlMap, base: str, links: Iterable[str], attachments: Iterable[Attachment]
+    top: YamlMap, base: str, links: Collection[str], attachments: Iterable[Attachment]
 ) -> None:
     parents: dict[str, str] = {}
     for attachment in attachments:
@@ -311,21 +307,11 @@ def _positive(entry: YamlMap, key: str) -> float:
     return value
 
 
-def _known(entry: YamlMap, key: str, names: Iterable[str]) -> str:
-    value = entry.string(key)
-    if value not in names:
-        entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
-    return value
-
-
-def _known_all(entry: YamlMap, key: str, names: Iterable[str]) -> tuple[str, ...]:
-    values = entry.strings(key)
-    if not values:
+def _known_all(entry: YamlMap, key: str, names: Collection[str]) -> tuple[str, ...]:
+    found = entry.choices(key, names, "name")
+    if not found:
         entry.fail(key, "names nothing; name one or more")
-    for value in values:
-        if value not in names:
-            entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
-    return tuple(values)
+    return found
 
 
 def _unique(names: Iterable[str], top: YamlMap, key: str) -> None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import cast, get_args
+from typing import get_args
 
-from tracerisk.errors import one_of
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.trace import Element, SensorKind
 
@@ -59,9 +58,7 @@ def read_sensors(
     found: list[Sensor] = []
     with_encoder = tuple(arm_joints)
     for entry in top.maps("sensors"):
-        kind = entry.string("kind")
-        if kind not in get_args(SensorKind):
-            entry.fail("kind", f"unknown kind '{kind}'; {one_of(get_args(SensorKind), kind)}")
+        kind: SensorKind = entry.choice("kind", get_args(SensorKind), "kind")
         if kind == "encoder":
             entry.forbid_unknown({"kind", "joints", "source"})
             with_encoder = _joints(entry, arm_joints)
@@ -71,9 +68,9 @@ def read_sensors(
             found += _torque(entry, arm_joints, links)
         else:
             entry.forbid_unknown({"kind", "name", "link", "topics", "source"})
-            link = _link(entry, links)
+            link = entry.choice("link", links, "link")
             topics = tuple(entry.strings("topics"))
-            found.append(Sensor(cast(SensorKind, kind), entry.string("name"), link, topics))
+            found.append(Sensor(kind, entry.string("name"), link, topics))
     seen = {*taken, *(joint_sensor("encoder", name).name for name in with_encoder)}
     for sensor in found:
         if sensor.name in seen:
@@ -97,7 +94,7 @@ def sensors_like(
 def _torque(entry: YamlMap, arm_joints: Sequence[str], links: Sequence[str]) -> tuple[Sensor, ...]:
     entry.forbid_unknown({"kind", "joints", "link", "topics", "source"})
     topics = tuple(entry.strings("topics")) if "topics" in entry else ()
-    link = _link(entry, links) if topics or "link" in entry else None
+    link = entry.choice("link", links, "link") if topics or "link" in entry else None
     return tuple(
         replace(joint_sensor("torque", name), topics=topics, link=link)
         for name in _joints(entry, arm_joints)
@@ -107,15 +104,4 @@ def _torque(entry: YamlMap, arm_joints: Sequence[str], links: Sequence[str]) -> 
 def _joints(entry: YamlMap, arm_joints: Sequence[str]) -> tuple[str, ...]:
     if entry.require("joints") == "*":
         return tuple(arm_joints)
-    names = entry.strings("joints")
-    for name in names:
-        if name not in arm_joints:
-            entry.fail("joints", f"unknown joint '{name}'; {one_of(arm_joints, name)}")
-    return tuple(names)
-
-
-def _link(entry: YamlMap, links: Sequence[str]) -> str:
-    name = entry.string("link")
-    if name not in links:
-        entry.fail("link", f"unknown link '{name}'; {one_of(links, name)}")
-    return name
+    return entry.choices("joints", arm_joints, "joint")

@@ -343,8 +343,6 @@ class Simulation:
         body = self._model.body(name)
         if body.jntnum[0]:
             address = int(self._model.jnt_qposadr[body.jntadr[0]])
-            x, y, z, qw, qx, qy, qz = (float(v) for v in self._data.qpos[address : address + 7])
-        else:
-            x, y, z = (float(v) for v in self._data.xpos[body.id])
-            qw, qx, qy, qz = (float(v) for v in self._data.xquat[body.id])
-        return Pose((x, y, z), (qx, qy, qz, qw))
+            free = self._data.qpos[address : address + 7]
+            return Pose.of(free[:3], free[3:])
+        return Pose.of(self._data.xpos[body.id], self._data.xquat[body.id])

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracerisk.geometry.frames import Triple, roll_pitch_yaw, rotation
+from tracerisk.geometry.frames import Triple, roll_pitch_yaw, rotation, triple
 from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.robots.outline import outlined
 from tracerisk.twin.robots.robot import Link, Robot
@@ -169,5 +169,5 @@ def _shape(entry: XmlElement, mesh_shape: MeshShape) -> Shape | None:
 def placed(shape: Shape, xyz: Triple, rpy: Triple) -> Shape:
     """Return a shape of a frame that stands at `xyz` [m], turned by `rpy` [rad], in its parent."""
     turn = rotation(rpy)
-    x, y, z = (float(each) for each in np.array(xyz) + turn @ np.array(shape.xyz))
-    return replace(shape, xyz=(x, y, z), rpy=roll_pitch_yaw(turn @ rotation(shape.rpy)))
+    place = triple(np.array(xyz) + turn @ np.array(shape.xyz))
+    return replace(shape, xyz=place, rpy=roll_pitch_yaw(turn @ rotation(shape.rpy)))
