@@ -24,11 +24,13 @@ def description_data(hardware: Hardware) -> dict[str, Any]:
 
     The keys are in the order in which they are written.
     """
-    return {
-        **_given("robot", hardware.robot),
-        **_given("source", hardware.source),
-        "components": {each.name: component_data(each) for each in hardware.components},
-    }
+    components = {each.name: component_data(each) for each in hardware.components}
+    return {**head_data(hardware), "components": components}
+
+
+def head_data(hardware: Hardware) -> dict[str, str]:
+    """Return what a description says of itself: its robot and its source."""
+    return {**_given("robot", hardware.robot), **_given("source", hardware.source)}
 
 
 def component_data(component: Component) -> dict[str, Any]:

@@ -30,6 +30,8 @@ State = Literal["moving", "holding", "grasping"]
 """A state of use that lasts, and so is exposure."""
 Demand = Literal["start", "grasp", "release"]
 """A use that is counted: a motion begun, a grasp closed, a grasp opened."""
+Statistic = Literal["median", "mean"]
+"""What a figure with an error factor is, of what it may be."""
 FaultMode = Literal[
     "dead",
     "jam",
@@ -73,7 +75,7 @@ class FailureFigure:
     standby: bool = False
     demand: Demand | None = None
     error_factor: float | None = None
-    value_is: Literal["median", "mean"] = "median"
+    value_is: Statistic = "median"
     source: str | None = None
 
 
@@ -181,18 +183,27 @@ class Component:
     @property
     def is_assumed(self) -> bool:
         """Whether a figure of the component has no source: its `source` begins with `assumed`."""
-        return any(each.lstrip().lower().startswith("assumed") for each in self.sources())
+        return any(map(is_assumed, self.sources()))
+
+    @property
+    def law_sources(self) -> list[str | None]:
+        """The sources of its load law and of the failure modes that count for uses of their own."""
+        law = [] if self.load_law is None else [self.load_law.source]
+        return [*law, *(each.source for each in self.modes_by_use)]
 
     def sources(self, default: str | None = None) -> tuple[str, ...]:
         """Return where its figures, load law and modes come from, each source once.
 
         What has none of its own has that of the component, and where that has none the `default`.
         """
-        own = [each.source for each in self.figures]
-        own += [self.load_law.source] if self.load_law is not None else []
-        own += [each.source for each in self.modes_by_use]
+        own = [*(each.source for each in self.figures), *self.law_sources]
         found = (each or self.source or default for each in own or [None])
         return tuple(dict.fromkeys(each for each in found if each))
+
+
+def is_assumed(source: str) -> bool:
+    """Return whether a source is none: it begins with `assumed`."""
+    return source.lstrip().lower().startswith("assumed")
 
 
 _KIND_ORDER = {"probability": 0, "failure_rate": 1, "weibull": 3}

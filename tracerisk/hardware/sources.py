@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.hardware.model import Component, Hardware
+from tracerisk.hardware.model import Hardware, is_assumed
 
 
 def assumed_sources(hardware: Hardware) -> dict[str, str]:
@@ -15,23 +15,10 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
     for component in hardware.components:
         default = component.source or hardware.source
         stated = [figure.source or default for figure in component.figures]
-        stated += _of_laws(component)
+        stated += component.law_sources
         assumed = [source for source in stated if source is not None and is_assumed(source)]
         if assumed:
             found[component.name] = "; ".join(
                 " ".join(each.split()) for each in dict.fromkeys(assumed)
             )
     return found
-
-
-def is_assumed(source: str) -> bool:
-    """Return whether a source is none: it begins with `assumed`."""
-    return source.lstrip().lower().startswith("assumed")
-
-
-def _of_laws(component: Component) -> list[str | None]:
-    law = component.load_law
-    return [
-        *(() if law is None else (law.source,)),
-        *(mode.source for mode in component.modes_by_use),
-    ]

@@ -18,7 +18,7 @@ from tracerisk.hardware.model import (
     TwinBinding,
 )
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.hardware.yaml.writer import component_lines, key_line
+from tracerisk.hardware.yaml.writer import component_lines, head_lines, key_line
 from tracerisk.trace import Element, SensorKind
 
 SCHEMA_NAME = "hardware.schema.json"
@@ -120,8 +120,7 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
         "in FIT.",
         "# `tracerisk hardware schema -o hardware.schema.json` writes what editors complete it by.",
     ]
-    lines += [key_line(key, value) for key, value in _head(hardware)]
-    lines.append("components:")
+    lines += head_lines(hardware)
     for component in hardware.components:
         lines += component_lines(component)
         lines += (f"    # {example}" for example in _examples(component))
@@ -140,13 +139,6 @@ def starting_sysml(hardware: Hardware, title: str) -> str:
         "\n// Examples of what may be said of a part:\n"
         + "".join(f"//{' ' if line else ''}{line}\n" for line in examples)
     )
-
-
-def _head(hardware: Hardware) -> Iterator[tuple[str, str]]:
-    if hardware.robot is not None:
-        yield "robot", hardware.robot
-    if hardware.source is not None:
-        yield "source", hardware.source
 
 
 def _named(bound: BoundComponent, parts: Mapping[str, tuple[str, ...]]) -> list[Component]:

@@ -24,8 +24,7 @@ from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, Location, one_of
 from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.binding import BoundComponent, bind
-from tracerisk.hardware.model import Component, Hardware
-from tracerisk.hardware.sources import is_assumed
+from tracerisk.hardware.model import Component, Hardware, is_assumed
 from tracerisk.hardware.use import UnknownUseError
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.figure_shares import ending_share, figure_shares

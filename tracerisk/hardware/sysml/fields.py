@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
 
@@ -114,18 +114,12 @@ class Fields:
         """Return several texts; empty where there are none."""
         if key not in self:
             return ()
-        value = self.meaning(key)
-        each_of = value if isinstance(value, tuple) else (value,)
-        if not each_of:
-            self.fail(key, "names none; name one, or leave it out")
-        found = []
-        for each in each_of:
-            if not isinstance(each, str):
-                self.fail(key, f"expected names in double quotes, found {described(each)}")
-            if each in found:
-                self.fail(key, f"names '{each}' twice")
-            found.append(each)
-        return tuple(found)
+        return self._several(key, "name one, or leave it out", self._name)
+
+    def _name(self, key: str, value: Meaning) -> str:
+        if not isinstance(value, str):
+            self.fail(key, f"expected names in double quotes, found {described(value)}")
+        return value
 
     def word(self, key: str, enumeration: str) -> str:
         """Return what a word of one of our enumerations stands for."""
@@ -133,13 +127,23 @@ class Fields:
 
     def words(self, key: str, enumeration: str) -> tuple[str, ...]:
         """Return what several words of an enumeration stand for."""
+
+        def read(key: str, value: Meaning) -> str:
+            return self._word(key, enumeration, value)
+
+        return self._several(key, self._allowed(enumeration), read)
+
+    def _several(
+        self, key: str, advice: str, read: Callable[[str, Meaning], str]
+    ) -> tuple[str, ...]:
+        """Return what each of one or more values is, as `read` has it; none comes twice."""
         value = self.meaning(key)
         each_of = value if isinstance(value, tuple) else (value,)
         if not each_of:
-            self.fail(key, f"names none; {self._allowed(enumeration)}")
+            self.fail(key, f"names none; {advice}")
         found: list[str] = []
         for each in each_of:
-            word = self._word(key, enumeration, each)
+            word = read(key, each)
             if word in found:
                 self.fail(key, f"names '{word}' twice")
             found.append(word)
@@ -157,19 +161,17 @@ class Fields:
 
     def time_s(self, key: str) -> float:
         """Return a time above 0 [s]."""
-        amount = self._amount(key, 1, "a time with its unit, such as 8 [h]")
-        return self._positive(key, amount) * amount.unit.seconds
-
-    def _positive(self, key: str, amount: Amount) -> float:
-        value = self._bounded(key, amount.number, 0.0, None)
-        if value == 0.0:
-            self.fail(key, "is 0; give a time above 0")
-        return value
+        amount = self._time(key, "8 [h]")
+        return float(amount.number) * amount.unit.seconds
 
     def long_time(self, key: str) -> Amount:
         """Return a time above 0 in the unit in which it was given."""
-        amount = self._amount(key, 1, "a time with its unit, such as 30000 [h]")
-        self._positive(key, amount)
+        return self._time(key, "30000 [h]")
+
+    def _time(self, key: str, example: str) -> Amount:
+        amount = self._amount(key, 1, f"a time with its unit, such as {example}")
+        if self._bounded(key, amount.number, 0.0, None) == 0.0:
+            self.fail(key, "is 0; give a time above 0")
         return amount
 
     def rate(self, key: str) -> Amount:

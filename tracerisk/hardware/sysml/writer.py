@@ -103,11 +103,23 @@ class _Written(str):
     __slots__ = ()
 
 
-class _Nested:
-    """A value made of parts, as the lines that give them."""
+def _assignments(values: Mapping[str, object]) -> list[str]:
+    """Return the lines that give values, but for `None`; those made of parts come last.
 
-    def __init__(self, lines: Iterable[str]) -> None:
-        self.lines = tuple(lines)
+    A text is written in quotes; anything else that is a `str` must be one of `_Written`.
+    """
+    plain = [
+        f"{key} = {_text(value) if type(value) is str else _value(value)};"
+        for key, value in values.items()
+        if value is not None and not isinstance(value, dict)
+    ]
+    nested = [
+        line
+        for key, value in values.items()
+        if isinstance(value, dict)
+        for line in (f"{key} {{", *_indented(_assignments(value)), "}")
+    ]
+    return plain + nested
 
 
 def _several(values: Iterable[str]) -> _Written | None:
@@ -147,21 +159,8 @@ class _Writer:
     def metadata(
         self, kind: str, values: Mapping[str, object], name: str | None = None
     ) -> list[str]:
-        """Return the lines of a metadata usage; none where no value is given.
-
-        A text is written in quotes; anything else that is a `str` must be one of `_Written`.
-        """
-        given = [
-            f"{key} = {_text(value) if type(value) is str else _value(value)};"
-            for key, value in values.items()
-            if value is not None and not isinstance(value, _Nested)
-        ]
-        given += [
-            line
-            for key, value in values.items()
-            if isinstance(value, _Nested)
-            for line in (f"{key} {{", *_indented(value.lines), "}")
-        ]
+        """Return the lines of a metadata usage; none where no value is given."""
+        given = _assignments(values)
         if not given:
             return []
         type_name = self._name_of(kind)
@@ -203,7 +202,7 @@ class _Writer:
         if component.age_s:
             shared["age"] = _Written(self._time(component.age_s))
         if component.load_law is not None:
-            shared["loadLaw"] = self._load_law(component.load_law)
+            shared["loadLaw"] = _load_law(component.load_law)
         lines: list[str] = []
         for figure in component.figures:
             lines += self.metadata("FailureData", {**self._figure(figure), **shared})
@@ -226,9 +225,7 @@ class _Writer:
                 values["standby"] = True
         else:
             life = f"{_operand(figure.value)} {self._unit(_UNIT[figure.per])}"
-            values["weibull"] = _Nested(
-                (f"shape = {_number(figure.shape)};", f"characteristicLife = {life};")
-            )
+            values["weibull"] = {"shape": figure.shape, "characteristicLife": _Written(life)}
         if figure.error_factor is not None:
             values["errorFactor"] = figure.error_factor
             if figure.value_is != "median":
@@ -236,28 +233,11 @@ class _Writer:
         values["source"] = figure.source
         return values
 
-    def _load_law(self, law: LoadLaw) -> _Nested:
-        lines = [
-            f"referenceLoad = {_number(law.reference_load)};",
-            f"wearingShare = {_number(law.wearing_share)};",
-        ]
-        if law.exponent != 3.0:
-            lines.append(f"exponent = {_number(law.exponent)};")
-        if law.reference_speed is not None:
-            lines.append(f"referenceSpeed = {_number(law.reference_speed)};")
-        if law.source is not None:
-            lines.append(f"source = {_text(law.source)};")
-        return _Nested(lines)
-
     def _mode(self, mode: FailureMode) -> list[str]:
         values = {
             "fraction": mode.fraction,
-            **(
-                {"uses": _several(self._word("Use", each) for each in mode.when)}
-                if mode.when
-                else {}
-            ),
-            **({} if mode.fault is None else {"fault": self._word("Fault", mode.fault)}),
+            "uses": _several(self._word("Use", each) for each in mode.when),
+            "fault": None if mode.fault is None else self._word("Fault", mode.fault),
             "source": mode.source,
         }
         return self.metadata("FailureMode", values, mode.name)
@@ -357,6 +337,16 @@ class _Assembly:
         if self._component is not None:
             return writer.part(name, self._component, self.lines(writer))
         return [f"part {_name(name)} {{", *_indented(self.lines(writer)), "}"]
+
+
+def _load_law(law: LoadLaw) -> dict[str, object]:
+    return {
+        "referenceLoad": law.reference_load,
+        "wearingShare": law.wearing_share,
+        "exponent": None if law.exponent == 3.0 else law.exponent,
+        "referenceSpeed": law.reference_speed,
+        "source": law.source,
+    }
 
 
 def _multiplicity(component: Component) -> str:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar, get_args
 
 from tracerisk.errors import one_of
-from tracerisk.hardware.model import Basis, Demand, FailureFigure
+from tracerisk.hardware.model import Basis, Demand, FailureFigure, Statistic
 from tracerisk.hardware.units import SECONDS_PER, rate_from_fit
 from tracerisk.text.yaml_reader import YamlMap
 
-DEMANDS: dict[str, Demand] = {"start": "start", "grasp": "grasp", "release": "release"}
-"""The words for what a figure per demand may count."""
 FIGURE_KEYS = frozenset({"probability", "failure_rate", "standby_rate", "weibull"})
 
-_MEANINGS: dict[str, Literal["median", "mean"]] = {"median": "median", "mean": "mean"}
 _ALWAYS_KEYS = frozenset({"per", "error_factor", "value_is", "source"})
 _SPANS = (Basis.MINUTE, Basis.HOUR)
 
@@ -44,6 +41,11 @@ def read_time(entry: YamlMap, key: str, *, value: str = "value") -> float:
     time.forbid_unknown({value, "per"})
     given = _positive(time, value)
     return given * word_of(time, "per", SECONDS_PER)
+
+
+def words(kind: Any) -> dict[str, Any]:
+    """Return the words of a `Literal` by themselves, for `word_of`."""
+    return {word: word for word in get_args(kind)}
 
 
 def word_of(entry: YamlMap, key: str, words: Mapping[str, _Meant]) -> _Meant:
@@ -79,7 +81,7 @@ def _probability(figure: YamlMap) -> FailureFigure:
     figure.forbid_unknown(_ALWAYS_KEYS | {"value", "of"})
     value = figure.number("value", minimum=0.0, maximum=1.0)
     per = _basis(figure, tuple(Basis))
-    demand = word_of(figure, "of", DEMANDS) if "of" in figure else None
+    demand = word_of(figure, "of", words(Demand)) if "of" in figure else None
     if demand is not None and per is not Basis.DEMAND:
         figure.fail("of", f"counts demands, but the figure is per {per.value}; leave 'of' out")
     return FailureFigure("probability", value, per, demand=demand, **_uncertainty(figure))
@@ -112,7 +114,7 @@ def _weibull(figure: YamlMap) -> FailureFigure:
 def _uncertainty(figure: YamlMap) -> dict[str, Any]:
     """Return the fields of a figure of its uncertainty, and of its source."""
     factor = figure.number("error_factor", minimum=1.0) if "error_factor" in figure else None
-    meaning = word_of(figure, "value_is", _MEANINGS) if "value_is" in figure else "median"
+    meaning = word_of(figure, "value_is", words(Statistic)) if "value_is" in figure else "median"
     if "value_is" in figure and factor is None:
         figure.fail("value_is", "says nothing without 'error_factor'; give it, or leave both out")
     source = figure.optional_string("source")

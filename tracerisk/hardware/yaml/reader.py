@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracerisk.errors import HardwareError, Location, one_of
+from tracerisk.errors import HardwareError, Location
 from tracerisk.hardware.checks import check_component
 from tracerisk.hardware.model import Component, Hardware, TwinBinding
-from tracerisk.hardware.yaml.figures import FIGURE_KEYS, read_figures, read_time
+from tracerisk.hardware.yaml.figures import FIGURE_KEYS, read_figures, read_time, word_of
 from tracerisk.hardware.yaml.redundancy import REDUNDANCY_KEYS, read_redundancy
 from tracerisk.hardware.yaml.twin import read_twin
 from tracerisk.hardware.yaml.use import read_load_law, read_modes
@@ -58,7 +58,7 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
         figures=figures,
         quantity=_quantity(entry, twin),
         redundancy=redundancy,
-        always_active=_is_always_active(entry),
+        always_active="active" in entry and word_of(entry, "active", {"always": True}),
         twin=twin,
         load_law=read_load_law(entry),
         modes=read_modes(entry),
@@ -73,15 +73,6 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
 
     check_component(component, place)
     return component
-
-
-def _is_always_active(entry: YamlMap) -> bool:
-    if "active" not in entry:
-        return False
-    word = entry.string("active")
-    if word != "always":
-        entry.fail("active", f"'{word}' is not allowed; {one_of(['always'], word)}")
-    return True
 
 
 def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:

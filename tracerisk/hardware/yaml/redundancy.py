@@ -5,14 +5,14 @@ from __future__ import annotations
 from tracerisk.errors import one_of
 from tracerisk.hardware.model import FailureFigure, default_detection
 from tracerisk.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
-from tracerisk.hardware.yaml.figures import read_time
+from tracerisk.hardware.yaml.figures import read_time, word_of, words
 from tracerisk.text.yaml_reader import YamlMap
 
 REDUNDANCY_KEYS = frozenset(
     {"redundancy", "required", "spare", "dormancy", "switch", "common_cause", "detected"}
 )
 
-_DETECTIONS: dict[str, Detection] = {"mission_start": "mission_start", "each_visit": "each_visit"}
+_DETECTIONS: dict[str, Detection] = words(Detection)
 _SPARES = {"hot": 1.0, "warm": None, "cold": 0.0}
 _BEYOND_TRUE = ("required", "spare")
 
@@ -73,10 +73,7 @@ def _dormancy(entry: YamlMap) -> float:
         if "dormancy" in entry:
             entry.fail("dormancy", "is that of a warm spare; give 'spare: warm' with it")
         return 1.0
-    kind = entry.string("spare")
-    if kind not in _SPARES:
-        entry.fail("spare", f"'{kind}' is not allowed; {one_of(_SPARES, kind)}")
-    fixed = _SPARES[kind]
+    kind, fixed = entry.string("spare"), word_of(entry, "spare", _SPARES)
     if fixed is not None:
         if "dormancy" in entry:
             entry.fail("dormancy", f"of a {kind} spare is {fixed:g} already; leave it out")

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal
 
 from tracerisk.errors import HardwareError, one_of
 from tracerisk.hardware.model import TwinBinding
+from tracerisk.hardware.yaml.figures import words
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.trace import SensorKind
 
 _SEEN_KEYS = frozenset({"joints", "gripper", "actuators", "sensors", "contacts"})
 _TWIN_KEYS = _SEEN_KEYS | {"optional"}
-_SENSOR_KINDS: dict[str, SensorKind] = {kind: kind for kind in get_args(SensorKind)}
+_SENSOR_KINDS: dict[str, SensorKind] = words(SensorKind)
 
 
 def read_twin(entry: YamlMap) -> TwinBinding | None:

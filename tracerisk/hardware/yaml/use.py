@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import get_args
 
 from tracerisk.errors import HardwareError, one_of
 from tracerisk.hardware.load import unmeasured_exponent
 from tracerisk.hardware.model import Demand, FailureMode, FaultMode, LoadLaw, State
-from tracerisk.hardware.yaml.figures import DEMANDS
+from tracerisk.hardware.yaml.figures import word_of, words
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.trace import WEAR_EXPONENTS
 
-USES: Mapping[str, State | Demand] = {
-    "moving": "moving",
-    "holding": "holding",
-    "grasping": "grasping",
-    **DEMANDS,
-}
+USES: Mapping[str, State | Demand] = words(State) | words(Demand)
 """The words for the uses in which a failure mode can matter."""
 
 _LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
@@ -51,35 +45,24 @@ def read_modes(entry: YamlMap) -> tuple[FailureMode, ...]:
 
 def _mode(name: str, mode: YamlMap) -> FailureMode:
     mode.forbid_unknown(_MODE_KEYS)
-    words = mode.strings("when") if "when" in mode else ()
-    if "when" in mode and not words:
+    given = mode.strings("when") if "when" in mode else ()
+    if "when" in mode and not given:
         mode.fail("when", f"is an empty list; {one_of(USES)}")
-    for index, word in enumerate(words):
+    for index, word in enumerate(given):
         place = mode.entry_location("when", index)
         if word not in USES:
             raise HardwareError(
                 f"{mode.name_of('when')}: '{word}' is not allowed; {one_of(USES, word)}", place
             )
-        if word in words[:index]:
+        if word in given[:index]:
             raise HardwareError(f"{mode.name_of('when')}: names '{word}' twice", place)
     return FailureMode(
         name,
         _fraction(mode, "fraction"),
-        tuple(USES[word] for word in words),
+        tuple(USES[word] for word in given),
         mode.optional_string("source"),
-        _fault(mode),
+        word_of(mode, "fault", words(FaultMode)) if "fault" in mode else None,
     )
-
-
-def _fault(mode: YamlMap) -> FaultMode | None:
-    given = mode.optional_string("fault")
-    allowed: tuple[FaultMode, ...] = get_args(FaultMode)
-    for fault in allowed:
-        if given == fault:
-            return fault
-    if given is not None:
-        mode.fail("fault", f"'{given}' is not allowed; {one_of(allowed, given)}")
-    return None
 
 
 def _exponent(law: YamlMap) -> float:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tracerisk.hardware.description_data import component_data, description_data
+from tracerisk.hardware.description_data import component_data, head_data
 from tracerisk.hardware.model import Component, Hardware
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./\-]*|10/3")
@@ -17,12 +17,17 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 def write_hardware(hardware: Hardware) -> str:
     """Return the description as YAML; reading it gives an equal one."""
-    data = description_data(hardware)
-    lines = [key_line(key, value) for key, value in data.items() if key != "components"]
-    lines.append("components:")
+    lines = [*head_lines(hardware)]
     for component in hardware.components:
         lines += component_lines(component)
     return "\n".join(lines) + "\n"
+
+
+def head_lines(hardware: Hardware) -> Iterator[str]:
+    """Yield the lines that stand before the components."""
+    for key, value in head_data(hardware).items():
+        yield key_line(key, value)
+    yield "components:"
 
 
 def component_lines(component: Component) -> Iterator[str]:

@@ -48,35 +48,24 @@ FEATURES: dict[str, tuple[str, ...]] = {
 }
 """The features of our metadata, and of the values within them."""
 
+
+def _words(*meanings: str) -> dict[str, str]:
+    """Return what the words of an enumeration mean: `missionStart` is `mission_start`."""
+    found = {}
+    for each in meanings:
+        first, *others = each.split("_")
+        found["".join((first, *map(str.title, others)))] = each
+    return found
+
+
 ENUMERATIONS: dict[str, dict[str, str]] = {
-    "Basis": {"visit": "visit", "demand": "demand", "minute": "minute", "hour": "hour"},
-    "Statistic": {"median": "median", "mean": "mean"},
-    "Spare": {"hot": "hot", "warm": "warm", "cold": "cold"},
-    "Detection": {"missionStart": "mission_start", "eachVisit": "each_visit"},
-    "SensorKind": {
-        "encoder": "encoder",
-        "torque": "torque",
-        "wrench": "wrench",
-        "camera": "camera",
-    },
-    "Fault": {
-        "dead": "dead",
-        "jam": "jam",
-        "offset": "offset",
-        "frozen": "frozen",
-        "absent": "absent",
-        "noForce": "no_force",
-        "opens": "opens",
-        "stuck": "stuck",
-    },
-    "Use": {
-        "moving": "moving",
-        "holding": "holding",
-        "grasping": "grasping",
-        "start": "start",
-        "grasp": "grasp",
-        "release": "release",
-    },
+    "Basis": _words("visit", "demand", "minute", "hour"),
+    "Statistic": _words("median", "mean"),
+    "Spare": _words("hot", "warm", "cold"),
+    "Detection": _words("mission_start", "each_visit"),
+    "SensorKind": _words("encoder", "torque", "wrench", "camera"),
+    "Fault": _words("dead", "jam", "offset", "frozen", "absent", "no_force", "opens", "stuck"),
+    "Use": _words("moving", "holding", "grasping", "start", "grasp", "release"),
 }
 """The words of our enumerations, and what the hardware description calls them."""
 

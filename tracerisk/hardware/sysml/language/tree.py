@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence as Several
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 from lark import Token, Transformer, v_args
@@ -90,8 +91,7 @@ class TreeBuilder(Transformer[Token, Package]):
     def note(self, *parts: object) -> None:
         del parts
 
-    def locale(self, *parts: object) -> None:
-        del parts
+    locale = filter = note
 
     def skipped(self, token: Token) -> Skipped:
         word = re.split(r"[^a-z]", str(token), maxsplit=1)[0]
@@ -135,9 +135,6 @@ class TreeBuilder(Transformer[Token, Package]):
     def import_target(self, name: Reference, *stars: Token) -> tuple[Reference, bool, bool]:
         return name, any(star == "*" for star in stars), any(star == "**" for star in stars)
 
-    def filter(self, *parts: object) -> None:
-        del parts
-
     def imported(self, *parts: Any) -> Import:
         target, every, recursive = parts[1] if isinstance(parts[0], Token) else parts[0]
         return Import(target, every, recursive, is_private=False, at=target.at)
@@ -163,7 +160,7 @@ class TreeBuilder(Transformer[Token, Package]):
         if not isinstance(core, Element):
             return core  # type: ignore[no-any-return]
         marks = tuple(each for each in parts[:-1] if isinstance(each, Annotation))
-        return _rebuilt(core, prefixes=tuple(map(str, words)), annotations=marks)
+        return replace(core, prefixes=tuple(map(str, words)), annotations=marks)
 
     def definition(self, kind: Token, *parts: Any) -> Element:
         return _element(str(kind), True, _at(kind), parts)
@@ -331,12 +328,6 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
         value=value,
         members=parts[-1],
     )
-
-
-def _rebuilt(element: Element, **changes: Any) -> Element:
-    from dataclasses import replace
-
-    return replace(element, **changes)
 
 
 def meaningless(problem: NotationError, source: syntax.SourceText) -> HardwareError:
