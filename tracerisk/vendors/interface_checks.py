@@ -21,10 +21,7 @@ def types_in_use(driver: Driver, interface: Interface, messages: TwinMessages) -
         DriverError: it has their package without them, and a user says that it is there.
     """
     kind = {"services": "service", "actions": "action"}.get(interface.kind, "message")
-    has = {"service": messages.has_service, "action": messages.has_action}.get(
-        kind, messages.has_message
-    )
-    found = tuple(name for name in interface.types if has(name))
+    found = tuple(name for name in interface.types if messages.has(kind, name))
     if found or driver.origin == "shipped":
         return found
     for name in interface.types:

@@ -27,6 +27,17 @@ _PLUGINS = {
     "pilz_industrial_motion_planner": "pilz_industrial_motion_planner/CommandPlanner",
     "stomp": "stomp_moveit/StompPlanner",
 }
+# What every robot has, by the methods that load it and the fields that hold it.
+_PARTS = (
+    "robot_description",
+    "robot_description_semantic",
+    "robot_description_kinematics",
+    "planning_pipelines",
+    "trajectory_execution",
+    "planning_scene_monitor",
+    "sensors_3d",
+    "joint_limits",
+)
 _PILZ = "pilz_industrial_motion_planner"
 
 
@@ -64,18 +75,8 @@ class MoveItConfigs:
     def to_dict(self) -> dict[str, Any]:
         """Return all of them as one dictionary of parameters."""
         parameters: dict[str, Any] = {}
-        for part in (
-            self.robot_description,
-            self.robot_description_semantic,
-            self.robot_description_kinematics,
-            self.planning_pipelines,
-            self.trajectory_execution,
-            self.planning_scene_monitor,
-            self.sensors_3d,
-            self.joint_limits,
-            self.moveit_cpp,
-        ):
-            parameters.update(part)
+        for part in (*_PARTS, "moveit_cpp"):
+            parameters.update(getattr(self, part))
         for name, limits in self.pilz_cartesian_limits.items():
             parameters[name] = {**parameters.get(name, {}), **limits}
         return parameters
@@ -265,18 +266,9 @@ class ConfigsBuilder(ParameterBuilder):
     def to_moveit_configs(self) -> MoveItConfigs:
         """Return all parameters, those not loaded yet from their usual files."""
         configs = self._configs
-        for part, load in (
-            (configs.robot_description, self.robot_description),
-            (configs.robot_description_semantic, self.robot_description_semantic),
-            (configs.robot_description_kinematics, self.robot_description_kinematics),
-            (configs.planning_pipelines, self.planning_pipelines),
-            (configs.trajectory_execution, self.trajectory_execution),
-            (configs.planning_scene_monitor, self.planning_scene_monitor),
-            (configs.sensors_3d, self.sensors_3d),
-            (configs.joint_limits, self.joint_limits),
-        ):
-            if not part:
-                load()
+        for part in _PARTS:
+            if not getattr(configs, part):
+                getattr(self, part)()
         # Known without a file or not, pilz needs its limits only where the package has it.
         limits = None if self._package_path is None else self._package_path / _CONFIG
         has_limits = limits is not None and (limits / "pilz_cartesian_limits.yaml").exists()

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 
 from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.moveit.planning_scene import PlanningScene, SceneObject
+from tracerisk.ros.moveit.planning_scene import SHAPES, PlanningScene, SceneObject
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 
 New = Callable[[str], Any]
 
-SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses")
-"""The fields of a moveit_msgs/CollisionObject that hold its shapes."""
 _SPHERE = 2  # shape_msgs/SolidPrimitive
 _POSES = tuple(zip(SHAPES[::2], SHAPES[1::2], strict=True))
 

@@ -12,6 +12,9 @@ from typing import Any
 from tracerisk.ros.transforms.poses import compose
 from tracerisk.twin.physics.motion import Pose
 
+SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses")
+"""The fields of a moveit_msgs/CollisionObject that hold its shapes."""
+
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
@@ -106,13 +109,8 @@ class PlanningScene:
     def append(self, name: str, message: Any) -> None:
         """Add the shapes of a CollisionObject to those of an object of the world."""
         known = self.world[name].message
-        for shapes, poses in (
-            ("primitives", "primitive_poses"),
-            ("meshes", "mesh_poses"),
-            ("planes", "plane_poses"),
-        ):
-            for field in (shapes, poses):
-                setattr(known, field, [*getattr(known, field), *getattr(message, field)])
+        for field in SHAPES:
+            setattr(known, field, [*getattr(known, field), *getattr(message, field)])
         self.changed()
 
     def allow(self, pairs: Iterable[frozenset[str]]) -> None:

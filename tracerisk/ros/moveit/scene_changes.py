@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import RobotError, one_of
-from tracerisk.ros.moveit.messages import SHAPES
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.planning_scene import PlanningScene, SceneObject
+from tracerisk.ros.moveit.scene_shapes import first_pose
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Robot
@@ -105,11 +105,7 @@ class SceneChanges:
         if operation == _MOVE:
             return scene.move(message.id, place) or self._unknown(message.id, "moved")
         if operation == _APPEND and message.id in scene.world:
-            known = scene.world[message.id]
-            for field in SHAPES:
-                merged = [*getattr(known.message, field), *getattr(message, field)]
-                setattr(known.message, field, merged)
-            scene.add(replace(known))
+            scene.append(message.id, message)
             return True
         scene.add(SceneObject(message.id, place, message))
         return True
@@ -144,10 +140,8 @@ class SceneChanges:
             )
             return None
         # Objects of the older form have no pose of their own, only their shapes do.
-        poses = [*message.primitive_poses, *message.mesh_poses, *message.plane_poses]
         own = message_pose(message.pose)
-        is_empty = own == message_pose(type(message.pose)())
-        return compose(frame, message_pose(poses[0]) if is_empty and poses else own)
+        return compose(frame, first_pose(message) or own)
 
     def _unknown(self, name: str, what: str) -> bool:
         self._report(

@@ -65,9 +65,14 @@ def own_pose(message: Any) -> Pose:
 
     Objects of the older form have no pose of their own; theirs is that of their first shape.
     """
+    return first_pose(message) or ORIGIN
+
+
+def first_pose(message: Any) -> Pose | None:
+    """Return the pose of the first shape of an object that has no pose of its own, else None."""
     poses = [*message.primitive_poses, *message.mesh_poses, *message.plane_poses]
     is_empty = message_pose(message.pose) == message_pose(type(message.pose)())
-    return message_pose(poses[0]) if is_empty and poses else ORIGIN
+    return message_pose(poses[0]) if is_empty and poses else None
 
 
 def _place(poses: Any, index: int, own: Pose) -> Pose:

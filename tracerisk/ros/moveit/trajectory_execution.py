@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame, Tracer
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.twin.motion.execution import Motion
-    from tracerisk.twin.robots.robot import Gripper
     from tracerisk.twin.simulation.twin import Twin
 
 START_TOLERANCE = 0.01
@@ -59,9 +58,6 @@ class Execution:
     """A motion in execution."""
 
     motion: Motion
-    command_id: int
-    stack: tuple[Frame, ...]
-    """The functions that asked for it, innermost last."""
     code: ErrorCode | None = None
     """How it ended."""
 
@@ -80,8 +76,6 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
-        self._watching = False
-        runtime.scheduler.when_alone.append(self.poll)
 
     def start(
         self, trajectory: JointTrajectory, *, start_tolerance: float = START_TOLERANCE
@@ -104,12 +98,9 @@ class TrajectoryExecution:
                 target=trajectory.position[-1] if len(trajectory.time) else (),
             )
             return ErrorCode.CONTROL_FAILED
-        stack = tuple(self._tracer.stack())
-        command_id = self._recorder.command("move_group", motion.elements, stack, goal=motion.goal)
-        execution = Execution(motion, command_id, stack)
+        stack, execution = self._commands.stack(), Execution(motion)
+        self._commands.begin("move_group", motion, stack, lambda _: self._ended(execution, stack))
         self._live.append(execution)
-        self._watch()
-        self.poll()
         return execution
 
     def wait(self, execution: Execution) -> ErrorCode:
@@ -117,7 +108,7 @@ class TrajectoryExecution:
         self._runtime.scheduler.wait_until(
             lambda: execution.motion.outcome != "active", reason="a motion to end"
         )
-        self.poll()
+        self._commands.poll()
         return execution.code if execution.code is not None else ErrorCode.FAILURE
 
     def stop(self) -> None:
@@ -125,25 +116,21 @@ class TrajectoryExecution:
         for execution in self._live:
             if execution.motion.outcome == "active":
                 self._twin.stop(execution.motion.joints)
-        self.poll()
+        self._commands.poll()
 
-    def poll(self) -> None:
-        """Note which executions have ended since the last call."""
-        for execution in [one for one in self._live if one.motion.outcome != "active"]:
-            self._live.remove(execution)
-            outcome = execution.motion.outcome
-            execution.code = _CODE_OF_OUTCOME[outcome]
-            self._recorder.command_ended(execution.command_id, outcome)
-            if outcome == "aborted":
-                message = f"a motion was aborted: {execution.motion.message}"
-                motion = execution.motion
-                self._commands.report(
-                    "execution_failure",
-                    message,
-                    execution.stack,
-                    object_name=", ".join(motion.elements),
-                    target=motion.goal,
-                )
+    def _ended(self, execution: Execution, stack: tuple[Frame, ...]) -> None:
+        """Note how an execution has ended, which the code of `stack` asked for."""
+        self._live.remove(execution)
+        motion = execution.motion
+        execution.code = _CODE_OF_OUTCOME[motion.outcome]
+        if motion.outcome == "aborted":
+            self._commands.report(
+                "execution_failure",
+                f"a motion was aborted: {motion.message}",
+                stack,
+                object_name=", ".join(motion.elements),
+                target=motion.goal,
+            )
 
     def report(
         self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
@@ -167,34 +154,14 @@ class TrajectoryExecution:
                 kind, asker=stack[-1].function, object_name=object_name, target=target
             )
 
-    def _watch(self) -> None:
-        # A motion started without waiting ends when nobody looks; a thread of the library
-        # notes its end at its time.
-        if not self._watching:
-            self._watching = True
-            self._runtime.scheduler.spawn(
-                self._note_ends, "move_group", inherit=False, is_controllers=False
-            )
-
-    def _note_ends(self) -> None:
-        while True:
-            self._runtime.scheduler.wait_until(
-                lambda: any(one.motion.outcome != "active" for one in self._live),
-                reason="a motion to end",
-            )
-            self.poll()
-
     def _begin(self, trajectory: JointTrajectory) -> Motion:
-        gripper = self._gripper_of(trajectory.joints)
+        wanted, grippers = set(trajectory.joints), self._twin.robot.grippers
+        gripper = next((one for one in grippers if wanted <= set(one.joints)), None)
         if gripper is None:
             return self._twin.follow(trajectory)
         last = trajectory.position[-1].tolist()
         finger = gripper.position(dict(zip(trajectory.joints, last, strict=True)))
         return self._twin.move_gripper(gripper.name, finger)
-
-    def _gripper_of(self, joints: Sequence[str]) -> Gripper | None:
-        wanted = set(joints)
-        return next((one for one in self._twin.robot.grippers if wanted <= set(one.joints)), None)
 
     def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
         if not trajectory.joints or not len(trajectory.time):

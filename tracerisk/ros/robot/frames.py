@@ -7,7 +7,7 @@ fixed, and of the base in the world, to whoever subscribes. The robot's descript
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.ros.graph.graph import Graph, Publication, Subscription
@@ -94,15 +94,11 @@ class TwinFrames:
     def _message(self, parents: Mapping[str, str]) -> Any:
         poses = self._runtime.twin.link_poses()
         stamp_ns = EPOCH_NS + self._runtime.scheduler.now_ns
-        frames = [
+        message: Any = self._interfaces.message(TF_TYPE)()
+        message.transforms = [
             self._stamped(parent, child, _relative(poses, parent, child), stamp_ns)
             for child, parent in parents.items()
         ]
-        return self._made(frames)
-
-    def _made(self, frames: Sequence[Any]) -> Any:
-        message: Any = self._interfaces.message(TF_TYPE)()
-        message.transforms = list(frames)
         return message
 
     def _stamped(self, parent: str, child: str, pose: Pose, stamp_ns: int) -> Any:

@@ -35,23 +35,13 @@ class TwinMessages:
         """Return an empty response of the service `package/Name`."""
         return service_parts(self._interfaces, service)[1]()
 
-    def has_service(self, service: str) -> bool:
-        """Return whether the controller's ROS has the service `package/Name`."""
+    def has(self, kind: str, name: str) -> bool:
+        """Return whether the controller's ROS has a service, action or message `package/Name`."""
         # By the names alone: a class is made when it is first needed.
-        package, _, name = service.partition("/")
-        return name in self._service_names(package)
-
-    def has_action(self, action: str) -> bool:
-        """Return whether the controller's ROS has the action `package/Name`."""
-        package, _, name = action.partition("/")
-        if self.is_ros2:
-            return name in self._action_names(package)
-        return f"{name}Goal" in self._message_names(package)
-
-    def has_message(self, message: str) -> bool:
-        """Return whether the controller's ROS has the message `package/Name`."""
-        package, _, name = message.partition("/")
-        return name in self._message_names(package)
+        package, _, short = name.partition("/")
+        if kind == "action" and not self.is_ros2:
+            kind, short = "message", f"{short}Goal"
+        return short in self._names(kind, package)
 
     def has_package(self, package: str) -> bool:
         """Return whether the controller's ROS has a package of messages."""
@@ -59,14 +49,14 @@ class TwinMessages:
 
     def names(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the names of a package's services, actions or messages, as `kind` says."""
-        if kind == "service":
-            return self._service_names(package)
-        if kind == "message":
-            return self._message_names(package)
-        if self.is_ros2:
-            return self._action_names(package)
-        goals = (name for name in self._message_names(package) if name.endswith("ActionGoal"))
+        if kind != "action" or self.is_ros2:
+            return self._names(kind, package)
+        goals = (name for name in self._names("message", package) if name.endswith("ActionGoal"))
         return tuple(name.removesuffix("ActionGoal") for name in goals)
+
+    @cache  # noqa: B019 - it lives as long as the run
+    def _names(self, kind: str, package: str) -> tuple[str, ...]:
+        return tuple(getattr(self._interfaces, f"{kind}_names")(package))
 
     def request(self, service: str) -> Any:
         """Return an empty request of the service `package/Name`."""
@@ -75,18 +65,6 @@ class TwinMessages:
     def is_used(self, package: str) -> bool:
         """Return whether the controller has a package, or has used a message or a service of it."""
         return bool(self._interfaces.is_used(package))
-
-    @cache  # noqa: B019 - it lives as long as the run
-    def _service_names(self, package: str) -> tuple[str, ...]:
-        return tuple(self._interfaces.service_names(package))
-
-    @cache  # noqa: B019 - it lives as long as the run
-    def _message_names(self, package: str) -> tuple[str, ...]:
-        return tuple(self._interfaces.message_names(package))
-
-    @cache  # noqa: B019 - it lives as long as the run
-    def _action_names(self, package: str) -> tuple[str, ...]:
-        return tuple(self._interfaces.action_names(package))
 
     def stamp(self, header: Any, now_ns: int) -> None:
         """Set a header's time to the present."""

@@ -47,7 +47,7 @@ class TwinNode:
 
         What the controller's ROS has no type of cannot be asked for.
         """
-        if self._messages.has_service(kind):
+        if self._messages.has("service", kind):
             answer = partial(self._answer_to, kind, handle)
             self._graph.offer(base_name, kind, answer, node=self.node)
 

@@ -30,7 +30,7 @@ from tracerisk.ros.time.processes.starting import process_replacements
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
 from tracerisk.ros.time.selector import VirtualSelector
-from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter
+from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter, for_controller
 from tracerisk.sandbox.replaced_names import replaced
 
 _real_selector = selectors.DefaultSelector
@@ -100,12 +100,8 @@ def _loader_replacements() -> Iterator[tuple[Any, str, Any]]:
 
 def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     starter = ThreadStarter(scheduler)
-    real_reentrant = threading.RLock
-
-    def reentrant() -> Any:
-        # The Python class is written on `_allocate_lock` and so waits in virtual time.
-        return vars(threading)["_PyRLock"]() if scheduler.current is not None else real_reentrant()
-
+    # The Python class is written on `_allocate_lock` and so waits in virtual time.
+    reentrant = for_controller(scheduler, vars(threading)["_PyRLock"], threading.RLock)
     low_level = sys.modules["_thread"]
     for owner, name, value in (
         (low_level, "allocate_lock", starter.allocate_lock),
@@ -123,7 +119,9 @@ def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
         (queue, "SimpleQueue", _SimpleQueue),
     ):
         if name in vars(owner):
-            yield owner, name, _for_controller(scheduler, vars(owner)[name], value, name)
+            is_clock = name in ("_time", "time")
+            real = vars(owner)[name]
+            yield owner, name, for_controller(scheduler, value, real) if is_clock else value
     known = vars(threading)
     if "_start_joinable_thread" in known:
         real_start, real_handle = known["_start_joinable_thread"], known["_ThreadHandle"]
@@ -133,9 +131,7 @@ def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
         ) -> Any:
             return starter.start_joinable_thread(real_start, function, handle, daemon)
 
-        def make_handle() -> Any:
-            return ThreadHandle(scheduler) if scheduler.current is not None else real_handle()
-
+        make_handle = for_controller(scheduler, lambda: ThreadHandle(scheduler), real_handle)
         yield threading, "_start_joinable_thread", start_joinable
         yield threading, "_ThreadHandle", make_handle
     else:
@@ -143,13 +139,6 @@ def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
         yield threading, "_start_new_thread", starter.start_new_thread
         yield threading, "_set_sentinel", lambda: starter.set_sentinel(real_sentinel)
     yield threading, "_make_invoke_excepthook", _quiet_excepthook(scheduler)
-
-
-def _for_controller(scheduler: Scheduler, real: Any, value: Any, name: str) -> Any:
-    """Return `value`, or for a clock a function that is `real` in threads of others."""
-    if name not in ("_time", "time"):
-        return value
-    return lambda: value() if scheduler.current is not None else real()
 
 
 def _quiet_excepthook(scheduler: Scheduler) -> Callable[[], Callable[[threading.Thread], None]]:
@@ -299,7 +288,6 @@ def _no_fork(scheduler: Scheduler, name: str, real: Callable[[], Any]) -> Callab
 
 def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     real_register, real_unregister = atexit.register, atexit.unregister
-    real_pause = signal.pause
 
     def register(function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Any:
         if scheduler.current is None:
@@ -312,19 +300,14 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
         real_unregister(function)
 
     def pause() -> None:
-        if scheduler.current is None:
-            real_pause()
-        else:
-            scheduler.wait_until(lambda: False, reason="a signal", kind="idle")
-
-    def make_selector() -> selectors.BaseSelector:
-        return VirtualSelector(scheduler) if scheduler.current is not None else _real_selector()
+        scheduler.wait_until(lambda: False, reason="a signal", kind="idle")
 
     for name in ("fork", "forkpty"):
         yield os, name, _no_fork(scheduler, name, vars(os)[name])
     yield atexit, "register", register
     yield atexit, "unregister", unregister
-    yield signal, "pause", pause
+    yield signal, "pause", for_controller(scheduler, pause, signal.pause)
     for name, function in VirtualAlarm(scheduler).functions().items():
         yield signal, name, function
-    yield selectors, "DefaultSelector", make_selector
+    selector = for_controller(scheduler, lambda: VirtualSelector(scheduler), _real_selector)
+    yield selectors, "DefaultSelector", selector

@@ -25,6 +25,17 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * NANOSECONDS)
 
 
+def for_controller(
+    scheduler: Scheduler, ours: Callable[..., Any], real: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return what calls `ours` in a thread of the controller, and `real` in any other."""
+
+    def either(*args: Any, **kwargs: Any) -> Any:
+        return (ours if scheduler.current is not None else real)(*args, **kwargs)
+
+    return either
+
+
 class Lock:
     """A lock that its waiters wait for in virtual time."""
 

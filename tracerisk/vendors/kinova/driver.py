@@ -68,7 +68,7 @@ class KortexDriver(TwinNode):
         self._player = KortexPlayer(self._kortex, messages, self._commands, self._notify)
         self._topics: dict[str, Publication] = {}
         self._graph.watch(self._on_change)
-        if not messages.has_service(f"{PACKAGE}/ExecuteAction"):
+        if not messages.has("service", f"{PACKAGE}/ExecuteAction"):
             return
         for space, services in (("base", self._base()), ("control_config", self._config())):
             for name, handle in services.items():

@@ -39,7 +39,7 @@ class NiryoRobot(NiryoActions):
         self._is_learning = False
         self._home: list[float] | None = None
         self._pins: dict[str, float] = {}
-        if not messages.has_service(f"{_MESSAGES}/Trigger"):
+        if not messages.has("service", f"{_MESSAGES}/Trigger"):
             return
         for space, services in self._services().items():
             for name, (kind, handle) in services.items():

@@ -24,6 +24,7 @@ from tracerisk.ros.controller.thread import RunOver
 from tracerisk.ros.time.processes.pool import ProcessPool, ProcessPoolExecutor
 from tracerisk.ros.time.processes.shared import Manager, ProcessQueue, array, pipe, value
 from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.time.threads import for_controller
 
 _FIRST_PID = 100_000
 """What process identifiers are counted from: above those that Linux gives out by default."""
@@ -47,7 +48,7 @@ def process_replacements(
         if kind is not None:
             real = vars(kind)["_Popen"].__func__
             yield kind, "_Popen", staticmethod(shared.start_instead_of(real))
-    current = _for_controller(scheduler, shared.current_process, multiprocessing.current_process)
+    current = for_controller(scheduler, shared.current_process, multiprocessing.current_process)
     yield multiprocessing, "current_process", current
     yield multiprocessing.process, "current_process", current
     yield multiprocessing.context.BaseContext, "current_process", staticmethod(current)
@@ -56,19 +57,10 @@ def process_replacements(
         yield (
             multiprocessing.context.BaseContext,
             name,
-            _for_controller(scheduler, _without_self(make), context_method),
+            for_controller(scheduler, _without_self(make), context_method),
         )
-        yield multiprocessing, name, _for_controller(scheduler, make, vars(multiprocessing)[name])
+        yield multiprocessing, name, for_controller(scheduler, make, vars(multiprocessing)[name])
     yield concurrent.futures, "ProcessPoolExecutor", ProcessPoolExecutor
-
-
-def _for_controller(
-    scheduler: Scheduler, value: Callable[..., Any], real: Callable[..., Any]
-) -> Callable[..., Any]:
-    def either(*args: Any, **kwargs: Any) -> Any:
-        return (value if scheduler.current is not None else real)(*args, **kwargs)
-
-    return either
 
 
 def _without_self(make: Callable[..., Any]) -> Callable[..., Any]:
