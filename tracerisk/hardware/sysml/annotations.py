@@ -256,13 +256,10 @@ class Annotations:
         ]
 
     def _gives(self, symbol: Symbol, kinds: tuple[str, ...]) -> bool:
-        found = self.own(symbol)
-        if not found:
-            return False
-        for each in found:
-            if each.kind in kinds and (each.kind != "Risk" or _has_number(each)):
-                return True
-        return False
+        return any(
+            each.kind in kinds and (each.kind != "Risk" or _has_number(each))
+            for each in self.own(symbol)
+        )
 
 
 def _has_number(risk: Metadata) -> bool:

@@ -125,7 +125,6 @@ class _Reading:
         if not figures:
             return None
         location = part.location()
-        places: dict[str, Location] = {each.kind or "": each.location for each in reversed(data)}
         binding = self._single(part, "TwinBinding", place.way)
         twin, always = (None, False) if binding is None else meaning.read_twin(binding)
         group = self._single(part, "Redundancy", place.way)
@@ -153,14 +152,14 @@ class _Reading:
         )
         if described is not None and "robot" in described:
             described.fail("robot", "stands at the system as a whole; leave it out here")
-        known = {"FailureData": places.get("FailureData", location)}
-        if group is not None:
-            known["Redundancy"] = group.location
-        if binding is not None:
-            known["TwinBinding"] = binding.location
-        if modes:
-            known["FailureMode"] = modes[0].location
-        check_component(component, _Places(location, known))
+        known = {each.kind: each.location for each in reversed((*data, *modes))}
+        known |= {each.owner: each.location for each in (group, binding) if each is not None}
+
+        def find(*keys: str) -> Location:
+            kind = _METADATA_OF.get(keys[0], "FailureData") if keys else ""
+            return known.get(kind, location)
+
+        check_component(component, find)
         return component
 
     def _figures(
@@ -244,19 +243,6 @@ _METADATA_OF = {
     "active": "TwinBinding",
     "quantity": "",
 }
-
-
-class _Places:
-    """Where the fields of a component stand, for `check_component`."""
-
-    def __init__(self, component: Location, known: dict[str, Location]) -> None:
-        self._component = component
-        self._known = known
-
-    def __call__(self, *keys: str) -> Location:
-        if not keys:
-            return self._component
-        return self._known.get(_METADATA_OF.get(keys[0], "FailureData"), self._component)
 
 
 def component_name(place: Place) -> str:

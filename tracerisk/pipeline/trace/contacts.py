@@ -72,7 +72,7 @@ def with_contacts(
     by_visit: dict[int, dict[str, Exposure]] = {}
     for name, each in touching.items():
         owner = owners[moved_by(robot, each.element.part or "")]
-        exposures = ElementExposures.of(each, samples.step_s)
+        exposures = ElementExposures(each, samples.step_s)
         found[name] = exposures.over(everywhere)
         for index, own in enumerate(exposures.of_owners(owner, len(visits))):
             if own.grasping_s or own.releases:

@@ -120,7 +120,7 @@ def exposures_of(
     active: dict[str, Exposure] = {}
     of_elements: dict[str, tuple[Exposure, ...]] = {}
     for name, each in activity.items():
-        exposures = ElementExposures.of(each, samples.step_s)
+        exposures = ElementExposures(each, samples.step_s)
         active[name] = exposures.over(everywhere)
         owner = attribution.assign(name, n_steps, step_ns)
         of_elements[name] = exposures.of_owners(owner, len(steps_of))

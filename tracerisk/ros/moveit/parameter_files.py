@@ -17,19 +17,15 @@ class PackageFiles(Protocol):
 
     def folder(self, package: str) -> Path | None:
         """Return the folder of a package; None where it is not there."""
-        ...
 
     def text(self, path: Path) -> str:
         """Return the text of a file."""
-        ...
 
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Any:
         """Return what a xacro file expands to; None where it cannot be expanded."""
-        ...
 
     def left_out(self, what: str) -> dict[str, Any]:
         """Note what is left out, and return what stands for its parameters: `*`, or nothing."""
-        ...
 
 
 class ParameterBuilderFileNotFoundError(FileNotFoundError):

@@ -7,7 +7,8 @@ which the controller uses an interface of the robot.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
@@ -107,28 +108,20 @@ class TwinTopics(TwinNode):
                 self._publish_states(topic)
 
     def _publish_states(self, topic: str) -> None:
-        self._reported.add(topic)
-        self._stream(
-            topic,
-            JOINT_STATE_TYPE,
-            self._rate_hz,
-            self._joint_state,
-            self._reading.named(*JOINTS),
-            yields=topic != JOINT_STATES,
-        )
+        self._publish(topic, JOINT_STATE_TYPE, self._joint_state, yields=topic != JOINT_STATES)
 
     def _publish_controller(self, topic: str, controller: str) -> None:
         """Publish the state of a trajectory controller, unless somebody else does."""
-        self._reported.add(topic)
         joints = self._joints_of(controller)
-        self._stream(
-            topic,
-            CONTROLLER_STATE_TYPE,
-            self._rate_hz,
-            lambda: self._controller_state(joints),
-            self._reading.named(*JOINTS),
-            yields=True,
-        )
+        make = partial(self._controller_state, joints)
+        self._publish(topic, CONTROLLER_STATE_TYPE, make, yields=True)
+
+    def _publish(
+        self, topic: str, type_name: str, make: Callable[[], Any], *, yields: bool
+    ) -> None:
+        self._reported.add(topic)
+        sensors = self._reading.named(*JOINTS)
+        self._stream(topic, type_name, self._rate_hz, make, sensors, yields=yields)
 
     def _joints_of(self, controller: str) -> tuple[str, ...]:
         """Return the joints of a controller; all of the arm for one that nobody describes."""

@@ -14,34 +14,27 @@ class Baton(Protocol):
 
     def ident(self) -> int:
         """Return the identifier of what runs: a thread of the controller, or another thread."""
-        ...
 
     def take(self, thread: ControllerThread) -> int:
         """Give the calling thread the baton, as the first; return its identifier."""
-        ...
 
     def start(self, thread: ControllerThread, run: Callable[[], None]) -> int:
         """Make a thread that does `run` when it is first handed the baton; return its identifier.
 
         `run` ends with `leave`.
         """
-        ...
 
     def hand(self, thread: ControllerThread, following: ControllerThread) -> None:
         """Hand the baton on, and return when `thread`, which calls this, has it again."""
-        ...
 
     def hand_for_good(self, thread: ControllerThread, following: ControllerThread) -> NoReturn:
         """Hand the baton on; `thread`, which calls this, never gets it again."""
-        ...
 
     def leave(self, thread: ControllerThread, following: ControllerThread) -> None:
         """Hand the baton on as the last act of `thread`, which calls this."""
-        ...
 
     def replacements(self) -> Iterator[tuple[Any, str, Any]]:
         """Yield owner, name and value of what must be replaced process-wide for it."""
-        ...
 
 
 class ThreadBaton:

@@ -12,16 +12,13 @@ class World(Protocol):
     @property
     def time_ns(self) -> int:
         """The time of the world [ns]."""
-        ...
 
     @property
     def busy(self) -> bool:
         """Whether a motion is live."""
-        ...
 
     def advance(self, until_ns: int) -> int:
         """Move to `until_ns`, or return at the end of the step in which a motion ended [ns]."""
-        ...
 
 
 class CallTracer(Protocol):
@@ -29,12 +26,9 @@ class CallTracer(Protocol):
 
     def capture(self) -> Any:
         """Return the stack of the calling thread."""
-        ...
 
     def resume(self, captured: Any, /) -> AbstractContextManager[Any]:
         """Go on with a captured stack."""
-        ...
 
     def root(self, kind: Any, /) -> AbstractContextManager[Any]:
         """Begin an empty stack: a callback's."""
-        ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast, get_args
 
@@ -96,13 +96,8 @@ def check_faults(
                 f"fault '{fault}': the run without a fault ends at {before_s:.3f} s; "
                 "give an earlier instant"
             )
-    _forbid_twice(fault.unit for fault in faults)
-    return tuple(sorted(faults, key=lambda each: each.time_s))
-
-
-def _forbid_twice(units: Iterable[str]) -> None:
-    seen: set[str] = set()
-    for unit in units:
-        if unit in seen:
+    units = [fault.unit for fault in faults]
+    for index, unit in enumerate(units):
+        if unit in units[:index]:
             raise InputError(f"unit '{unit}' fails twice; give it one fault")
-        seen.add(unit)
+    return tuple(sorted(faults, key=lambda each: each.time_s))

@@ -69,15 +69,10 @@ def _compiled(text: str, meshes: dict[str, bytes], missing: set[str]) -> dict[st
     import mujoco
 
     spec = mujoco.MjSpec.from_string(text, assets=meshes)
-    counts = {
-        "bodies": len(spec.bodies),
-        "joints": len(spec.joints),
-        "geoms": len(spec.geoms),
-        "actuators": len(spec.actuators),
-    }
-    for kind, count in counts.items():
-        if count > _MOST[kind]:
-            raise ValueError(f"the model has {count} {kind}; at most {_MOST[kind]} are read")
+    for kind, most in _MOST.items():
+        count = len(getattr(spec, kind))
+        if count > most:
+            raise ValueError(f"the model has {count} {kind}; at most {most} are read")
     without = sorted({geom.parent.name for geom in spec.geoms if geom.meshname in missing})
     if missing:
         for pair in list(spec.pairs):
@@ -106,6 +101,9 @@ def _described(model: Any) -> dict[str, Any]:
     def name(kind: Any, index: int) -> str:
         return mujoco.mj_id2name(model, kind, index) or ""
 
+    def figures(kind: str, index: int, *fields: str) -> dict[str, Any]:
+        return {each: getattr(model, f"{kind}_{each}")[index].tolist() for each in fields}
+
     body, joint = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_JOINT
     return {
         "name": str(model.names[: model.names.find(b"\0")].decode(errors="replace")),
@@ -113,25 +111,17 @@ def _described(model: Any) -> dict[str, Any]:
             {
                 "name": name(body, i),
                 "parent": int(model.body_parentid[i]),
-                "pos": model.body_pos[i].tolist(),
-                "quat": model.body_quat[i].tolist(),
-                "mass": float(model.body_mass[i]),
-                "ipos": model.body_ipos[i].tolist(),
-                "iquat": model.body_iquat[i].tolist(),
-                "inertia": model.body_inertia[i].tolist(),
+                **figures("body", i, "pos", "quat", "mass", "ipos", "iquat", "inertia"),
             }
             for i in range(model.nbody)
         ],
         "joints": [
             {
                 "name": name(joint, i),
-                "type": int(model.jnt_type[i]),
                 "body": int(model.jnt_bodyid[i]),
-                "pos": model.jnt_pos[i].tolist(),
-                "axis": model.jnt_axis[i].tolist(),
+                **figures("jnt", i, "type", "pos", "axis", "stiffness"),
                 "range": model.jnt_range[i].tolist() if model.jnt_limited[i] else None,
                 "force": model.jnt_actfrcrange[i].tolist() if model.jnt_actfrclimited[i] else None,
-                "stiffness": float(model.jnt_stiffness[i]),
                 "armature": float(model.dof_armature[model.jnt_dofadr[i]]),
                 "damping": float(model.dof_damping[model.jnt_dofadr[i]]),
                 "ref": float(model.qpos0[model.jnt_qposadr[i]]),
@@ -144,8 +134,7 @@ def _described(model: Any) -> dict[str, Any]:
             {
                 "name": name(mujoco.mjtObj.mjOBJ_SITE, i),
                 "body": int(model.site_bodyid[i]),
-                "pos": model.site_pos[i].tolist(),
-                "quat": model.site_quat[i].tolist(),
+                **figures("site", i, "pos", "quat"),
             }
             for i in range(model.nsite)
         ],

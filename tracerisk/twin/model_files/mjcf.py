@@ -75,13 +75,10 @@ class _Reader:
             for index, body in enumerate(model.bodies)
         ]
         names: set[str] = set()
-        self._joints: list[str] = []
-        for joint in model.joints:
-            name = joint["name"] or f"{self._bodies[joint['body']]}_joint"
-            while name in names:
-                name += "_"
-            names.add(name)
-            self._joints.append(name)
+        self._joints = [
+            _new(joint["name"] or f"{self._bodies[joint['body']]}_joint", names)
+            for joint in model.joints
+        ]
 
     def robot(self) -> Robot:
         """Return the robot."""
@@ -138,10 +135,7 @@ class _Reader:
         return self._stem if self._model.name in ("", _UNNAMED) else self._model.name
 
     def _fresh(self, name: str) -> str:
-        while name in self._taken:
-            name += "_"
-        self._taken.add(name)
-        return name
+        return _new(name, self._taken)
 
     def _top(self, index: int) -> int:
         while self._model.bodies[index]["parent"] > 0:
@@ -297,6 +291,14 @@ class _Reader:
             if one and other:
                 first, second = sorted((self._bodies[one], self._bodies[other]))
                 yield first, second
+
+
+def _new(name: str, taken: set[str]) -> str:
+    """Return a name, with `_` behind it where it is taken, and take it."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
 
 
 def _fixed(name: str, parent: str, child: str, place: Any, turn: Any) -> UrdfJoint:

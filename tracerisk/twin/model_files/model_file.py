@@ -61,10 +61,11 @@ def read_model_file(
         expanded = expanded_xacro(path, folder.packages, within=within, shown=shown, limits=limits)
         text, read = expanded.text, expanded.files
         root = read_xml(text, shown)
+        _check_root(root)
     if root.tag == "mujoco":
         found = _of_mjcf(text, path, shown, folder, limits)
     else:
-        found = _of_urdf(text, path, shown, folder, limits)
+        found = _of_urdf(root, text, path, shown, folder, limits)
     found = replace(found, files=tuple(dict.fromkeys((*found.files, *read))))
     name = re.sub(r"[^\w.+-]+", "_", found.robot.name)[:80].strip("._") or "robot"
     _check_sizes(found.robot, shown)
@@ -82,25 +83,21 @@ def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: L
     document = read_mjcf_document(text, path, shown, folder)
     model = compiled_mjcf(document, shown, limits)
     names = {each["name"] for each in (*model.bodies, *model.joints)}
-    beside = _srdf_beside(path, model.name, names, folder)
-    srdf = None if beside is None else beside[1]
+    srdf, beside = _srdf_beside(path, model.name, names, folder)
     robot = mjcf_robot(model, shown, path.stem, srdf=srdf, felt=document.felt)
-    files = (*document.files, *([beside[0]] if beside else []))
-    return _named(robot, srdf, files, knows_motors=bool(model.actuators))
+    return _named(robot, srdf, (*document.files, *beside), knows_motors=bool(model.actuators))
 
 
-def _of_urdf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
-    root = read_xml(text, shown)
-    _check_root(root)
+def _of_urdf(
+    root: XmlElement, text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits
+) -> ModelFile:
     names = {
         each.attributes.get("name", "") for each in root.children if each.tag in ("link", "joint")
     }
-    beside = _srdf_beside(path, root.attributes.get("name", ""), names, folder)
-    srdf = None if beside is None else beside[1]
+    srdf, beside = _srdf_beside(path, root.attributes.get("name", ""), names, folder)
     shapes, meshes = _meshes(root, shown, folder, limits)
     robot = read_urdf(text, shown, srdf=srdf, mesh_shape=lambda mesh: shapes.get(_mesh_key(mesh)))
-    files = (path.resolve(), *meshes, *([beside[0]] if beside else []))
-    return _named(robot, srdf, files, knows_motors=False)
+    return _named(robot, srdf, (path.resolve(), *meshes, *beside), knows_motors=False)
 
 
 def _named(
@@ -146,8 +143,8 @@ def _mesh_key(mesh: XmlElement) -> str:
 
 def _srdf_beside(
     path: Path, name: str, names: Iterable[str], folder: ModelFolder
-) -> tuple[Path, Srdf] | None:
-    """Return the SRDF beside a model: of its name, else the one that speaks of its parts.
+) -> tuple[Srdf | None, tuple[Path, ...]]:
+    """Return the SRDF of a model's name beside it, else the one that speaks of its parts.
 
     Looked for in its folder, and in `config` and `srdf` beside that.
     Raises RobotError when one that is named as the model cannot be read.
@@ -171,8 +168,8 @@ def _srdf_beside(
                 ranked.append((share + (srdf.name == name), each, srdf))
         if ranked:
             _, found, srdf = max(ranked, key=lambda each: each[0])
-            return found, srdf
-    return None
+            return srdf, (found,)
+    return None, ()
 
 
 def _parts(group: SrdfGroup) -> Iterator[str]:

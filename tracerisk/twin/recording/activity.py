@@ -44,6 +44,11 @@ class Thresholds:
     debounce_off: float = 0.05
     """How long a gap in one lasts at least [s]."""
 
+    def debounced(self, flags: Flags, step_s: float) -> Flags:
+        """Return `flags` (n,) without intervals and gaps that are too short."""
+        n_on, n_off = (round(span / step_s) for span in (self.debounce_on, self.debounce_off))
+        return debounce(flags, n_on, n_off)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementActivity:
@@ -197,7 +202,7 @@ def _gripper_activity(
         element=Element(gripper.name, "gripper"),
         moving=moving,
         holding=_holding(torques / gripper.effort, moving, step_s, limits),
-        grasping=debounce(grasped, *_debounce_steps(step_s, limits)),
+        grasping=limits.debounced(grasped, step_s),
         speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
         torque=np.abs(torques).max(axis=1) / gripper.effort,
         grip=grip,
@@ -224,7 +229,7 @@ def _holding(torque: Array, moving: Flags, step_s: float, limits: Thresholds) ->
     """Return where a joint at rest holds; torque: (n_steps, n_joints), of the limit."""
     # Without hysteresis: what a joint bore before does not decide on what it bears now.
     loaded = _mean_load(torque, ~moving, round(limits.mean_s / step_s)) > limits.holding
-    return debounce(loaded & ~moving, *_debounce_steps(step_s, limits)) & ~moving
+    return limits.debounced(loaded & ~moving, step_s) & ~moving
 
 
 def _mean_load(torque: Array, rest: Flags, size: int) -> Array:
@@ -246,7 +251,3 @@ def _sums_around(values: Array | Flags, size: int) -> Array:
     total = np.concatenate((np.zeros(half + 1), total, last))
     found: Array = total[2 * half + 1 :] - total[: len(values)]
     return found
-
-
-def _debounce_steps(step_s: float, limits: Thresholds) -> tuple[int, int]:
-    return round(limits.debounce_on / step_s), round(limits.debounce_off / step_s)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.trace import Contact, Element, Payload
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds, debounce, hysteresis
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds, hysteresis
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
 from tracerisk.twin.recording.contact_pairs import (
     Hold,
@@ -162,7 +162,6 @@ def visit_payloads(
 def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str, ElementActivity]:
     """Return when each element of kind `contact` that ever touches does so: as grasping."""
     limits = Thresholds()
-    n_on, n_off = (round(span / run.step_s) for span in (limits.debounce_on, limits.debounce_off))
     rest, still = np.zeros(run.n_steps), np.zeros(run.n_steps, dtype=np.bool_)
     forces: dict[str, Array] = {}
     for touch in run.touches:
@@ -174,7 +173,7 @@ def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str,
         if element.kind == "contact" and element.part in forces:
             force = forces[element.part]
             touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
-            grasping = debounce(touching, n_on, n_off)
+            grasping = limits.debounced(touching, run.step_s)
             found[element.name] = ElementActivity(
                 element, still, still, grasping, rest, rest, force, rest, limits
             )

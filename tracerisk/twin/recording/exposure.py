@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,62 +21,32 @@ _BORDER = 2.0  # a factor of the threshold, up or down
 
 def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     """Return the exposure of an element over the steps in `mask`, see `ElementExposures`."""
-    return ElementExposures.of(activity, step_s).over(mask)
+    return ElementExposures(activity, step_s).over(mask)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class ElementExposures:
     """The exposures of an element; over parts of a run they take what reaches beyond these.
 
-    Over masks that split the run, times, travel, wear, starts, grasps and releases sum to those
-    of the whole run; a release belongs to the first step in which nothing is grasped any more.
-    torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
-    moving steps: the load at which a drive that wears by revolutions would age alike.
+    What a motion or a wear is does not depend on the part, and is computed here once.
     """
 
-    activity: ElementActivity
-    step_s: float
-    """The physics step [s]."""
-    active: Flags
-    """Whether it is in any of its states, (n_steps,)."""
-    starts: Flags
-    """Where a motion begins, (n_steps,)."""
-    grasps: Flags
-    """Where a grasp begins, (n_steps,)."""
-    releases: Flags
-    """The first step after each grasp, (n_steps,)."""
-    moving_runs: tuple[Steps, Steps]
-    """Where it begins to move, and where it has ended to."""
-    active_runs: tuple[Steps, Steps]
-    """Where it becomes active, and where it has ceased to be."""
-    moved_before: Steps
-    """In how many steps before each it moves, (n_steps + 1,)."""
-    speed: Array
-    """The speed of each step in which it moves, (n_moving,)."""
-    torque: Array
-    """The torque of each such step, (n_moving,)."""
-    wear: tuple[Array, ...]
-    """|v| T^k of each such step, (n_moving,), for each of `WEAR_EXPONENTS`."""
-
-    @classmethod
-    def of(cls, activity: ElementActivity, step_s: float) -> ElementExposures:
-        """Prepare the exposures of an element."""
-        active, grasping = activity.active, activity.grasping
-        speed, torque = activity.speed[activity.moving], activity.torque[activity.moving]
-        return cls(
-            activity,
-            step_s,
-            active,
-            _begins(activity.moving),
-            _begins(grasping),
-            _begins(~grasping) & (np.arange(len(grasping)) > 0),
-            runs(activity.moving),
-            runs(active),
-            np.concatenate(([0], np.cumsum(activity.moving))),
-            speed,
-            torque,
-            tuple(speed * torque**k for k in WEAR_EXPONENTS),
-        )
+    def __init__(self, activity: ElementActivity, step_s: float) -> None:
+        moving, grasping = activity.moving, activity.grasping
+        self.activity = activity
+        self.step_s = step_s  # the physics step [s]
+        self.active = activity.active  # whether it is in any of its states, (n_steps,)
+        self.starts = _begins(moving)  # where a motion begins, (n_steps,)
+        self.grasps = _begins(grasping)  # where a grasp begins, (n_steps,)
+        # The first step after each grasp, (n_steps,).
+        self.releases = _begins(~grasping) & (np.arange(len(grasping)) > 0)
+        # Where it begins to move, and where it has ended to; the same of being active.
+        self.moving_runs, self.active_runs = runs(moving), runs(self.active)
+        # In how many steps before each it moves, (n_steps + 1,).
+        self.moved_before = np.concatenate(([0], np.cumsum(moving)))
+        # Speed and torque of each step in which it moves, (n_moving,).
+        self.speed, self.torque = activity.speed[moving], activity.torque[moving]
+        # |v| T^k of each such step, (n_moving,), for each of `WEAR_EXPONENTS`.
+        self.wear = tuple(self.speed * self.torque**k for k in WEAR_EXPONENTS)
 
     def over(self, mask: Flags) -> Exposure:
         """Return the exposure over the steps in a mask, (n_steps,)."""

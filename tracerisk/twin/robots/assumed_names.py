@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from tracerisk.twin.robots.generic import NAME
@@ -94,7 +94,7 @@ class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
     def __getitem__(self, group: str) -> Mapping[str, Mapping[str, float]]:
         if group not in self._states:
             states = self._robot.named_states
-            known = states.get(group) or states.get(self._groups.stand_in(group), {})
+            known = dict(states.get(group) or states.get(self._groups.stand_in(group), {}))
             members = self._groups[group].joints
             self._states[group] = _StatesOfGroup(self._robot, group, members, known, self._report)
         return self._states[group]
@@ -109,20 +109,13 @@ class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
         return len(self._groups)
 
 
+@dataclass(eq=False)
 class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
-    def __init__(
-        self,
-        robot: Robot,
-        group: str,
-        joints: Iterable[str],
-        known: Mapping[str, Mapping[str, float]],
-        report: Callable[[str], None],
-    ) -> None:
-        self._robot = robot
-        self._group = group
-        self._joints = tuple(joints)
-        self._known = dict(known)
-        self._report = report
+    _robot: Robot
+    _group: str
+    _joints: tuple[str, ...]
+    _known: dict[str, Mapping[str, float]]
+    _report: Callable[[str], None]
 
     def __getitem__(self, name: str) -> Mapping[str, float]:
         if name not in self._known:

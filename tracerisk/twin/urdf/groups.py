@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from itertools import takewhile
 from types import MappingProxyType
 
 from tracerisk.twin.robots.robot import Controller, Gripper, Group, Joint
@@ -52,12 +53,8 @@ def _plain_groups(tree: Tree) -> dict[str, Group]:
             continue
         on_the_way = tree.way(joint.child)
         last = max(i for i, each in enumerate(on_the_way) if each.name == names[-1])
-        rigid = on_the_way[last + 1 :]
-        end = on_the_way[last].child
-        for each in rigid:
-            if each.moves:
-                break
-            end = each.child
+        rigid = takewhile(lambda each: not each.moves, on_the_way[last + 1 :])
+        *_, end = (on_the_way[last].child, *(each.child for each in rigid))
         ways.append(names)
         if names not in tips or (_TOOL.search(end) and not _TOOL.search(tips[names])):
             tips[names] = end

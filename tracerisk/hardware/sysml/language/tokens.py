@@ -172,10 +172,14 @@ def _too_deep(source: SourceText, at: int) -> HardwareError:
 
 def _is_prefix_name(found: list[Token]) -> bool:
     """Whether the name that follows belongs to metadata before an element, `#A::b part`."""
-    index = len(found) - 1
+    return _follows("_HASH", found, len(found) - 1)
+
+
+def _follows(sign: str, found: list[Token], index: int) -> bool:
+    """Whether a sign stands before the first part of a name, whose part before ends at `index`."""
     while index > 0 and found[index].type == "_SCOPE" and found[index - 1].type == "NAME":
         index -= 2
-    return index >= 0 and found[index].type == "_HASH"
+    return index >= 0 and found[index].type == sign
 
 
 def _begins_expression(found: list[Token]) -> bool:
@@ -183,15 +187,9 @@ def _begins_expression(found: list[Token]) -> bool:
     last = found[-1].type
     if last in ("STAR", "STARS"):
         return found[-2].type != "_SCOPE"
-    return last in _BEFORE_BODY or (last == "NAME" and _is_function(found))
-
-
-def _is_function(found: list[Token]) -> bool:
-    """Whether the last token is the name of a function that is called with `->`."""
-    index = len(found) - 1
-    while index > 1 and found[index].type == "NAME" and found[index - 1].type == "_SCOPE":
-        index -= 2
-    return index > 0 and found[index].type == "NAME" and found[index - 1].type == "_ARROW"
+    # Of a name, whether it is that of a function that is called with `->`.
+    is_function = last == "NAME" and _follows("_ARROW", found, len(found) - 2)
+    return last in _BEFORE_BODY or is_function
 
 
 def _matching(source: SourceText, opening: re.Match[str], stream: Iterator[re.Match[str]]) -> int:
