@@ -131,14 +131,8 @@ def _mode(mode: FailureMode) -> dict[str, Any]:
 
 
 def _twin(twin: TwinBinding) -> dict[str, Any]:
-    given = {
-        "joints": twin.joints,
-        "actuators": twin.actuators,
-        "gripper": twin.gripper,
-        "sensors": twin.sensors,
-        "contacts": twin.contacts,
-        "optional": twin.optional,
-    }
+    keys = ("joints", "actuators", "gripper", "sensors", "contacts", "optional")
+    given = {key: getattr(twin, key) for key in keys}
     return {
         key: list(value) if isinstance(value, tuple) else value
         for key, value in given.items()

@@ -13,7 +13,7 @@ from tracerisk.twin.recording.samples import POSE_EVERY, Samples
 
 if TYPE_CHECKING:
     from tracerisk.twin.physics.scene import Scene
-    from tracerisk.twin.robots.robot import Attachment, Gripper, Robot
+    from tracerisk.twin.robots.robot import Gripper, Robot
 
 Point = tuple[float, float, float]
 
@@ -44,22 +44,18 @@ def grasp_place(
 
 def between_pads(robot: Robot, gripper: Gripper, at: Mapping[str, float], scene: Scene) -> Point:
     """Return the middle between a gripper's pads [m] for positions of the joints, in the scene."""
-    parents = {each.child: each for each in robot.attachments}
     links = {each.name: each for each in robot.links}
     pads = []
     for name in gripper.pads:
         marked = [shape.xyz for shape in links[name].shapes if shape.pad] or [(0.0, 0.0, 0.0)]
-        pads.append(_in_base(parents, name, np.mean(marked, axis=0), at))
+        pads.append(_in_base(robot, name, np.mean(marked, axis=0), at))
     middle = rotation(scene.robot_rpy) @ np.mean(pads, axis=0) + scene.robot_xyz
     return float(middle[0]), float(middle[1]), float(middle[2])
 
 
-def _in_base(
-    parents: Mapping[str, Attachment], link: str, point: Matrix, at: Mapping[str, float]
-) -> Matrix:
+def _in_base(robot: Robot, link: str, point: Matrix, at: Mapping[str, float]) -> Matrix:
     """Return a point of a link as the robot's base sees it."""
-    while link in parents:
-        joint = parents[link]
+    for joint in robot.above(link):
         position = at.get(joint.name, 0.0)
         if joint.type == "prismatic":
             axis = np.asarray(joint.axis)
@@ -67,7 +63,6 @@ def _in_base(
         elif joint.type != "fixed":
             point = about(joint.axis, position) @ point
         point = rotation(joint.rpy) @ point + joint.xyz
-        link = joint.parent
     return point
 
 

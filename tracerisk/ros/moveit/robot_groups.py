@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,12 +65,7 @@ class RobotGroups:
         Links of fixed joints belong to the group as far as they lie on the way to its tip.
         """
         group = self.group(name)
-        parents = {one.child: one for one in self.robot.attachments}
-        way = set()
-        link = group.tip_link
-        while link in parents:
-            way.add(link)
-            link = parents[link].parent
+        way = {one.child for one in self.robot.above(group.tip_link or "")}
         moved = {one.child for one in self.robot.attachments if one.name in group.joints}
         first = min((self.robot.link_names.index(link) for link in moved), default=0)
         return tuple(
@@ -80,19 +76,13 @@ class RobotGroups:
 
     def hand_links(self, tip: str) -> tuple[str, ...]:
         """Return the links that move with a tip, and those beyond them: hand and fingers."""
-        hangs = {one.child: one for one in self.robot.attachments}
-        root = tip
-        while root in hangs and hangs[root].type == "fixed":
-            root = hangs[root].parent
-        found = {root}
-        for link in self.robot.link_names:
-            at, way = link, {link}
-            while at in hangs and at not in found:
-                at = hangs[at].parent
-                way.add(at)
-            if at in found:
-                found |= way
-        return tuple(link for link in self.robot.link_names if link in found)
+        rigid = takewhile(lambda one: one.type == "fixed", self.robot.above(tip))
+        *_, root = (tip, *(one.parent for one in rigid))
+        return tuple(
+            link
+            for link in self.robot.link_names
+            if link == root or any(one.parent == root for one in self.robot.above(link))
+        )
 
     def default_target(self, name: str) -> dict[str, float]:
         """Return a new client's joint target: zero, or the middle where zero is out of limits."""

@@ -50,9 +50,10 @@ def add_known_objects(runtime: Runtime, interfaces: Any, objects: Sequence[YamlM
 
 def _hand_links(robot: Robot, link: str) -> list[str]:
     """Return the links that move as one with a link, and all that they carry."""
-    above = {each.child: each for each in robot.attachments}
-    while link in above and above[link].type == "fixed":
-        link = above[link].parent
+    for above in robot.above(link):
+        if above.type != "fixed":
+            break
+        link = above.parent
     found = [link]
     for each in found:
         found += [one.child for one in robot.attachments if one.parent == each]

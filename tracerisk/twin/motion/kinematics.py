@@ -42,12 +42,9 @@ class Kinematics:
         self._robot = robot
         self._model = compile_model(robot)
         self._data = mujoco.MjData(self._model)
-        self._address = {
-            joint.name: int(self._model.joint(joint.name).qposadr[0]) for joint in robot.joints
-        }
-        self._dof = {
-            joint.name: int(self._model.joint(joint.name).dofadr[0]) for joint in robot.joints
-        }
+        joints = {joint.name: self._model.joint(joint.name) for joint in robot.joints}
+        self._address = {name: int(each.qposadr[0]) for name, each in joints.items()}
+        self._dof = {name: int(each.dofadr[0]) for name, each in joints.items()}
         self._configuration = mink.Configuration(self._model)
         self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
         self._unreached: dict[Hashable, _Miss] = {}

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
+from tracerisk.twin.recording.joint_motion import runs
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 if TYPE_CHECKING:
@@ -32,6 +34,10 @@ class PairTouches:
     two: int
     steps: Steps
     force: Array | None
+
+    def beside(self, body: int) -> int | None:
+        """Return the other body, `None` where `body` is none of the two."""
+        return {self.one: self.two, self.two: self.one}.get(body)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,14 +157,11 @@ def moved_by(robot: Robot, link: str) -> str | None:
     """
     of_gripper = {name: each.name for each in robot.grippers for name in each.joints}
     arm = {joint.name for joint in robot.arm_joints}
-    above = {each.child: each for each in robot.attachments}
-    while link in above:
-        attachment = above[link]
+    for attachment in robot.above(link):
         if attachment.name in of_gripper:
             return of_gripper[attachment.name]
         if attachment.name in arm:
             return attachment.name
-        link = attachment.parent
     return None
 
 
@@ -191,21 +194,17 @@ def _holder(robot: Robot, link: str) -> str:
 def _above(robot: Robot, links: frozenset[str]) -> frozenset[str]:
     """Return the links that bear `links` by fixed joints or those of a gripper."""
     moving = {joint.name for joint in robot.arm_joints}
-    above = {each.child: each for each in robot.attachments}
-    found: set[str] = set()
-    for each in sorted(links):
-        link = each
-        while link in above and above[link].name not in moving:
-            link = above[link].parent
-            found.add(link)
-    return frozenset(found)
+    return frozenset(
+        bears.parent
+        for link in links
+        for bears in takewhile(lambda one: one.name not in moving, robot.above(link))
+    )
 
 
 def _spans(grasping: Flags, by_pad: Sequence[Steps]) -> list[tuple[int, int]]:
     """Return from when to when a body was held in each grasp in which all pads touch it."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], grasping, [False]))))
     spans = []
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in zip(*runs(grasping), strict=True):
         within = [steps[(steps >= start) & (steps < stop)] for steps in by_pad]
         if all(len(steps) for steps in within):
             spans.append((int(min(s[0] for s in within)), int(max(s[-1] for s in within)) + 1))

@@ -213,9 +213,9 @@ class _Judge:
                 yield Touch(link.name, other.name, steps, force, moves, fine)
             return
         for i, hold in enumerate(self._holds):
-            if hold.body not in (pair.one, pair.two):
+            other_place = pair.beside(hold.body)
+            if other_place is None:
                 continue
-            other_place = pair.two if hold.body == pair.one else pair.one
             within = self._while_held(pair, i, other_place)
             for steps, force in _split(within, self._gap):
                 thing = self._bodies[hold.body]
@@ -251,13 +251,13 @@ class _Judge:
         """Return what a thing was lifted from, and what it was put on."""
         found = set()
         for pair in pairs:
-            if hold.body in (pair.one, pair.two) and pair.force is not None:
+            place = pair.beside(hold.body)
+            if place is not None and pair.force is not None:
                 near = [
                     (pair.steps >= at - self._near) & (pair.steps <= at + self._near)
                     for at in (hold.start, hold.stop)
                 ]
                 if bool((near[0] | near[1]).any()):
-                    place = pair.two if hold.body == pair.one else pair.one
                     found.add(self._bodies[place].name)
         return frozenset(found)
 

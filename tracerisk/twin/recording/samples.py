@@ -131,9 +131,7 @@ class SampleWriter:
         names = {field: getattr(header, field) for field in header.__slots__}
         text = json.dumps({"version": _VERSION, **names}, indent=1, sort_keys=True)
         (self._directory / _HEADER).write_text(text + "\n", encoding="utf-8")
-        (self._directory / _END).unlink(missing_ok=True)
-        (self._directory / _CHANGED).unlink(missing_ok=True)
-        for name in DECLARED_FILES:
+        for name in (_END, _CHANGED, *DECLARED_FILES):
             (self._directory / name).unlink(missing_ok=True)
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
         self._file = os.open(self._directory / _ROWS, flags, 0o644)

@@ -74,16 +74,15 @@ def _ours(robot: Robot) -> Robot | None:
 
 def _distances(robot: Robot) -> dict[str, float]:
     """Return how far each arm joint is from the moving one before it, or from the base [m]."""
-    hangs = {each.child: each for each in robot.attachments}
     moving = {joint.name for joint in robot.arm_joints}
     found: dict[str, float] = {}
     for each in robot.attachments:
         if each.name in moving:
             place = np.array(each.xyz)
-            above = hangs.get(each.parent)
-            while above is not None and above.type == "fixed":
+            for above in robot.above(each.parent):
+                if above.type != "fixed":
+                    break
                 place = np.array(above.xyz) + rotation(above.rpy) @ place
-                above = hangs.get(above.parent)
             found[each.name] = float(np.linalg.norm(place))
     return found
 

@@ -6,7 +6,7 @@ Nothing here knows a physics engine; `builder` turns a `Robot` into a model of o
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -257,6 +257,13 @@ class Robot:
     def link_names(self) -> tuple[str, ...]:
         """The links, in the file's order."""
         return tuple(link.name for link in self.links)
+
+    def above(self, link: str) -> Iterator[Attachment]:
+        """Yield how a link hangs on its parent, then how that does on its own, up to the base."""
+        hangs = {each.child: each for each in self.attachments}
+        while link in hangs:
+            yield hangs[link]
+            link = hangs[link].parent
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`; raise RobotError listing those there are."""

@@ -94,7 +94,7 @@ class Simulation:
         self._wanted: tuple[SceneBody, ...] = ()
         self._watch: ContactWatch | None = None
         self._n_contacts = self._fresh_until = 0
-        self._faults, self._sensors = ArmedFaults(robot), SensorFaults(robot)
+        self.faults, self._sensors = ArmedFaults(robot), SensorFaults(robot)
         if samples is not None:
             samples.begin(self._header())
             self._watch = ContactWatch(robot, samples.contacts(), overlaps)
@@ -123,18 +123,9 @@ class Simulation:
         """Take `bodies` for all that is declared, from the next step on."""
         self._wanted = tuple(bodies)
 
-    @property
-    def live_faults(self) -> tuple[Fault, ...]:
-        """The faults that have begun and were not cleared."""
-        return self._faults.live
-
-    def arm(self, fault: Fault) -> None:
-        """Make a unit fail at the fault's instant, or with the next step if that is past."""
-        self._faults.arm(fault)
-
     def clear(self, fault: Fault) -> None:
         """Clear a fault: the unit works again from the next step on."""
-        self._faults.clear(fault, self._model)
+        self.faults.clear(fault, self._model)
         self._sensors.clear(fault)
 
     def step(self, wanted: int, controls: Controls) -> None:
@@ -301,19 +292,19 @@ class Simulation:
 
     def _begin_faults(self, wanted: int) -> int:
         """Begin the faults that are due; return how many steps come before another one."""
-        if self._faults.is_due(self._steps):
+        if self.faults.is_due(self._steps):
             measured = self.joint_state()
             wrists = {each.name: each for each in self.robot.sensors if each.kind == "wrench"}
-            for fault in self._faults.begin(self._steps, self._model, self._data):
+            for fault in self.faults.begin(self._steps, self._model, self._data):
                 wrist = wrists.get(fault.unit)
                 self._sensors.begin(fault, measured, None if wrist is None else self.wrench(wrist))
-        return self._faults.steps_before(self._steps, wanted)
+        return self.faults.steps_before(self._steps, wanted)
 
     def _rebuild(self) -> None:
         self._declared, self._model, self._data = rebuild(
             self.robot, self.scene, self._declared, self._wanted, self._model, self._data
         )
-        self._faults.rebuilt(self._model)
+        self.faults.rebuilt(self._model)
         if self._samples is not None:
             self._samples.model_changed()
             simulated = logged_bodies(self._declared, self._model, self._data)

@@ -109,7 +109,7 @@ class Twin:
     @property
     def live_faults(self) -> tuple[Fault, ...]:
         """The faults that have begun and were not cleared, in the order of their instants."""
-        return self._simulation.live_faults
+        return self._simulation.faults.live
 
     def arm(self, fault: Fault) -> None:
         """Make a unit fail at the fault's instant, or with the next step if that is past.
@@ -117,7 +117,7 @@ class Twin:
         Raises InputError for a unit or a mode that the robot does not have.
         """
         check_faults((fault,), self.robot)
-        self._simulation.arm(fault)
+        self._simulation.faults.arm(fault)
 
     # What is measured
 

@@ -132,12 +132,9 @@ class Symbol:
             return ()
         self._active = True
         try:
-            found: list[Found] = []
-            for target in node.redefines:
-                found += _given(self._redefined(target))
-            for target in (*node.subsets, *node.types):
-                found += _given(self._resolve_general(target))
-            self._generals = tuple(dict.fromkeys(found))
+            found = [self._redefined(target) for target in node.redefines]
+            found += [self._resolve_general(target) for target in (*node.subsets, *node.types)]
+            self._generals = tuple(dict.fromkeys(each for each in found if each is not None))
         finally:
             self._active = False
         return self._generals
@@ -234,13 +231,7 @@ class Symbol:
         """Return what `name` is in this namespace alone: own, inherited, then imported."""
         if name in self._seen:
             return self._seen[name]
-        hit: Found | None = self.own(name)
-        if isinstance(hit, Symbol) and isinstance(hit.node, Alias):
-            hit = _aliased(hit)
-        if hit is None:
-            hit = self.inherited(name)
-        if hit is None:
-            hit = self._imported(name)
+        hit = _own(self, name) or self.inherited(name) or self._imported(name)
         if hit is not None:
             self._seen[name] = hit
         return hit
@@ -336,8 +327,10 @@ def _through(each: Import, space: Found, name: str) -> Found | None:
     return space.exported(name) if isinstance(space.node, Package) else member_of(space, name)
 
 
-def _given(hit: Found | None) -> list[Found]:
-    return [] if hit is None else [hit]
+def _own(space: Symbol, name: str) -> Found | None:
+    """Return what is declared within by that name; of an alias, what it stands for."""
+    hit = space.own(name)
+    return _aliased(hit) if hit is not None and isinstance(hit.node, Alias) else hit
 
 
 def _aliased(alias: Symbol) -> Found | None:
@@ -369,11 +362,7 @@ def member_of(space: Found, name: str) -> Found | None:
     """Return the member of an element by that name, its own or inherited."""
     if isinstance(space, Standard):
         return space.member(name)
-    hit: Found | None = space.own(name)
-    if isinstance(hit, Symbol) and isinstance(hit.node, Alias):
-        hit = _aliased(hit)
-    if hit is None:
-        hit = space.inherited(name)
+    hit = _own(space, name) or space.inherited(name)
     if hit is None and isinstance(space.node, Package):
         hit = space.exported(name)
     return hit

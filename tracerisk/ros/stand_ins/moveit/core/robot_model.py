@@ -144,14 +144,11 @@ class JointModelGroup(HandedOut):
     def _chain_to(self, link: str) -> list[tuple[int, str, Vector, bool]]:
         """Return the group's joints before a link: column, child link, axis, whether it slides."""
         names = self.active_joint_model_names
-        hangs = {one.child: one for one in self._server.robot.attachments}
-        found = []
-        while link in hangs:
-            one = hangs[link]
-            if one.name in names:
-                found.append((names.index(one.name), link, one.axis, one.type == "prismatic"))
-            link = one.parent
-        return found
+        return [
+            (names.index(one.name), one.child, one.axis, one.type == "prismatic")
+            for one in self._server.robot.above(link)
+            if one.name in names
+        ]
 
     def _root_link(self) -> str:
         first = self.active_joint_model_names[0]
