@@ -15,7 +15,6 @@ from tracerisk.errors import LogError
 from tracerisk.trace import WEAR_EXPONENTS, Element
 from tracerisk.twin.recording.activity import (
     ElementActivity,
-    Thresholds,
     debounce,
     element_activity,
     hysteresis,
@@ -306,7 +305,7 @@ def test_exposures_partition_the_run(seed: int, cuts: list[int]):
     grasping = generator.random(n) < 0.3
     activity = ElementActivity(
         Element("j", "joint"), moving, holding, grasping,
-        generator.random(n), generator.random(n), np.zeros(n), np.zeros(n), Thresholds(),
+        generator.random(n), generator.random(n), np.zeros(n), np.zeros(n),
     )  # fmt: skip
     edges = [0, *sorted(cuts), n]
     whole = exposure(activity, np.ones(n, dtype=bool), STEP)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.contact_log import (
     LOOK_EVERY,
     OVERLAP,
@@ -82,7 +82,6 @@ def activity(panda: Robot, *grasps: tuple[int, int]) -> dict[str, ElementActivit
             rest,
             np.where(flags(*grasps), 7.0, 0.0) if element.kind == "gripper" else rest,
             rest,
-            Thresholds(),
         )
         for element in panda.elements
         if element.kind in ("joint", "gripper")

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from tracerisk.twin.recording.joint_motion import (
     LEVER_M,
-    MotionRule,
     SetPoint,
     _windowed_most,
     motion_steps,
@@ -17,14 +16,13 @@ from tracerisk.twin.recording.joint_motion import (
 )
 
 STEP = 0.002
-RULE = MotionRule()
 
 
 def found(position: np.ndarray, value: np.ndarray | None = None, unit: float = 1.0):
     """The (start, stop) of each motion [s] of a joint at positions, behind a set-point or none."""
     velocity = np.diff(position, prepend=position[:1]) / STEP
     set_point = None if value is None else SetPoint(value, position, 0.1)
-    moving, _ = motion_steps(velocity, set_point, unit, STEP, RULE)
+    moving, _ = motion_steps(velocity, set_point, unit, STEP)
     return [(a * STEP, b * STEP) for a, b in zip(*(x.tolist() for x in runs(moving)), strict=True)]
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.trace import Element, Exposure
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures
 
@@ -24,7 +24,7 @@ def joint_activity(moving: list[bool]) -> ElementActivity:
     nothing = np.zeros(n, dtype=np.bool_)
     return ElementActivity(
         JOINT, np.array(moving, dtype=np.bool_), nothing, nothing, np.zeros(n), np.zeros(n),
-        np.zeros(n), np.zeros(n), Thresholds(),
+        np.zeros(n), np.zeros(n),
     )  # fmt: skip
 
 

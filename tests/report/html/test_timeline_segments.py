@@ -32,7 +32,7 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 STEP = 0.002
@@ -73,7 +73,6 @@ def activity_of(name, **spans):
         zeros,
         zeros,
         zeros,
-        Thresholds(),
     )
 
 

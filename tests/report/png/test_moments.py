@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tracerisk.report.png.moments import function_moments
 from tracerisk.trace import Element
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity
 
 FRAME, STRIDE = 0.04, 20
 
@@ -28,7 +28,6 @@ def activity_of(**frames: str) -> dict[str, ElementActivity]:
             torque=zeros,
             grip=zeros,
             travel=zeros,
-            thresholds=Thresholds(),
         )
     return found
 

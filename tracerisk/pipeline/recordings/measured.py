@@ -23,7 +23,7 @@ from tracerisk.pipeline.recordings.probed import Boundaries
 from tracerisk.pipeline.trace.run_trace import exposures_of
 from tracerisk.pipeline.trace.sensors import RunActivity, with_sensors
 from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds, joint_activity
+from tracerisk.twin.recording.activity import ElementActivity, joint_activity
 from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
 from tracerisk.twin.recording.samples import Samples, between
 from tracerisk.twin.robots.robot import Gripper, Robot
@@ -174,24 +174,19 @@ def _on_one_clock(
 
 def _activity(samples: Samples, robot: Robot) -> dict[str, ElementActivity]:
     """Return what each recorded element does; of a gripper only whether it moves."""
-    limits = Thresholds()
     columns = {name: column for column, name in enumerate(samples.header.joints)}
     found = {
-        joint.name: joint_activity(samples, joint, columns[joint.name], limits)
+        joint.name: joint_activity(samples, joint, columns[joint.name])
         for joint in robot.arm_joints
     }
     for gripper in robot.grippers:
         if set(gripper.joints) & columns.keys():
-            found[gripper.name] = _fingers(samples, robot, gripper, columns, limits)
+            found[gripper.name] = _fingers(samples, robot, gripper, columns)
     return found
 
 
 def _fingers(
-    samples: Samples,
-    robot: Robot,
-    gripper: Gripper,
-    columns: Mapping[str, int],
-    limits: Thresholds,
+    samples: Samples, robot: Robot, gripper: Gripper, columns: Mapping[str, int]
 ) -> ElementActivity:
     rest = np.zeros(samples.n_steps, dtype=np.bool_)
     zeros = np.zeros(samples.n_steps)
@@ -201,11 +196,11 @@ def _fingers(
             continue
         finger, velocity = robot.joint(name), samples.velocity[:, columns[name]]
         unit = LEVER_M if finger.type == "prismatic" else 1.0
-        steps, far = motion_steps(velocity, None, unit, samples.step_s, limits.motion)
+        steps, far = motion_steps(velocity, None, unit, samples.step_s)
         moving, travel = moving | steps, np.maximum(travel, far)
         speed = np.maximum(speed, np.abs(velocity) / finger.velocity_limit)
     element = Element(gripper.name, "gripper")
-    return ElementActivity(element, moving, rest, rest, speed, zeros, zeros, travel, limits)
+    return ElementActivity(element, moving, rest, rest, speed, zeros, zeros, travel)
 
 
 def _until_the_end(

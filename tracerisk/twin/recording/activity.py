@@ -8,7 +8,7 @@ lasted long enough.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from tracerisk.errors import LogError
 from tracerisk.trace import Element
 from tracerisk.twin.motion.execution import FINGER_LENGTH_M, servo_lead
 from tracerisk.twin.recording.contact_pairs import between_pads
-from tracerisk.twin.recording.joint_motion import LEVER_M, MotionRule, SetPoint, motion_steps
+from tracerisk.twin.recording.joint_motion import LEVER_M, SetPoint, motion_steps
 from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.robot import Gripper, Joint, Robot
 
@@ -29,8 +29,6 @@ Array = NDArray[np.float64]
 class Thresholds:
     """When a state begins and ends."""
 
-    motion: MotionRule = field(default_factory=MotionRule)
-    """When a joint or a finger moves."""
     holding: float = 0.02
     """The torque above which a joint at rest holds, of its torque limit."""
     mean_s: float = 0.05
@@ -48,6 +46,10 @@ class Thresholds:
         """Return `flags` (n,) without intervals and gaps that are too short."""
         n_on, n_off = (round(span / step_s) for span in (self.debounce_on, self.debounce_off))
         return debounce(flags, n_on, n_off)
+
+
+LIMITS = Thresholds()
+"""Those of every run."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +70,6 @@ class ElementActivity:
     torque: Array
     grip: Array
     travel: Array
-    thresholds: Thresholds
 
     @property
     def active(self) -> Flags:
@@ -86,7 +87,6 @@ def element_activity(
 
     Raises LogError when the samples are of another robot.
     """
-    limits = Thresholds()
     index = {name: i for i, name in enumerate(samples.header.joints)}
     pad_index = {name: i for i, name in enumerate(samples.header.pads)}
     missing = [joint.name for joint in robot.joints if joint.name not in index]
@@ -97,7 +97,7 @@ def element_activity(
             f"'{robot.name}'; read them with the robot that was simulated"
         )
     found = {
-        joint.name: joint_activity(samples, joint, index[joint.name], limits)
+        joint.name: joint_activity(samples, joint, index[joint.name])
         for joint in robot.arm_joints
         if not only or joint.name in only
     }
@@ -107,7 +107,7 @@ def element_activity(
         fingers = [robot.joint(name) for name in gripper.joints]
         columns = [index[name] for name in gripper.joints]
         pads = [pad_index[name] for name in gripper.pads]
-        found[gripper.name] = _gripper_activity(samples, gripper, fingers, columns, pads, limits)
+        found[gripper.name] = _gripper_activity(samples, gripper, fingers, columns, pads)
     return found
 
 
@@ -139,9 +139,7 @@ def _latch(signs: NDArray[np.int8]) -> Flags:
     return (last >= 0) & (signs[last] > 0)
 
 
-def joint_activity(
-    samples: Samples, joint: Joint, column: int, limits: Thresholds
-) -> ElementActivity:
+def joint_activity(samples: Samples, joint: Joint, column: int) -> ElementActivity:
     """Return the activity of a joint, whose samples are in a column."""
     stiffness = joint.servo.stiffness
     set_point = _set_point(
@@ -152,18 +150,17 @@ def joint_activity(
     )
     unit = _unit(joint)
     velocity = samples.velocity[:, column]
-    moving, travel = motion_steps(velocity, set_point, unit, samples.step_s, limits.motion)
+    moving, travel = motion_steps(velocity, set_point, unit, samples.step_s)
     torque = samples.torque[:, column] / joint.torque_limit
     return ElementActivity(
         element=Element(joint.name, "joint"),
         moving=moving,
-        holding=_holding(torque[:, None], moving, samples.step_s, limits),
+        holding=_holding(torque[:, None], moving, samples.step_s),
         grasping=np.zeros(samples.n_steps, dtype=np.bool_),
         speed=np.abs(velocity) / joint.velocity_limit,
         torque=np.abs(torque),
         grip=np.zeros(samples.n_steps),
         travel=travel,
-        thresholds=limits,
     )
 
 
@@ -173,7 +170,6 @@ def _gripper_activity(
     fingers: list[Joint],
     columns: list[int],
     pads: list[int],
-    limits: Thresholds,
 ) -> ElementActivity:
     n_steps, step_s = samples.n_steps, samples.step_s
     signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
@@ -184,7 +180,7 @@ def _gripper_activity(
     moving, travel = np.zeros(n_steps, dtype=np.bool_), np.zeros(n_steps)
     for finger, column in zip(fingers, columns, strict=True):
         velocity = samples.velocity[:, column]
-        steps, far = motion_steps(velocity, set_point, _unit(finger), step_s, limits.motion)
+        steps, far = motion_steps(velocity, set_point, _unit(finger), step_s)
         moving |= steps
         travel = np.maximum(travel, far)
     torques = samples.torque[:, columns]
@@ -197,17 +193,16 @@ def _gripper_activity(
     if samples.contacts is not None:
         grip = np.where(between_pads(samples.contacts, gripper, n_steps), grip, 0.0)
     pressed = np.minimum(grip, drive)
-    grasped = hysteresis(pressed, limits.grasping_on, limits.grasping_off)
+    grasped = hysteresis(pressed, LIMITS.grasping_on, LIMITS.grasping_off)
     return ElementActivity(
         element=Element(gripper.name, "gripper"),
         moving=moving,
-        holding=_holding(torques / gripper.effort, moving, step_s, limits),
-        grasping=limits.debounced(grasped, step_s),
+        holding=_holding(torques / gripper.effort, moving, step_s),
+        grasping=LIMITS.debounced(grasped, step_s),
         speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
         torque=np.abs(torques).max(axis=1) / gripper.effort,
         grip=grip,
         travel=travel,
-        thresholds=limits,
     )
 
 
@@ -225,11 +220,11 @@ def _set_point(
     return SetPoint(samples.control[:, column], position, lag_s)
 
 
-def _holding(torque: Array, moving: Flags, step_s: float, limits: Thresholds) -> Flags:
+def _holding(torque: Array, moving: Flags, step_s: float) -> Flags:
     """Return where a joint at rest holds; torque: (n_steps, n_joints), of the limit."""
     # Without hysteresis: what a joint bore before does not decide on what it bears now.
-    loaded = _mean_load(torque, ~moving, round(limits.mean_s / step_s)) > limits.holding
-    return limits.debounced(loaded & ~moving, step_s) & ~moving
+    loaded = _mean_load(torque, ~moving, round(LIMITS.mean_s / step_s)) > LIMITS.holding
+    return LIMITS.debounced(loaded & ~moving, step_s) & ~moving
 
 
 def _mean_load(torque: Array, rest: Flags, size: int) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.trace import Contact, Element, Payload
-from tracerisk.twin.recording.activity import ElementActivity, Thresholds, hysteresis
+from tracerisk.twin.recording.activity import LIMITS, ElementActivity, hysteresis
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
 from tracerisk.twin.recording.contact_pairs import (
     Hold,
@@ -161,7 +161,6 @@ def visit_payloads(
 
 def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str, ElementActivity]:
     """Return when each element of kind `contact` that ever touches does so: as grasping."""
-    limits = Thresholds()
     rest, still = np.zeros(run.n_steps), np.zeros(run.n_steps, dtype=np.bool_)
     forces: dict[str, Array] = {}
     for touch in run.touches:
@@ -172,10 +171,10 @@ def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str,
     for element in elements:
         if element.kind == "contact" and element.part in forces:
             force = forces[element.part]
-            touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
-            grasping = limits.debounced(touching, run.step_s)
+            touching = hysteresis(force, LIMITS.grasping_on, LIMITS.grasping_off)
+            grasping = LIMITS.debounced(touching, run.step_s)
             found[element.name] = ElementActivity(
-                element, still, still, grasping, rest, rest, force, rest, limits
+                element, still, still, grasping, rest, rest, force, rest
             )
     return found
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
-from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.twin.recording.activity import LIMITS, ElementActivity
 from tracerisk.twin.recording.joint_motion import runs
 
 Flags = NDArray[np.bool_]
@@ -160,15 +160,14 @@ def _is_borderline(
     Of motion that is how far it went. Where it clearly moved, no other value decides; where it
     did not, its torque does.
     """
-    limits = activity.thresholds
-    n_steps = round(limits.debounce_on / step_s)
+    n_steps = round(LIMITS.debounce_on / step_s)
     if _is_near(activity.travel[span][mask], n_steps, 1.0):
         return True
-    if _is_near(activity.grip[span][mask], n_steps, limits.grasping_on):
+    if _is_near(activity.grip[span][mask], n_steps, LIMITS.grasping_on):
         return True
     if longest_moving * step_s >= ACTIVE_S:
         return False
-    return _is_near(activity.torque[span][mask], n_steps, limits.holding)
+    return _is_near(activity.torque[span][mask], n_steps, LIMITS.holding)
 
 
 def _is_near(values: Array, n_steps: int, threshold: float) -> bool:

@@ -50,6 +50,10 @@ class MotionRule:
     """The longest rest that does not end a motion, of the motion before and after it."""
 
 
+RULE = MotionRule()
+"""That of every run."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoint:
     """The set-point of a servo: value at each step, (n_steps,), and the measured position.
@@ -63,7 +67,7 @@ class SetPoint:
 
 
 def motion_steps(
-    velocity: Array, set_point: SetPoint | None, unit: float, step_s: float, rule: MotionRule
+    velocity: Array, set_point: SetPoint | None, unit: float, step_s: float
 ) -> tuple[Flags, Array]:
     """Return the steps in which a joint moves, and how far it goes in the stretch of each.
 
@@ -74,19 +78,19 @@ def motion_steps(
     if not n_steps:
         return np.zeros(0, dtype=np.bool_), np.zeros(0)
     way = np.cumsum(velocity) * (step_s / unit)
-    strokes, travel = _strokes(velocity / unit, way, step_s, rule)
+    strokes, travel = _strokes(velocity / unit, way, step_s)
     led = np.zeros(n_steps, dtype=np.bool_)
     if set_point is not None:
-        led = _led(velocity, set_point, unit, step_s, rule)
+        led = _led(velocity, set_point, unit, step_s)
     moving = np.zeros(n_steps, dtype=np.bool_)
-    starts, stops = _joined(*runs(strokes | led), step_s, rule)
+    starts, stops = _joined(*runs(strokes | led), step_s)
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         # The way before the first step belongs to it.
         part = way[max(start - 1, 0) : stop]
-        least = rule.least_travel if led[start:stop].any() else rule.least_stroke
+        least = RULE.least_travel if led[start:stop].any() else RULE.least_stroke
         far = float(part.max() - part.min()) / least
         travel[start:stop] = np.maximum(travel[start:stop], far)
-        moving[start:stop] = far >= 1.0 and stop - start >= round(rule.least_s / step_s)
+        moving[start:stop] = far >= 1.0 and stop - start >= round(RULE.least_s / step_s)
     return moving, travel
 
 
@@ -98,7 +102,7 @@ def runs(flags: Flags) -> tuple[Steps, Steps]:
     return edges[::2], edges[1::2]
 
 
-def _strokes(velocity: Array, way: Array, step_s: float, rule: MotionRule) -> tuple[Flags, Array]:
+def _strokes(velocity: Array, way: Array, step_s: float) -> tuple[Flags, Array]:
     """Return the steps of strokes, fast and in one direction, that go far enough; and how far.
 
     How far counts in the least that a stroke goes, at every fast step.
@@ -106,34 +110,32 @@ def _strokes(velocity: Array, way: Array, step_s: float, rule: MotionRule) -> tu
     A vibration is fast but goes to and fro: none of its strokes is long enough.
     """
     speed = np.abs(velocity)
-    most = _most_around(speed, round(rule.around_s / step_s))
-    fast = speed > np.maximum(rule.slowest, rule.least_fraction * most)
+    most = _most_around(speed, round(RULE.around_s / step_s))
+    fast = speed > np.maximum(RULE.slowest, RULE.least_fraction * most)
     direction = np.where(fast, np.sign(velocity), 0.0)
     starts = np.concatenate(([0], np.flatnonzero(np.diff(direction)) + 1))
     lengths = np.diff(np.concatenate((starts, [len(way)])))
     far = np.abs(way[starts + lengths - 1] - way[np.maximum(starts - 1, 0)])
-    travel = np.where(fast, np.repeat(far / rule.least_stroke, lengths), 0.0)
+    travel = np.where(fast, np.repeat(far / RULE.least_stroke, lengths), 0.0)
     return travel >= 1.0, travel
 
 
-def _led(
-    velocity: Array, set_point: SetPoint, unit: float, step_s: float, rule: MotionRule
-) -> Flags:
+def _led(velocity: Array, set_point: SetPoint, unit: float, step_s: float) -> Flags:
     """Return the steps in which the set-point moves, and the joint is where that leads it."""
     value = set_point.value
-    moves = np.abs(np.diff(value, prepend=value[:1])) > rule.set_point_step * unit
-    moves &= ~_trembles(value / unit, step_s, rule)
+    moves = np.abs(np.diff(value, prepend=value[:1])) > RULE.set_point_step * unit
+    moves &= ~_trembles(value / unit, step_s)
     behind = np.abs(value - set_point.position)
-    with_it: Flags = behind <= rule.lag * unit + set_point.lag_s * np.abs(velocity)
+    with_it: Flags = behind <= RULE.lag * unit + set_point.lag_s * np.abs(velocity)
     return moves & with_it
 
 
-def _trembles(value: Array, step_s: float, rule: MotionRule) -> Flags:
+def _trembles(value: Array, step_s: float) -> Flags:
     """Return the steps of any time of `trembling_s` in which a set-point goes to and fro.
 
     Then its way is at least three times the distance between its ends, which a turn is not.
     """
-    size = round(rule.trembling_s / step_s)
+    size = round(RULE.trembling_s / step_s)
     found = np.zeros(len(value), dtype=np.bool_)
     windows = len(value) - size + 1
     if windows <= 0:
@@ -142,13 +144,13 @@ def _trembles(value: Array, step_s: float, rule: MotionRule) -> Flags:
     way = way[size - 1 :] - way[:windows]
     # No spread is less than from the first value to the last: few windows need a closer look.
     least = np.abs(value[size - 1 :] - value[:windows])
-    may_be = (way > 0.0) & (least <= rule.trembling_travel) & (way >= 3.0 * least)
+    may_be = (way > 0.0) & (least <= RULE.trembling_travel) & (way >= 3.0 * least)
     change = np.zeros(len(value) + 1, dtype=np.int64)
     for start, stop in zip(*_wider(*runs(may_be), size), strict=True):
         part = value[start : stop + size - 1]
         spread = _windowed_most(part, size) + _windowed_most(-part, size)
         far = way[start:stop]
-        is_one = (spread <= rule.trembling_travel) & (far >= 3.0 * spread) & (far > 0.0)
+        is_one = (spread <= RULE.trembling_travel) & (far >= 3.0 * spread) & (far > 0.0)
         change[start:stop] += is_one
         change[start + size : stop + size] -= is_one
     found |= np.cumsum(change[:-1]) > 0
@@ -162,13 +164,13 @@ def _wider(starts: Steps, stops: Steps, least: int) -> tuple[list[int], list[int
     return firsts.tolist(), stops[np.concatenate((apart, [True]))[: len(stops)]].tolist()
 
 
-def _joined(starts: Steps, stops: Steps, step_s: float, rule: MotionRule) -> tuple[Steps, Steps]:
+def _joined(starts: Steps, stops: Steps, step_s: float) -> tuple[Steps, Steps]:
     """Return runs without the rests between them that are too short to end a motion."""
     if len(starts) < 2:
         return starts, stops
     gaps = starts[1:] - stops[:-1]
     whole = stops[1:] - starts[:-1]
-    short = (gaps < round(rule.gap_s / step_s)) & (gaps <= rule.gap_fraction * whole)
+    short = (gaps < round(RULE.gap_s / step_s)) & (gaps <= RULE.gap_fraction * whole)
     return starts[np.concatenate(([True], ~short))], stops[np.concatenate((~short, [True]))]
 
 
