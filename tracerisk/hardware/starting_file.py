@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.description_data import component_data
@@ -153,7 +154,8 @@ def _named(bound: BoundComponent, parts: Mapping[str, tuple[str, ...]]) -> list[
         return [replace(component, quantity=quantity, twin=own)]
     others = replace(own, joints=()).named_units
     if component.redundancy or others != 0:
-        return [replace(component, twin=replace(own, joints=_all(parts)), quantity=bound.quantity)]
+        every = tuple(chain.from_iterable(parts.values()))
+        return [replace(component, twin=replace(own, joints=every), quantity=bound.quantity)]
     return [
         replace(
             component,
@@ -163,10 +165,6 @@ def _named(bound: BoundComponent, parts: Mapping[str, tuple[str, ...]]) -> list[
         )
         for group, joints in parts.items()
     ]
-
-
-def _all(parts: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    return tuple(joint for joints in parts.values() for joint in joints)
 
 
 def _joint_groups(

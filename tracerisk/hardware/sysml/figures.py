@@ -107,7 +107,7 @@ def _uncertainty(fields: Fields) -> dict[str, Any]:
 
 def read_risk(fields: Fields) -> FailureFigure | None:
     """Return the figure of a `@Risk`, per visit; `None` where it gives a level, or none at all."""
-    if "totalRisk" not in fields or is_level(fields):
+    if "totalRisk" not in fields or _names_level(fields, "totalRisk"):
         return None
     total = fields.nested("totalRisk", "RiskLevel", RISK)
     total.forbid_unknown(RISK_FEATURES["RiskLevel"])
@@ -118,12 +118,8 @@ def read_risk(fields: Fields) -> FailureFigure | None:
     return FailureFigure("probability", total.number("probability", maximum=1.0), Basis.VISIT)
 
 
-def is_level(fields: Fields) -> bool:
-    """Whether the total risk is one of the levels low, medium and high, and no number."""
-    return _names_level(fields, "totalRisk")
-
-
 def _names_level(fields: Fields, key: str) -> bool:
+    """Whether a feature is one of the levels low, medium and high, and no number."""
     if not fields.has_expression(key):
         return False
     value = fields.meaning(key)

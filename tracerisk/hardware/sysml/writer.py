@@ -246,22 +246,18 @@ class _Writer:
         group = component.redundancy
         if not group:
             return []
-        values: dict[str, object] = {"redundant": True}
-        if group.required != 1:
-            values["required"] = group.required
-        if group.has_spares:
-            kind = {0.0: "cold", 1.0: "hot"}.get(group.dormancy, "warm")
-            values["spare"] = self._word("Spare", kind)
-            if kind == "warm":
-                values["dormancy"] = group.dormancy
-            if group.switch:
-                values["switch"] = group.switch
-        if group.common_cause:
-            values["commonCause"] = group.common_cause
-        if component.test_interval_s is not None:
-            values["testInterval"] = _Written(self._time(component.test_interval_s))
-        else:
-            values["detected"] = self._word("Detection", group.detected)
+        kind = {0.0: "cold", 1.0: "hot"}.get(group.dormancy, "warm") if group.has_spares else None
+        interval = component.test_interval_s
+        values: dict[str, object] = {
+            "redundant": True,
+            "required": group.required if group.required != 1 else None,
+            "spare": None if kind is None else self._word("Spare", kind),
+            "dormancy": group.dormancy if kind == "warm" else None,
+            "switch": group.switch if group.switch and kind is not None else None,
+            "commonCause": group.common_cause or None,
+            "testInterval": None if interval is None else _Written(self._time(interval)),
+            "detected": self._word("Detection", group.detected) if interval is None else None,
+        }
         return self.metadata("Redundancy", values)
 
     def _twin(self, component: Component) -> list[str]:

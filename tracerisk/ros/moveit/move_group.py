@@ -195,11 +195,11 @@ class MoveGroupServer(RobotGroups):
         self._runtime.scheduler.touch()
         asked = tuple(target[name] for name in sorted(target))
         try:
-            plan = self._plan_joints(group, target, scaling, start)
+            trajectory = self._twin.plan_joints(group, target, start, scaling=scaling)
         except PlanningError as error:
             return self._failed(group, error, asked)
         self._planned(group, asked)
-        return plan
+        return Plan(ErrorCode.SUCCESS, trajectory)
 
     def plan_pose(
         self,
@@ -217,13 +217,13 @@ class MoveGroupServer(RobotGroups):
         for alternative in goals:
             try:
                 target = self.reach(group, alternative, start)
-                plan = self._plan_joints(group, target, scaling, start)
+                trajectory = self._twin.plan_joints(group, target, start, scaling=scaling)
             except PlanningError as error:
                 failure = error
             else:
                 self._note_sought(group, goals, is_reached=True)
                 self._planned(group, _places(goals[:1]))
-                return plan
+                return Plan(ErrorCode.SUCCESS, trajectory)
         self._note_sought(group, goals, is_reached=False)
         return self._failed(group, failure, _places(goals[:1]))
 
@@ -393,17 +393,6 @@ class MoveGroupServer(RobotGroups):
             free = Pose(here.position, goal.pose.orientation)
             return LinkTarget(goal.link, free, position_tolerance=_FREE_POSITION)
         return LinkTarget(goal.link, goal.pose)
-
-    def _plan_joints(
-        self,
-        group: str,
-        target: Mapping[str, float],
-        scaling: Scaling,
-        start: Mapping[str, float] | None,
-    ) -> Plan:
-        return Plan(
-            ErrorCode.SUCCESS, self._twin.plan_joints(group, target, start, scaling=scaling)
-        )
 
     def _planned(self, group: str, target: Sequence[float]) -> None:
         """Note that a plan was found, which may be a retry."""

@@ -47,26 +47,15 @@ _DRIVERS = ("control_msgs/", "moveit_msgs/")
 class TwinTopics(TwinNode):
     """Publishes states of joints and of trajectory controllers, and the clock, to who subscribes.
 
-    `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
-    states come, `order` the joints in the order in which a driver lists them: first these, then
-    the others in the robot's own. What is published keeps no run going: a controller that only
-    listens still comes to its end.
+    `interfaces` makes the classes that the controller receives. What is published keeps no run
+    going: a controller that only listens still comes to its end.
     """
 
     node = "/joint_state_publisher"
 
-    def __init__(
-        self,
-        runtime: Runtime,
-        interfaces: Interfaces | Interfaces2,
-        *,
-        rate_hz: float = JOINT_STATES_HZ,
-        order: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, runtime: Runtime, interfaces: Interfaces | Interfaces2) -> None:
         super().__init__(runtime, TwinMessages(interfaces))
-        self._order = tuple(order)
         self._sequence = 0
-        self._rate_hz = rate_hz
         self._asked: set[str] = set()
         self._used: set[str] = set()
         self._publish_states(JOINT_STATES)
@@ -121,7 +110,7 @@ class TwinTopics(TwinNode):
     ) -> None:
         self._reported.add(topic)
         sensors = self._reading.named(*JOINTS)
-        self._stream(topic, type_name, self._rate_hz, make, sensors, yields=yields)
+        self._stream(topic, type_name, JOINT_STATES_HZ, make, sensors, yields=yields)
 
     def _joints_of(self, controller: str) -> tuple[str, ...]:
         """Return the joints of a controller; all of the arm for one that nobody describes."""
@@ -156,7 +145,7 @@ class TwinTopics(TwinNode):
         if not self._messages.is_ros2:
             message.header.seq = self._sequence
         self._now(message.header)
-        fill_joint_state(message, self._runtime, self._order)
+        fill_joint_state(message, self._runtime)
         return message
 
     def _clock(self) -> Any:
@@ -165,16 +154,14 @@ class TwinTopics(TwinNode):
         return message
 
 
-def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[str] = ()) -> None:
-    """Fill a sensor_msgs/JointState with all joints of the twin, first those in `order`.
+def fill_joint_state(message: Any, runtime: Runtime) -> None:
+    """Fill a sensor_msgs/JointState with all joints of the twin, in the robot's order.
 
     After them come the names that a driver has for several of them.
     """
     state = runtime.twin.joint_state()
     names = runtime.client(JointNames)
-    first = [state.names.index(name) for name in order if name in state.names]
-    listed = [*first, *(i for i in range(len(state.names)) if i not in first)]
-    places = [i for i in listed if state.names[i] not in state.absent]
+    places = [i for i, name in enumerate(state.names) if name not in state.absent]
     present = [state.names[i] for i in places]
     more = [name for name in names.of_joints if {*names.joints_of(name)} <= {*present}]
     message.name = [*present, *more]

@@ -6,7 +6,6 @@ state and controls go on from there to the same bits. Without a fault the model 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,7 +104,8 @@ class ArmedFaults:
         self._apply(model)
         for fault in due:
             # What jams stops at once: through damping alone it would first throw what it carries.
-            data.qvel[self._dofs(model, _jammed(fault, self._robot))] = 0.0
+            for name in _jammed(fault, self._robot):
+                data.qvel[model.joint(name).dofadr[0]] = 0.0
         return tuple(due)
 
     def rebuilt(self, model: Any) -> None:
@@ -159,9 +159,6 @@ class ArmedFaults:
             at = model.actuator(found.part).id
             offset = encoder_offset(self._robot.joint(found.part).type)
             model.actuator_biasprm[at, 0] += model.actuator_biasprm[at, 1] * offset
-
-    def _dofs(self, model: Any, joints: Sequence[str]) -> list[int]:
-        return [int(model.joint(name).dofadr[0]) for name in joints]
 
 
 def _jammed(fault: Fault, robot: Robot) -> tuple[str, ...]:

@@ -185,9 +185,7 @@ class _Reader:
             child = name if is_last and at_frame else self._fresh(f"{name}_{self._joints[number]}")
             yield self._moving(number, parent, child, place, turn, triple(axis))
             parent, place, turn = child, -anchor, np.eye(3)
-            if is_last and not at_frame:
-                yield _fixed(f"{name}_fixed", parent, name, place, turn)
-        if not own:
+        if parent != name:
             yield _fixed(f"{name}_fixed", parent, name, place, turn)
 
     def _moving(

@@ -168,7 +168,9 @@ class _Reader:
 
     def _check(self, element: XmlElement, copies: int) -> None:
         """Refuse what is not read, name meshes by number, leave out what is not needed."""
-        if element.tag in _REFUSED and not self._is_harmless(element):
+        # `<extension>` without a plugin says nothing.
+        is_harmless = element.tag == "extension" and not element.children
+        if element.tag in _REFUSED and not is_harmless:
             element.fail(f"is not read: {_REFUSED[element.tag]}")
         if element.tag == "replicate":
             count = element.number("count", 1.0)
@@ -199,11 +201,6 @@ class _Reader:
         for child in element.children:
             self._check(child, copies)
         element.children = [each for each in element.children if each.tag not in _LEFT_OUT]
-
-    @staticmethod
-    def _is_harmless(element: XmlElement) -> bool:
-        """`<extension>` without a plugin says nothing."""
-        return element.tag == "extension" and not element.children
 
     def _dir(self, key: str) -> str:
         return self._dirs.get(key, self._dirs.get("assetdir", ""))

@@ -185,7 +185,10 @@ def _add_robot(spec: Any, robot: Robot, scene: Scene | None) -> None:
             _fill_link(body, links[attachment.child])
         waiting = [attachment for attachment in waiting if attachment not in ready]
     for joint in robot.arm_joints:
-        _add_servo(spec, joint)
+        servo = joint.servo
+        if servo.stiffness <= 0.0:
+            raise RobotError(without_stiffness(joint.name))
+        _servo(spec, joint.name, mujoco.mjtTrn.mjTRN_JOINT, servo.stiffness, servo.damping)
     for gripper in robot.grippers:
         _add_gripper(spec, gripper)
     _add_sensors(spec, robot, bodies)
@@ -252,13 +255,6 @@ def _add_joint(body: Any, attachment: Attachment, joint: Joint) -> None:
     added.actgravcomp = True
     added.actfrclimited = True
     added.actfrcrange = (-joint.torque_limit, joint.torque_limit)
-
-
-def _add_servo(spec: Any, joint: Joint) -> None:
-    servo = joint.servo
-    if servo.stiffness <= 0.0:
-        raise RobotError(without_stiffness(joint.name))
-    _servo(spec, joint.name, mujoco.mjtTrn.mjTRN_JOINT, servo.stiffness, servo.damping)
 
 
 def _servo(spec: Any, name: str, transmission: Any, stiffness: float, damping: float) -> Any:

@@ -235,21 +235,10 @@ def tree_of(robot: Robot) -> Tree:
     found = []
     for each in robot.attachments:
         joint = joints.get(each.name)
-        found.append(
-            UrdfJoint(
-                name=each.name,
-                type="revolute" if joint is None or joint.type == "fixed" else joint.type,
-                moves=joint is not None,
-                parent=each.parent,
-                child=each.child,
-                xyz=each.xyz,
-                rpy=each.rpy,
-                axis=each.axis,
-                lower=joint.lower if joint else 0.0,
-                upper=joint.upper if joint else 0.0,
-                velocity=joint.velocity_limit if joint else 0.0,
-                effort=joint.torque_limit if joint else 0.0,
-                mimic=None,
-            )
-        )
+        figures = (0.0, 0.0, 0.0, 0.0)
+        if joint is not None:
+            figures = (joint.lower, joint.upper, joint.velocity_limit, joint.torque_limit)
+        kind: MovingType = "revolute" if joint is None or joint.type == "fixed" else joint.type
+        placing = (each.parent, each.child, each.xyz, each.rpy, each.axis)
+        found.append(UrdfJoint(each.name, kind, joint is not None, *placing, *figures))
     return Tree(robot.base_link, tuple(_ordered(robot.base_link, found)))
