@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument("controller", metavar="FILE", help="a controller in Python, C or C++")
+    shared.add(parser, "controller FILE  a controller in Python, C or C++")
     source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument("--trace", metavar="FILE", help="a trace, as `tracerisk trace -o` wrote it")
-    source.add_argument("--log", metavar="FILE", help="a log in the published text format")
+    shared.add(source, "--trace FILE  a trace, as `tracerisk trace -o` wrote it")
+    shared.add(source, "--log FILE  a log in the published text format")
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
     shared.add_write_options(parser)

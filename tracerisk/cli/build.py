@@ -15,10 +15,8 @@ from tracerisk.report.tables import counted
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument("files", metavar="FILE", nargs="+", help="an annotated source")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help="write the model there, not to standard output"
-    )
+    shared.add(parser, "files FILE ...  an annotated source")
+    shared.add(parser, "-o, --output FILE  write the model there, not to standard output")
     shared.add_profile(parser)
     add_set(parser)
     add_hardware_spread(parser)

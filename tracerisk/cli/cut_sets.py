@@ -25,36 +25,19 @@ LIMIT = 20
 _TREES = "a fault tree (Open-PSA, OpenPRA, static Galileo) or a model of functions (JSON)"
 
 
+_OPTIONS = f"""\
+files FILE ...  a model: Open-PSA, OpenPRA, Galileo or JSON
+--top NAME      top event or function (default: the only one)
+--max-order K   leave out those of more than K events
+--cut-off P     list none of a probability below P
+--limit N       list the N most probable ({LIMIT})
+--prime         prime implicants: of trees with negations, what must not happen too
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "files", metavar="FILE", nargs="+", help="a model: Open-PSA, OpenPRA, Galileo or JSON"
-    )
-    parser.add_argument(
-        "--top", metavar="NAME", help="top event or function (default: the only one)"
-    )
-    parser.add_argument(
-        "--max-order", metavar="K", type=shared.count, help="leave out those of more than K events"
-    )
-    parser.add_argument(
-        "--cut-off",
-        metavar="P",
-        type=shared.probability,
-        default=0.0,
-        help="list none of a probability below P",
-    )
-    parser.add_argument(
-        "--limit",
-        metavar="N",
-        type=shared.count,
-        default=LIMIT,
-        help=f"list the N most probable ({LIMIT})",
-    )
-    parser.add_argument(
-        "--prime",
-        action="store_true",
-        help="prime implicants: of trees with negations, what must not happen too",
-    )
+    shared.add(parser, _OPTIONS, cut_off={"default": 0.0}, limit={"default": LIMIT})
     shared.add_mission_time(parser)
     shared.add_json(parser)
 

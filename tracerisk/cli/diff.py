@@ -17,49 +17,27 @@ if TYPE_CHECKING:
     from tracerisk.prm.review.risk_change import Review, RiskDiff
 
 
+_OPTIONS = """\
+words [REV|FILE ...]  REV, A..B or A...B as git reads them (HEAD against the working tree); then
+                      files
+--format {text,markdown,json}
+                      text, Markdown for a pull request, or JSON (text)
+--max-increase R      exit 1 if a mission's failure probability rises by more than R of it: 0.1 is
+                      10 %
+--max-failure-probability, --max-risk P
+                      exit 1 if a mission's failure probability is above P after the change
+--no-new-accepts      exit 1 if the change accepts a reason of its run that was not accepted before
+--silent-below R      print nothing where no mission's failure probability changes by more than R
+                      of it
+--textconv FILE       print a source with its risk model below it, for `git diff`: docs/review.md
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "words",
-        metavar="REV|FILE",
-        nargs="*",
-        help="REV, A..B or A...B as git reads them (HEAD against the working tree); then files",
-    )
-    parser.add_argument(
-        "--format",
-        choices=("text", "markdown", "json"),
-        default="text",
-        help="text, Markdown for a pull request, or JSON (text)",
-    )
-    parser.add_argument(
-        "--max-increase",
-        metavar="R",
-        type=_increase,
-        help="exit 1 if a mission's failure probability rises by more than R of it: 0.1 is 10 %%",
-    )
-    parser.add_argument(
-        "--max-failure-probability",
-        "--max-risk",  # its older name
-        metavar="P",
-        type=shared.probability,
-        help="exit 1 if a mission's failure probability is above P after the change",
-    )
-    parser.add_argument(
-        "--no-new-accepts",
-        action="store_true",
-        help="exit 1 if the change accepts a reason of its run that was not accepted before",
-    )
-    parser.add_argument(
-        "--silent-below",
-        metavar="R",
-        type=_increase,
-        help="print nothing where no mission's failure probability changes by more than R of it",
-    )
-    parser.add_argument(
-        "--textconv",
-        metavar="FILE",
-        help="print a source with its risk model below it, for `git diff`: docs/review.md",
-    )
+    increase = {"type": _increase}
+    form = {"default": "text"}
+    shared.add(parser, _OPTIONS, format=form, max_increase=increase, silent_below=increase)
     shared.add_sarif(parser)
     shared.add_json(parser)
 

@@ -36,10 +36,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _add_convert(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", metavar="FILE", help="the description, .yaml or .sysml")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", required=True, help="the file to write, .yaml or .sysml"
-    )
+    shared.add(parser, "file FILE  the description, .yaml or .sysml")
+    words = "the file to write, .yaml or .sysml"
+    shared.add(parser, f"-o, --output FILE  {words}", output={"required": True})
 
 
 def _convert(options: argparse.Namespace) -> int:
@@ -68,14 +67,8 @@ def _convert(options: argparse.Namespace) -> int:
 
 
 def _add_show(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "file", metavar="FILE", nargs="?", help="hardware description (default: that of the robot)"
-    )
-    parser.add_argument(
-        "--robot",
-        metavar="NAME|FILE",
-        help="robot, which says how many of each component there are",
-    )
+    shared.add(parser, "file [FILE]  hardware description (default: that of the robot)")
+    shared.add(parser, "--robot NAME|FILE  robot, which says how many of each component there are")
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -128,13 +121,10 @@ def _of_settings() -> str:
 
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--robot", metavar="NAME|FILE", required=True, help="the arm")
+    shared.add(parser, "--robot NAME|FILE  the arm", robot={"required": True})
     add_output(parser)
-    parser.add_argument(
-        "--format",
-        choices=("yaml", "sysml"),
-        help="output format (default: by the ending of the output, or YAML)",
-    )
+    words = "output format (default: by the ending of the output, or YAML)"
+    shared.add(parser, f"--format {{yaml,sysml}}  {words}")
 
 
 def _init(options: argparse.Namespace) -> int:
@@ -208,29 +198,22 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
     }
 
 
+_FIGURES = """\
+--failures CSV  what failed: component, failures, and hours, demands or missions
+--figures CSV   other figures: component, failure_rate or probability, per, error_factor, source
+"""
+_UPDATE = """\
+--field JSON       a profile by `tracerisk field`, for failures counted in missions
+--robot NAME|FILE  robot (default: that of the field)
+-o, --output OUT   file to write (default: the description itself)
+--dry-run          print the new figures alone
+"""
+
+
 def _add_update(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", metavar="FILE", help="the description, .yaml")
-    given = parser.add_mutually_exclusive_group(required=True)
-    given.add_argument(
-        "--failures",
-        metavar="CSV",
-        help="what failed: component, failures, and hours, demands or missions",
-    )
-    given.add_argument(
-        "--figures",
-        metavar="CSV",
-        help="other figures: component, failure_rate or probability, per, error_factor, source",
-    )
-    parser.add_argument(
-        "--field",
-        metavar="JSON",
-        help="a profile by `tracerisk field`, for failures counted in missions",
-    )
-    parser.add_argument("--robot", metavar="NAME|FILE", help="robot (default: that of the field)")
-    parser.add_argument(
-        "-o", "--output", metavar="OUT", help="file to write (default: the description itself)"
-    )
-    parser.add_argument("--dry-run", action="store_true", help="print the new figures alone")
+    shared.add(parser, "file FILE  the description, .yaml")
+    shared.add(parser.add_mutually_exclusive_group(required=True), _FIGURES)
+    shared.add(parser, _UPDATE)
 
 
 def _update(options: argparse.Namespace) -> int:

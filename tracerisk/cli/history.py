@@ -21,27 +21,18 @@ if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint
 
 
+_OPTIONS = """\
+files [FILE ...]  a controller (default: all of the locks here and below)
+--most N          look at the last N commits of each alone
+--above P         print since which commit the figure is above P; exit 1 where it is
+--svg OUT         draw the figures over the commits
+--badge OUT       draw a badge with the figure and verdict of one controller
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="*",
-        help="a controller (default: all of the locks here and below)",
-    )
-    parser.add_argument(
-        "--most", metavar="N", type=shared.count, help="look at the last N commits of each alone"
-    )
-    parser.add_argument(
-        "--above",
-        metavar="P",
-        type=shared.probability,
-        help="print since which commit the figure is above P; exit 1 where it is",
-    )
-    parser.add_argument("--svg", metavar="OUT", help="draw the figures over the commits")
-    parser.add_argument(
-        "--badge", metavar="OUT", help="draw a badge with the figure and verdict of one controller"
-    )
+    shared.add(parser, _OPTIONS)
     shared.add_json(parser)
 
 

@@ -22,20 +22,15 @@ _GAP = "  "
 _WIDEST_VALUE = 14
 
 
+_OPTIONS = """\
+files [FILE ...]     annotated source (default: all of the locks here and below)
+--max-drift PERCENT  exit 1 if a value lies further than this from the computed one
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="*",
-        help="annotated source (default: all of the locks here and below)",
-    )
-    parser.add_argument(
-        "--max-drift",
-        metavar="PERCENT",
-        type=shared.percentage,
-        help="exit 1 if a value lies further than this from the computed one",
-    )
+    shared.add(parser, _OPTIONS)
     shared.add_json(parser)
 
 

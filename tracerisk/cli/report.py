@@ -28,28 +28,21 @@ if TYPE_CHECKING:
 _HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
 
 
+_OPTIONS = """\
+files [FILE ...]       annotated sources; of one that the lock knows, with the other files of its
+                       blocks
+-o, --output OUT.html  the page to write
+--all                  one page over every controller of the locks in and below this folder, with
+                       links to their reports beside it
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="*",
-        help="annotated sources; of one that the lock knows, with the other files of its blocks",
-    )
-    parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
-    parser.add_argument(
-        "--all",
-        action="store_true",
-        help="one page over every controller of the locks in and below this folder, with links to "
-        "their reports beside it",
-    )
+    shared.add(parser, _OPTIONS)
     add_against(parser)
-    parser.add_argument(
-        "--history", action="store_true", help="show how the figure went over the commits of git"
-    )
-    parser.add_argument(
-        "--trace", metavar="FILE", help="trace of a run as JSON (default: the cached one, if fresh)"
-    )
+    shared.add(parser, "--history  show how the figure went over the commits of git")
+    shared.add(parser, "--trace FILE  trace of a run as JSON (default: the cached one, if fresh)")
     add_picture_options(parser)
     shared.add_hardware_options(parser)
     shared.add_profile(parser)

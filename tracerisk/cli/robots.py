@@ -42,9 +42,7 @@ _ALWAYS = (
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "robot", metavar="NAME|FILE", nargs="?", help="robot to show (default: list all)"
-    )
+    shared.add(parser, "robot [NAME|FILE]  robot to show (default: list all)")
     shared.add_json(parser)
 
 

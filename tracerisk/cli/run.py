@@ -11,6 +11,19 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import add_against, check_against
 from tracerisk.errors import InputError
 
+_WATCH = """\
+--watch  run it again whenever a file changes that it depends on; writes no source
+--write  with --watch: write sources and lock
+"""
+_FILES = """\
+--trace FILE       write the trace as JSON
+--model FILE       write the risk model as JSON
+--report OUT.html  write a report as one HTML page
+"""
+_VERBOSE = """\
+-v, --verbose  print every component, table and assumption (default where output is no terminal)
+"""
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
@@ -18,37 +31,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_live(parser)
     shared.add_hardware_options(parser)
     shared.add_write_options(parser)
-    parser.add_argument(
-        "--watch",
-        action="store_true",
-        help="run it again whenever a file changes that it depends on; writes no source",
-    )
-    parser.add_argument("--write", action="store_true", help="with --watch: write sources and lock")
+    shared.add(parser, _WATCH)
     shared.add_edit_options(parser)
     shared.add_profile(parser)
     shared.add_explain(parser)
     add_run_uncertainty(parser)
     add_fault(parser)
     shared.add_record(parser)
-    parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
-    parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
-    parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
+    shared.add(parser, _FILES)
     add_against(parser)
-    parser.add_argument(
-        "--max-failure-probability",
-        "--max-risk",  # its older name
-        metavar="P",
-        type=shared.probability,
-        help="exit 1 if the mission's failure probability is above P",
-    )
+    words = "exit 1 if the mission's failure probability is above P"
+    shared.add_max_failure_probability(parser, words)
     shared.add_fail_on(parser)
     shared.add_sarif(parser)
-    parser.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        help="print every component, table and assumption (default where output is no terminal)",
-    )
+    shared.add(parser, _VERBOSE)
     shared.add_json(parser)
 
 

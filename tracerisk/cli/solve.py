@@ -17,23 +17,18 @@ if TYPE_CHECKING:
     import argparse
 
 
+_FILES = """\
+files FILE ...  a model: JSON, Open-PSA, OpenPRA, Galileo, PRISM or .tra; or annotated sources
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        help="a model: JSON, Open-PSA, OpenPRA, Galileo, PRISM or .tra; or annotated sources",
-    )
+    shared.add(parser, _FILES)
     shared.add_profile(parser)
     shared.add_mission_time(parser)
-    parser.add_argument(
-        "--max-failure-probability",
-        "--max-risk",  # its older name
-        metavar="P",
-        type=shared.probability,
-        help="exit 1 if the failure probability, or a figure of a model file, is above P",
-    )
+    words = "exit 1 if the failure probability, or a figure of a model file, is above P"
+    shared.add_max_failure_probability(parser, words)
     asked.add_what_if(parser)
     shared.add_json(parser)
 

@@ -19,23 +19,24 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.evidence.sweep import SweepPoint
 
 
+_OVER = """\
+--over NAME=VALUES ...  what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or
+                        scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run
+"""
+_OUTPUT = """\
+--csv OUT       write the points as CSV
+--plot OUT.svg  draw the figure over the first factor
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
     shared.add_hardware_options(parser)
     group = parser.add_argument_group("the sweep")
-    group.add_argument(
-        "--over",
-        metavar="NAME=VALUES",
-        action="append",
-        default=[],
-        help="what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or "
-        "scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run",
-    )
+    shared.add(group, _OVER)
     shared.add_campaign_options(group, "point")
-    output = parser.add_argument_group("output")
-    output.add_argument("--csv", metavar="OUT", help="write the points as CSV")
-    output.add_argument("--plot", metavar="OUT.svg", help="draw the figure over the first factor")
+    shared.add(parser.add_argument_group("output"), _OUTPUT)
     shared.add_json(parser)
 
 

@@ -31,20 +31,20 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 
+_FROM = """\
+--from REC as recording  read the trace from a recording: MCAP, bag or db3; runs nothing
+"""
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser, needs_file=False)
     shared.add_live(parser)
-    parser.add_argument(
-        "--from",
-        dest="recording",
-        metavar="REC",
-        help="read the trace from a recording: MCAP, bag or db3; runs nothing",
-    )
+    shared.add(parser, _FROM)
     add_reading(parser, with_robot=False)
     shared.add_record(parser)
     shared.add_hardware_options(parser)
-    parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
+    shared.add(parser, "-o, --output FILE  write the trace as JSON")
     shared.add_json(parser)
 
 
@@ -109,7 +109,8 @@ def _run(options: argparse.Namespace) -> Trace:
 def _read(options: argparse.Namespace) -> Trace:
     given = {"--record": options.record, "--log": options.log, "--keep": options.keep}
     given |= {"--live": options.live or None, "--answer": options.answers or None}
-    given |= {"--launch": options.launch, "--params": options.params, "--driver": options.drivers}
+    given |= {"--launch": options.launch, "--params": options.params or None}
+    given |= {"--driver": options.drivers or None}
     given |= {"--scene": options.scene, "--scenario": options.scenario, "--seed": options.seed}
     for name, value in given.items():
         if value is not None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.cli.shared import options as shared
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,11 +16,7 @@ if TYPE_CHECKING:
 
 def add_against(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
-    parser.add_argument(
-        "--against",
-        metavar="REV",
-        help="show the difference to this git revision in the report",
-    )
+    shared.add(parser, "--against REV  show the difference to this git revision in the report")
 
 
 def check_against(options: argparse.Namespace) -> None:
