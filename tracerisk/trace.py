@@ -343,6 +343,11 @@ UNKNOWN_VERDICT = "verdict unknown"
 """The line of a run of which no verdict is kept."""
 
 
+def kind_of(verdict: Verdict | None) -> str:
+    """Return how far a run can be taken, in a word; `None` is an unknown verdict."""
+    return UNKNOWN_VERDICT if verdict is None else verdict.kind
+
+
 def verdict_line(verdict: Verdict | None) -> str:
     """Return a verdict in one line, its coverage included; `None` is an unknown one."""
     if verdict is None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.source.compared_values import source_tree
+from tracerisk.source.dotted_names import last_name
 
 _SERVICES = "srv"
 
@@ -60,11 +61,8 @@ def service_type(name: str, waited_at: Location | None) -> str:
 
 def _calls(tree: ast.AST, function: str) -> Iterator[ast.Call]:
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call):
-            called = node.func
-            last = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", None)
-            if last == function:
-                yield node
+        if isinstance(node, ast.Call) and last_name(node.func) == function:
+            yield node
 
 
 def _imported(tree: ast.AST) -> Iterator[tuple[str, str]]:

@@ -56,7 +56,6 @@ def render_diff_markdown(review: Review) -> str:
 
 def _figures(diff: RiskDiff) -> tuple[str, ...]:
     old, new = diff.before, diff.after
-    name = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
     ratio = cycles = ""
     if old is not None and new is not None:
         ratio = sentences.ratio(old.failure_probability, new.failure_probability)
@@ -64,7 +63,7 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
         cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
     return (
-        _escaped(name),
+        _escaped(sentences.name_of(diff)),
         _NONE if old is None else sentences.probability(old.failure_probability),
         _NONE if new is None else sentences.probability(new.failure_probability),
         ratio,
@@ -100,10 +99,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         yield from _table(
             ("function", "a visit, before", "after", "visits, before", "after"),
             [
-                (
-                    _escaped(each.name if each.was is None else f"{each.name} (was {each.was})"),
-                    *_of_function(each.before, each.after),
-                )
+                (_escaped(sentences.name_of(each)), *_of_function(each.before, each.after))
                 for each in functions
             ],
             right=(1, 2, 3, 4),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from tracerisk.prm.review.risk_change import (
     NOISE,
     CauseShare,
+    FunctionChange,
     Mark,
     PinChange,
     Review,
@@ -295,6 +296,19 @@ def some(names: Sequence[str], most: int = 3) -> str:
     """Return the first of the names, and how many more there are."""
     shown = ", ".join(names[:most])
     return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def name_of(changed: RiskDiff | FunctionChange) -> str:
+    """Return the name of a controller or function, with the one that it had."""
+    return changed.name if changed.was is None else f"{changed.name} (was {changed.was})"
+
+
+def pins(review: Review, diff: RiskDiff) -> list[str]:
+    """Return what became of each pin, and where that is."""
+    return [
+        f"{pin(each)} ({review.place(each.location, is_gone=each.kind == 'removed')})"
+        for each in diff.pins
+    ]
 
 
 def pin(change: PinChange) -> str:

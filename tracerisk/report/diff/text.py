@@ -38,8 +38,7 @@ def render_diff(review: Review, *, width: int = 80) -> str:
 
 
 def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
-    title = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
-    yield from _row(title, ("before", "after", "ratio"), room)
+    yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room)
     missions = diff.before, diff.after
     whole = [None if each is None else each.failure_probability for each in missions]
     cycle = [None if each is None else each.cycle_failure_probability for each in missions]
@@ -71,14 +70,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         ],
         room,
     )
-    yield from _list(
-        "Pins",
-        [
-            f"{sentences.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
-            for pin in diff.pins
-        ],
-        room,
-    )
+    yield from _list("Pins", sentences.pins(review, diff), room)
     yield from _list(sentences.OF_RUN, diff.of_run, room)
     yield from _list(sentences.OF_INPUTS, diff.inputs, room)
     if diff.within_noise:
@@ -110,10 +102,9 @@ def _functions(functions: Sequence[FunctionChange], room: int) -> Iterator[str]:
 
 
 def _name(function: FunctionChange) -> str:
-    if function.was is not None:
-        return f"{function.name} (was {function.was})"
-    status = function.status
-    return f"{function.name} ({status})" if status in ("added", "removed") else function.name
+    if function.was is None and function.status in ("added", "removed"):
+        return f"{function.name} ({function.status})"
+    return sentences.name_of(function)
 
 
 def _visits(function: FunctionChange) -> str:

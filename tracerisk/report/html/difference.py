@@ -10,7 +10,7 @@ from tracerisk.report.diff import sentences
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
+from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
 
 _NONE = "none"
 
@@ -53,17 +53,13 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
         f"{point.component} is a single point of failure now, in {sentences.some(point.functions)}"
         for point in diff.single_points
     ]
-    lines += [
-        f"{sentences.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
-        for pin in diff.pins
-    ]
+    lines += sentences.pins(review, diff)
     lines += (*diff.of_run, *diff.inputs)
     if diff.within_noise:
         lines.append(
             f"values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
         )
-    shown = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
-    return _Controller(shown, tuple(tables), tuple(lines))
+    return _Controller(sentences.name_of(diff), tuple(tables), tuple(lines))
 
 
 def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
@@ -73,43 +69,30 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
         "failure per cycle": "cycle_failure_probability",
         "expected cycles": "expected_cycles",
     }
-    rows = tuple(
-        Row(
-            (
-                Cell(label),
-                Cell(_figure(old, kind)),
-                Cell(_figure(new, kind)),
-                Cell(
-                    ""
-                    if old is None or new is None
-                    else sentences.ratio(getattr(old, kind), getattr(new, kind))
-                ),
-            )
-        )
-        for label, kind in kinds.items()
-    )
+    rows = []
+    for label, kind in kinds.items():
+        ratio = ""
+        if old is not None and new is not None:
+            ratio = sentences.ratio(getattr(old, kind), getattr(new, kind))
+        rows.append(row_of(label, _figure(old, kind), _figure(new, kind), ratio))
     columns = (Column("figure"), *numbers(review.before, review.after, "ratio"))
-    return Table(f"{name}-mission", "The mission", columns, rows)
+    return Table(f"{name}-mission", "The mission", columns, tuple(rows))
 
 
 def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     rows = [
-        Row(
-            (
-                Cell(change.summary, note=sentences.marks(change)),
-                Cell(sentences.difference(change.contribution)),
-                Cell(sentences.causes(change)),
-                Cell(sentences.places(review, change)),
-            ),
+        row_of(
+            Cell(change.summary, note=sentences.marks(change)),
+            sentences.difference(change.contribution),
+            sentences.causes(change),
+            sentences.places(review, change),
             component=change.component,
         )
         for change in diff.changes
     ]
     if diff.interaction is not None:
         text = "what they do only together, and noise"
-        rows.append(
-            Row((Cell(text), Cell(sentences.difference(diff.interaction)), Cell(""), Cell("")))
-        )
+        rows.append(row_of(text, sentences.difference(diff.interaction), "", ""))
     columns = (
         Column("change"),
         Column("alone", "what only it does to mission failure", is_number=True),
@@ -120,15 +103,10 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
 
 def _functions(name: str, diff: RiskDiff) -> Table:
     rows = tuple(
-        Row(
-            (
-                Cell(
-                    each.name if each.was is None else f"{each.name} (was {each.was})",
-                    note=each.status,
-                ),
-                *_of_function(each.before),
-                *_of_function(each.after),
-            ),
+        row_of(
+            Cell(sentences.name_of(each), note=each.status),
+            *_of_function(each.before),
+            *_of_function(each.after),
             function=each.name,
         )
         for each in diff.functions
@@ -151,9 +129,7 @@ def _figure(mission: MissionFigures | None, kind: str) -> str:
     return sentences.count(value) if kind == "expected_cycles" else sentences.probability(value)
 
 
-def _of_function(function: FunctionFigures | None) -> tuple[Cell, Cell]:
+def _of_function(function: FunctionFigures | None) -> tuple[str, str]:
     if function is None:
-        return Cell(_NONE), Cell(_NONE)
-    return Cell(sentences.probability(function.top_event)), Cell(
-        sentences.count(function.expected_visits)
-    )
+        return _NONE, _NONE
+    return sentences.probability(function.top_event), sentences.count(function.expected_visits)

@@ -12,7 +12,7 @@ from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, number
 from tracerisk.report.html.tables import Cell as TableCell
-from tracerisk.report.html.tables import Column, Row, Table, texts
+from tracerisk.report.html.tables import Column, Table, row_of, texts
 
 T = TypeVar("T")
 
@@ -144,16 +144,13 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
         Column("see it", "the option of tracerisk run"),
     )
     rows = tuple(
-        Row(
-            (
-                TableCell(f"{each.component} {each.mode.replace('_', ' ')}", note=each.unit),
-                TableCell(each.function),
-                TableCell(f"{each.time_s:.3f}"),
-                TableCell(end_effect((each,)), note="; ".join(each.lost)),
-                TableCell(
-                    f"--fault {each.unit}:{each.mode}@{each.time_s:g}",
-                    link=pages.get(each.key, ""),
-                ),
+        row_of(
+            TableCell(f"{each.component} {each.mode.replace('_', ' ')}", note=each.unit),
+            each.function,
+            f"{each.time_s:.3f}",
+            TableCell(end_effect((each,)), note="; ".join(each.lost)),
+            TableCell(
+                f"--fault {each.unit}:{each.mode}@{each.time_s:g}", link=pages.get(each.key, "")
             ),
             function=each.function,
         )
@@ -176,16 +173,14 @@ def _table(found: Evidence, pages: Pages) -> Table:
         low, high = row.interval
         shown = (pages[each.key] for each in row.cells if each.key in pages)
         rows.append(
-            Row(
-                (
-                    TableCell(f"{row.component} {row.mode.replace('_', ' ')}"),
-                    TableCell(row.function),
-                    TableCell(end_effect(row.cells), link=next(shown, ""), note=row.hardest),
-                    TableCell(row.notified),
-                    TableCell(row.detection),
-                    TableCell(f"{row.failed} of {len(row.cells)}"),
-                    TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),
-                ),
+            row_of(
+                f"{row.component} {row.mode.replace('_', ' ')}",
+                row.function,
+                TableCell(end_effect(row.cells), link=next(shown, ""), note=row.hardest),
+                row.notified,
+                row.detection,
+                f"{row.failed} of {len(row.cells)}",
+                TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),
                 function=row.function,
                 component=row.component,
             )

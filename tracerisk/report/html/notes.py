@@ -9,7 +9,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import Pin, ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import line_links
-from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
+from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
 
 
 def pins_section(report: ReportInput) -> Section:
@@ -21,15 +21,13 @@ def pins_section(report: ReportInput) -> Section:
         *texts("reason", "place"),
     )
     rows = tuple(
-        Row(
-            (
-                Cell(pin.field),
-                Cell(pin.value),
-                Cell(pin.computed if pin.computed is not None else figures.NOTHING),
-                Cell(drift(pin)),
-                Cell(pin.reason or "none given", note="" if pin.reason else "without a reason"),
-                Cell(str(pin.location), link=links.get((pin.location.file, pin.location.line), "")),
-            )
+        row_of(
+            pin.field,
+            pin.value,
+            pin.computed if pin.computed is not None else figures.NOTHING,
+            drift(pin),
+            Cell(pin.reason or "none given", note="" if pin.reason else "without a reason"),
+            Cell(str(pin.location), link=links.get((pin.location.file, pin.location.line), "")),
         )
         for pin in report.pins
     )
@@ -51,8 +49,7 @@ def coverage_section(report: ReportInput) -> Section:
     if trace is not None and trace.uncovered:
         columns = (*texts("function", "file"), *numbers("line"))
         rows = tuple(
-            Row((Cell(each.ref.name), Cell(each.ref.file), Cell(str(each.line))))
-            for each in trace.uncovered
+            row_of(each.ref.name, each.ref.file, str(each.line)) for each in trace.uncovered
         )
         table = Table("coverage", "Functions without risk data", columns, rows)
     html = rendered(

@@ -60,6 +60,12 @@ class Row:
     component: str | None = None
 
 
+def row_of(*cells: Cell | str, function: str | None = None, component: str | None = None) -> Row:
+    """Return a row; a text is a cell that has nothing else."""
+    whole = (each if isinstance(each, Cell) else Cell(each) for each in cells)
+    return Row(tuple(whole), function, component)
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """A table with its id, caption, columns and rows; the first cell of a row is its heading."""

@@ -12,7 +12,7 @@ from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.series.sweep import plot_svg
 from tracerisk.report.tables import render_parts, table_of
 from tracerisk.text.paper import PAPER, Paper
-from tracerisk.trace import UNKNOWN_VERDICT, Verdict
+from tracerisk.trace import Verdict, kind_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.risk_change import RiskDiff
@@ -85,7 +85,7 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
             row.date,
             "unreadable" if row.error else "-" if figure is None else f"{figure:.3e}",
             change,
-            _kind(row.verdict),
+            kind_of(row.verdict),
             row.subject,
         )
         last = figure if figure is not None else last
@@ -96,7 +96,7 @@ def history_svg(histories: Mapping[str, Sequence[HistoryPoint]]) -> str:
     """Return a chart: the figure after each commit, a line for each controller."""
     points = [
         _Point(
-            {"commit": row.name, "controller": name}, row.failure_probability, _kind(row.verdict)
+            {"commit": row.name, "controller": name}, row.failure_probability, kind_of(row.verdict)
         )
         for name, rows in histories.items()
         for row in rows
@@ -110,7 +110,7 @@ def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
     """Return a badge: the verdict and the figure of a mission."""
     left = "mission failure"
     right = "no risk blocks" if figure is None else f"{figure:.2e}"
-    kind = _kind(verdict)
+    kind = kind_of(verdict)
     if figure is not None:
         right += f", {kind.removeprefix('verdict ')}"
     colour = _COLOURS.get(kind, _GREY) if figure is not None else _GREY
@@ -128,10 +128,6 @@ def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
         f'<text x="{first / 2:g}" y="14">{escape(left)}</text>'
         f'<text x="{first + second / 2:g}" y="14">{escape(right)}</text></g></svg>\n'
     )
-
-
-def _kind(verdict: Verdict | None) -> str:
-    return UNKNOWN_VERDICT if verdict is None else verdict.kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, Point, add_title, box, number, text_width, word
-from tracerisk.report.html.tables import Cell, Row, Table, numbers, texts
+from tracerisk.report.html.tables import Table, numbers, row_of, texts
 
 Edge = tuple[str, str]
 
@@ -288,7 +288,7 @@ def _transitions(model: HybridModel, states: dict[str, StateAssessment]) -> Tabl
             ),
             (found.failure_state, figures.probability(found.top_event), figures.NOTHING),
         ]
-        rows += [Row((Cell(state.name), *map(Cell, way)), state.name) for way in ways]
+        rows += [row_of(state.name, *way, function=state.name) for way in ways]
     return Table(
         "transitions",
         "Every transition of the chain",

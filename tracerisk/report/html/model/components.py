@@ -9,7 +9,15 @@ from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, share_cell, texts
+from tracerisk.report.html.tables import (
+    Cell,
+    Column,
+    Table,
+    numbers,
+    row_of,
+    share_cell,
+    texts,
+)
 from tracerisk.report.run_figures import RunFigures
 
 _MEANINGS = (
@@ -74,17 +82,15 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
         Column("one unit", "greatest in a visit", is_number=True),
     )
     rows = tuple(
-        Row(
-            (
-                Cell(each.name, component=component_of(each.name)),
-                share_cell(each.fussell_vesely),
-                Cell(figures.percent(each.criticality)),
-                Cell(figures.ratio(each.birnbaum)),
-                Cell(figures.ratio(each.risk_reduction_worth)),
-                Cell(figures.ratio(each.risk_achievement_worth)),
-                Cell(figures.ratio(each.tenfold)),
-                Cell(figures.probability(each.theta)),
-            ),
+        row_of(
+            Cell(each.name, component=component_of(each.name)),
+            share_cell(each.fussell_vesely),
+            figures.percent(each.criticality),
+            figures.ratio(each.birnbaum),
+            figures.ratio(each.risk_reduction_worth),
+            figures.ratio(each.risk_achievement_worth),
+            figures.ratio(each.tenfold),
+            figures.probability(each.theta),
             component=component_of(each.name),
         )
         for each in components
@@ -98,14 +104,12 @@ def _by_instance(found: RunFigures | None) -> Table | None:
         return None
     unlike = {each.component.name for each in found.instances if not each.are_alike}
     rows = tuple(
-        Row(
-            (
-                Cell(each.component, component=each.component),
-                Cell(each.instance.element),
-                Cell(figures.probability(each.instance.p_failure)),
-                share_cell(each.share),
-                Cell(figures.percent(each.fussell_vesely)),
-            ),
+        row_of(
+            Cell(each.component, component=each.component),
+            each.instance.element,
+            figures.probability(each.instance.p_failure),
+            share_cell(each.share),
+            figures.percent(each.fussell_vesely),
             component=each.component,
         )
         for each in found.importances
@@ -125,12 +129,10 @@ def _assumed(found: RunFigures | None) -> Table | None:
     if found is None or not found.assumed:
         return None
     rows = tuple(
-        Row(
-            (
-                Cell(each.component, component=each.component),
-                share_cell(each.fussell_vesely),
-                Cell(each.source),
-            ),
+        row_of(
+            Cell(each.component, component=each.component),
+            share_cell(each.fussell_vesely),
+            each.source,
             component=each.component,
         )
         for each in found.assumed
@@ -142,13 +144,11 @@ def _assumed(found: RunFigures | None) -> Table | None:
 def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
     """Return the shares of single units, of components that have several; `None` for none."""
     rows = tuple(
-        Row(
-            (
-                Cell(each.name, component=component_of(each.name)),
-                Cell(part.name),
-                Cell(figures.ratio(part.birnbaum)),
-                Cell(figures.percent(part.criticality)),
-            ),
+        row_of(
+            Cell(each.name, component=component_of(each.name)),
+            part.name,
+            figures.ratio(part.birnbaum),
+            figures.percent(part.criticality),
             component=component_of(each.name),
         )
         for each in components
@@ -166,15 +166,13 @@ def _described(hardware: Hardware, used: set[str]) -> Table:
         *texts(*(["source"] if has_sources else []), "in this mission"),
     )
     rows = tuple(
-        Row(
-            (
-                Cell(each.name, component=each.name if each.name in used else None),
-                Cell("as the robot has" if each.quantity is None else str(each.quantity)),
-                Cell(_redundancy(each)),
-                Cell("; ".join(_figure(figure) for figure in each.figures)),
-                *([Cell(_source(each) or figures.NOTHING)] if has_sources else []),
-                Cell("used" if each.name in used else "not used"),
-            ),
+        row_of(
+            Cell(each.name, component=each.name if each.name in used else None),
+            "as the robot has" if each.quantity is None else str(each.quantity),
+            _redundancy(each),
+            "; ".join(_figure(figure) for figure in each.figures),
+            *([_source(each) or figures.NOTHING] if has_sources else []),
+            "used" if each.name in used else "not used",
             component=component_of(each.name),
         )
         for each in hardware.components

@@ -10,7 +10,16 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import definitions
-from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, share_cell, texts
+from tracerisk.report.html.tables import (
+    Cell,
+    Column,
+    Row,
+    Table,
+    numbers,
+    row_of,
+    share_cell,
+    texts,
+)
 
 MOST_COLUMNS = 12
 """How many components the table of shares has; those that matter most."""
@@ -56,35 +65,25 @@ def _of_function(
     rows = []
     for index, component in enumerate(state.components or (None,)):
         span = count if index == 0 else 0
-        name = Cell(state.name, link=link, function=state.name, note=note, rows=span)
-        cells = [name]
-        if component is None:
-            cells += [Cell("none"), Cell(figures.NOTHING)]
-        else:
-            cells += [
-                Cell(component.name, component=component_of(component.name)),
-                Cell(units_needed(component)),
-            ]
+        named = None if component is None else component_of(component.name)
+        cells: list[Cell | str] = ["none", figures.NOTHING]
+        fails = figures.NOTHING
+        if component is not None:
+            fails = figures.probability(component.probability)
+            cells = [Cell(component.name, component=named), units_needed(component)]
         if exposures is not None:
-            found = exposures.get(state.name, {})
-            cells.append(
-                Cell(
-                    figures.seconds(found.get(component_of(component.name)) if component else None)
-                )
-            )
-        cells += [
-            Cell(
-                figures.NOTHING if component is None else figures.probability(component.probability)
-            ),
-            Cell(figures.probability(state.top_event), rows=span),
-            Cell(figures.count(state.expected_visits), rows=span),
-            Cell(figures.probability(state.absorption_probability), rows=span),
-        ]
+            active = exposures.get(state.name, {})
+            cells.append(figures.seconds(None if named is None else active.get(named)))
         rows.append(
-            Row(
-                tuple(cells),
-                state.name,
-                None if component is None else component_of(component.name),
+            row_of(
+                Cell(state.name, link=link, function=state.name, note=note, rows=span),
+                *cells,
+                fails,
+                Cell(figures.probability(state.top_event), rows=span),
+                Cell(figures.count(state.expected_visits), rows=span),
+                Cell(figures.probability(state.absorption_probability), rows=span),
+                function=state.name,
+                component=named,
             )
         )
     return rows
@@ -100,11 +99,10 @@ def _shares(report: ReportInput) -> Table | None:
     }
     rows = []
     for state in report.assessment.states:
-        cells = [Cell(state.name, function=state.name)]
-        for each in components:
-            share = shares.get((state.name, each.name))
-            cells.append(Cell(figures.NOTHING) if share is None else share_cell(share))
-        rows.append(Row(tuple(cells), state.name))
+        found = [shares.get((state.name, each.name)) for each in components]
+        cells = [figures.NOTHING if share is None else share_cell(share) for share in found]
+        name = Cell(state.name, function=state.name)
+        rows.append(row_of(name, *cells, function=state.name))
     columns = (Column("function"), *numbers(*(each.name for each in components)))
     return Table(
         "shares",

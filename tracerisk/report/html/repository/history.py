@@ -9,9 +9,9 @@ from markupsafe import Markup
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, texts
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, row_of, texts
 from tracerisk.report.series.history import HistoryPoint, history_svg
-from tracerisk.trace import UNKNOWN_VERDICT
+from tracerisk.trace import kind_of
 
 MOST_SHOWN = 20
 """How many commits are in sight; those before them are folded."""
@@ -41,17 +41,14 @@ def _rows(rows: Sequence[HistoryPoint]) -> list[Row]:
     last: float | None = None
     for row in rows:
         risk = row.failure_probability
+        none = "unreadable" if row.error else figures.NOTHING
         found.append(
-            Row(
-                (
-                    Cell(row.name, note=row.date),
-                    Cell("unreadable" if row.error else figures.NOTHING)
-                    if risk is None
-                    else Cell(figures.probability(risk)),
-                    Cell(f"x{risk / last:.3g}" if risk is not None and last else ""),
-                    Cell(UNKNOWN_VERDICT if row.verdict is None else row.verdict.kind),
-                    Cell(row.subject, note=row.change),
-                )
+            row_of(
+                Cell(row.name, note=row.date),
+                none if risk is None else figures.probability(risk),
+                f"x{risk / last:.3g}" if risk is not None and last else "",
+                kind_of(row.verdict),
+                Cell(row.subject, note=row.change),
             )
         )
         last = risk if risk is not None else last

@@ -11,8 +11,8 @@ from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import page, rendered
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table
-from tracerisk.trace import UNKNOWN_VERDICT, Verdict
+from tracerisk.report.html.tables import Cell, Column, Row, Table, row_of
+from tracerisk.trace import Verdict, kind_of
 
 _ORDER = ("complete", "partial", "faulted", "stuck")
 
@@ -41,7 +41,7 @@ def overview_lead(title: str, rows: Sequence[OverviewRow]) -> Markup:
     """Return the heading: how many controllers, how their runs came out, which is the riskiest."""
     counts: dict[str, int] = {}
     for row in rows:
-        kind = "without a figure" if row.assessment is None else _kind(row.verdict)
+        kind = "without a figure" if row.assessment is None else kind_of(row.verdict)
         counts[kind] = counts.get(kind, 0) + 1
     ranked = [each for each in _ranked(rows) if each.assessment is not None]
     first = ranked[0] if ranked else None
@@ -96,21 +96,20 @@ def _row(row: OverviewRow, most: float, *, has_reports: bool) -> Row:
     coverage = None if row.verdict is None else row.verdict.coverage
     folder, _, file = row.name.rpartition("/")
     notes = (_breakable(folder), row.error)
-    cells = [
+    report = Cell("report" if row.report else figures.NOTHING, link=row.report)
+    return row_of(
         Cell(_breakable(file), link=row.link, note=Markup("; ").join(filter(None, notes))),
-        Cell(_kind(row.verdict) if row.assessment is not None else figures.NOTHING),
-        Cell(figures.NOTHING)
+        kind_of(row.verdict) if row.assessment is not None else figures.NOTHING,
+        figures.NOTHING
         if risk is None
         else Cell(figures.probability(risk), share=risk / most if most else 0.0),
-        Cell(figures.NOTHING)
+        figures.NOTHING
         if coverage is None or not coverage.all
         else Cell(f"{coverage.ran} of {coverage.all}", share=coverage.ran / coverage.all),
-        Cell(_component(row.assessment)),
-        Cell(_function(row.assessment)),
-    ]
-    if has_reports:
-        cells.append(Cell("report" if row.report else figures.NOTHING, link=row.report))
-    return Row(tuple(cells))
+        _component(row.assessment),
+        _function(row.assessment),
+        *([report] if has_reports else []),
+    )
 
 
 def _ranked(rows: Sequence[OverviewRow]) -> list[OverviewRow]:
@@ -140,10 +139,6 @@ def _function(assessment: Assessment | None) -> str:
     first = max(assessment.states, key=lambda each: each.absorption_probability)
     share = first.absorption_probability / assessment.mission.geometric_cycles
     return f"{first.name}, {figures.percent(share)}"
-
-
-def _kind(verdict: Verdict | None) -> str:
-    return UNKNOWN_VERDICT if verdict is None else verdict.kind
 
 
 def _rank(entry: tuple[str, int]) -> tuple[int, str]:

@@ -10,7 +10,7 @@ from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.tables import Cell, Column, Row, Table, texts
+from tracerisk.report.html.tables import Cell, Column, Row, Table, row_of, texts
 from tracerisk.trace import Contact, FunctionRef, Payload, Trace
 
 MOST_UNFOLDED = 12
@@ -49,7 +49,7 @@ class _ByFunction:
         self._order = {ref: index for index, ref in enumerate(refs)}
         self._states = states
 
-    def rows(self, cells: Iterable[tuple[FunctionRef, tuple[Cell, ...]]]) -> tuple[Row, ...]:
+    def rows(self, cells: Iterable[tuple[FunctionRef, tuple[Cell | str, ...]]]) -> tuple[Row, ...]:
         ordered = sorted(cells, key=lambda each: self._order[each[0]])
         found = []
         for ref, own in groupby(ordered, key=lambda each: each[0]):
@@ -58,7 +58,7 @@ class _ByFunction:
             several = [rest for _, rest in own]
             for index, rest in enumerate(several):
                 head = Cell(name, function=function, rows=0 if index else len(several))
-                found.append(Row((head, *rest), function))
+                found.append(row_of(head, *rest, function=function))
         return tuple(found)
 
 
@@ -85,9 +85,9 @@ def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Tabl
                 Cell(link, note="" if not links or link in links else "held"),
                 Cell(other, note="of the arm itself" if other in links else ""),
                 _force(touches, other in links),
-                Cell(figures.seconds(sum(each.touching_s for each in touches))),
-                Cell(figures.seconds(min(each.start_s for each in touches))),
-                Cell(str(_visits(trace, function, touches))),
+                figures.seconds(sum(each.touching_s for each in touches)),
+                figures.seconds(min(each.start_s for each in touches)),
+                str(_visits(trace, function, touches)),
             ),
         )
         for (function, link, other), touches in pairs.items()
@@ -134,12 +134,12 @@ def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
         (
             function,
             (
-                Cell(gripper),
-                Cell(thing),
-                Cell(f"{payloads[0].mass_kg:.4g}"),
-                Cell(figures.seconds(sum(each.held_s for each in payloads))),
-                Cell(_newtons(_mean_force(payloads))),
-                Cell(_newtons(max(each.most_pad_force_n for each in payloads))),
+                gripper,
+                thing,
+                f"{payloads[0].mass_kg:.4g}",
+                figures.seconds(sum(each.held_s for each in payloads)),
+                _newtons(_mean_force(payloads)),
+                _newtons(max(each.most_pad_force_n for each in payloads)),
             ),
         )
         for (function, gripper, thing), payloads in held.items()

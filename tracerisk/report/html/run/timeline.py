@@ -19,8 +19,7 @@ from tracerisk.report.html.run.timeline_segments import (
     visit_spans,
 )
 from tracerisk.report.html.section import Data, Section
-from tracerisk.report.html.tables import Cell, Column, Table
-from tracerisk.report.html.tables import Row as TableRow
+from tracerisk.report.html.tables import Cell, Column, Table, row_of, texts
 from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
 
 if TYPE_CHECKING:
@@ -168,22 +167,14 @@ def _table(trace: Trace, names: Mapping[FunctionRef, str]) -> Table:
     for number, visit in enumerate(trace.visits[:_MOST_LISTED], start=1):
         name = names[visit.function]
         duration = "" if visit.duration_s is None else f"{visit.duration_s:.3f}"
-        cells = (
-            Cell(str(number)),
-            Cell(name, function=name),
-            Cell(f"{visit.start_s:.3f}"),
-            Cell(duration),
-            Cell(visit.outcome),
-            Cell(_use(visit)),
-        )
-        rows.append(TableRow(cells, function=name))
+        times = (f"{visit.start_s:.3f}", duration)
+        cells = (str(number), Cell(name, function=name), *times, visit.outcome, _use(visit))
+        rows.append(row_of(*cells, function=name))
     columns = (
-        Column("Visit"),
-        Column("Function"),
+        *texts("Visit", "Function"),
         Column("Start", "s", is_number=True),
         Column("Duration", "s", is_number=True),
-        Column("Outcome"),
-        Column("Use of the hardware"),
+        *texts("Outcome", "Use of the hardware"),
     )
     return Table("visits", "Visits of the run, in their order", columns, tuple(rows))
 
