@@ -16,62 +16,46 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-VERBS = {
-    "init": "write what a repository needs to begin, after showing it",
-    "run": "run a controller on the twin, annotate it, solve its risk model",
-    "trace": "run a controller and print which hardware each function used",
-    "attach": "listen to a real robot; print what each function used",
-    "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
-    "field": "sum up recorded missions: visits, times, what follows",
-    "sweep": "run a controller over values of settings, parameters, scenario",
-    "scenario": "list a controller's needs; write a scenario that meets them",
-    "check": "check, without a simulation, whether blocks can be trusted",
-    "refresh": "bring blocks up to date, simulating only what is stale",
-    "annotate": "write risk blocks into a controller from a trace or a log",
-    "strip": "remove the risk blocks from sources, every other byte kept",
-    "diff": "print what a change between git versions does to the risk",
-    "history": "print how the risk went over the commits, and what raised it",
-    "serve": "show a repository's risk in a browser on this machine alone",
-    "report": "write an HTML report of annotated sources that needs no network",
-    "overrides": "list what was set by hand in blocks, why, and how it drifted",
-    "hardware": "convert, show or start a hardware description; print its schema",
-    "build": "build the risk model from the blocks in sources alone",
-    "solve": "solve a model, or the blocks in sources, exactly",
-    "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
-    "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
-    "robots": "list the robots that are shipped, or show what one of them has",
-    "drivers": "list drivers, check the description of one, print its schema",
-    "lsp": "serve an editor: figures, findings and fixes where you write",
-    "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
-    "doctor": "check that everything that tracerisk needs works here",
-    "completion": "print the script by which a shell completes this command",
-}
-
 GROUPS = {
-    "for authors of controllers": (
-        "run",
-        "trace",
-        "attach",
-        "scenario",
-        "check",
-        "refresh",
-        "annotate",
-        "strip",
-    ),
-    "for reviewers of changes": ("diff", "history", "report", "serve", "overrides"),
-    "for safety engineers": (
-        "hardware",
-        "evidence",
-        "sweep",
-        "field",
-        "build",
-        "solve",
-        "cut-sets",
-        "convert",
-    ),
-    "to set up": ("init", "lsp", "robots", "drivers", "doctor", "lock-merge", "completion"),
+    "for authors of controllers": {
+        "run": "run a controller on the twin, annotate it, solve its risk model",
+        "trace": "run a controller and print which hardware each function used",
+        "attach": "listen to a real robot; print what each function used",
+        "scenario": "list a controller's needs; write a scenario that meets them",
+        "check": "check, without a simulation, whether blocks can be trusted",
+        "refresh": "bring blocks up to date, simulating only what is stale",
+        "annotate": "write risk blocks into a controller from a trace or a log",
+        "strip": "remove the risk blocks from sources, every other byte kept",
+    },
+    "for reviewers of changes": {
+        "diff": "print what a change between git versions does to the risk",
+        "history": "print how the risk went over the commits, and what raised it",
+        "report": "write an HTML report of annotated sources that needs no network",
+        "serve": "show a repository's risk in a browser on this machine alone",
+        "overrides": "list what was set by hand in blocks, why, and how it drifted",
+    },
+    "for safety engineers": {
+        "hardware": "convert, show or start a hardware description; print its schema",
+        "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
+        "sweep": "run a controller over values of settings, parameters, scenario",
+        "field": "sum up recorded missions: visits, times, what follows",
+        "build": "build the risk model from the blocks in sources alone",
+        "solve": "solve a model, or the blocks in sources, exactly",
+        "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
+        "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
+    },
+    "to set up": {
+        "init": "write what a repository needs to begin, after showing it",
+        "lsp": "serve an editor: figures, findings and fixes where you write",
+        "robots": "list the robots that are shipped, or show what one of them has",
+        "drivers": "list drivers, check the description of one, print its schema",
+        "doctor": "check that everything that tracerisk needs works here",
+        "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
+        "completion": "print the script by which a shell completes this command",
+    },
 }
-"""The verbs by who needs them."""
+"""What each verb does, by who needs it."""
+VERBS = {verb: summary for group in GROUPS.values() for verb, summary in group.items()}
 
 
 _MADE_BEFORE_A_LOOK = 100_000  # objects, in place of 700

@@ -16,7 +16,7 @@ from tracerisk.cli.shared.output import (
 )
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.evidence.sweep import SweepPoint
+    pass
 
 
 _OVER = """\
@@ -61,11 +61,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot is not None:
         write_file(options.plot, report.plot_svg(points))
     if options.json:
-        print_json("sweep", points=[_data(each) for each in points])
+        print_json("sweep", points=[asdict(each) for each in points])
     else:
         print_text(report.render_points(points, paper()))
     return 0
-
-
-def _data(point: SweepPoint) -> dict[str, object]:
-    return asdict(point)

@@ -28,16 +28,19 @@ class Rule:
     """A kind of alert: its id, what it says in one line, why it matters and what to do."""
 
     id: str
-    name: str
     level: Level
     says: str
     help: str
+
+    @property
+    def name(self) -> str:
+        """The id as SARIF has names: `StaleBlock`."""
+        return "".join(word.capitalize() for word in self.id.split("-"))
 
 
 RULES: tuple[Rule, ...] = (
     Rule(
         "stale-block",
-        "StaleBlock",
         "warning",
         "The risk blocks are older than what they depend on.",
         "The controller, its robot, scene, settings or hardware data changed after the blocks "
@@ -45,7 +48,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "faulted-run",
-        "FaultedRun",
         "error",
         "The run behind the risk blocks went wrong.",
         "A run that went wrong is shorter and moves less, so its figure is not that of the "
@@ -53,7 +55,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "partial-run",
-        "PartialRun",
         "warning",
         "The run behind the risk blocks is not the whole mission.",
         "Something that the controller asked for was not there, or was assumed. Give it in a "
@@ -61,14 +62,12 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "edited-block",
-        "EditedBlock",
         "error",
         "A value that tracerisk computes was changed by hand.",
         "Write `:=` and a reason behind `;` to keep the value, or refresh with --discard-edits.",
     ),
     Rule(
         "undecided-block",
-        "UndecidedBlock",
         "error",
         "It is unknown who wrote a value: a user, or tracerisk on another branch.",
         "Refresh with --discard-edits to have what is computed now in its place, or take the "
@@ -76,7 +75,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "missing-block",
-        "MissingBlock",
         "error",
         "A risk block is gone, or stands in a function of another name.",
         "The model is built from the blocks alone: without this one the function's failures are "
@@ -84,7 +82,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "unknown-blocks",
-        "UnknownBlocks",
         "warning",
         "The lock file knows nothing of a controller's risk blocks.",
         "It is unknown whether the blocks fit the controller. Run `tracerisk run` and commit "
@@ -92,14 +89,12 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "unreadable",
-        "Unreadable",
         "error",
         "A source, a block or the lock file cannot be read.",
         "Nothing can be said of the controller's risk until it is mended.",
     ),
     Rule(
         "over-threshold",
-        "OverThreshold",
         "error",
         "The mission fails more often than is allowed.",
         "The failure probability of the mission is above `max_failure_probability`. The table of "
@@ -107,7 +102,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "single-point-of-failure",
-        "SinglePointOfFailure",
         "note",
         "A component fails the mission alone.",
         "One failed unit is a failed mission: nothing takes over. State redundancy in the "
@@ -115,7 +109,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "lost-redundancy",
-        "LostRedundancy",
         "warning",
         "A component lost its redundancy.",
         "Fewer units may fail than before. Check that the change of hardware data, or of the "
@@ -123,14 +116,12 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "omitted-component",
-        "OmittedComponent",
         "warning",
         "A component was left out of the risk by hand.",
         "Its failures count no more in this function. Check the reason behind `:= omit`.",
     ),
     Rule(
         "unjustified-pin",
-        "UnjustifiedPin",
         "warning",
         "A value is set by hand without a reason.",
         "Write why behind `;`: who decided, and on what ground. The next engineer cannot check "
@@ -138,7 +129,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "unequal-units",
-        "UnequalUnits",
         "error",
         "A redundancy is set by hand over units that differ.",
         "A block holds one probability for all units, computed for the redundancy that the "
@@ -147,7 +137,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "unexpected-contact",
-        "UnexpectedContact",
         "error",
         "The arm, or what it holds, touched something that it should not.",
         "On the twin two bodies touched that are not to. Watch the moment in the report's "
@@ -155,7 +144,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "uncovered-motion",
-        "UncoveredMotion",
         "note",
         "A function can move the arm and never ran: no risk data.",
         "Its risk is unknown, which is not none. Run the branch with a scenario or arguments, or "
@@ -163,7 +151,6 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "run-finding",
-        "RunFinding",
         "warning",
         "The run on the twin showed something that a user should know.",
         "The message says what; `tracerisk trace` shows the run again.",

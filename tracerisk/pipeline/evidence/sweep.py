@@ -21,6 +21,7 @@ from tracerisk.pipeline.stages import annotate, build, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
 from tracerisk.pipeline.trace.cache import FOLDER, make_kept
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.report.series.sweep import SweepPoint as SweepPoint
 from tracerisk.sandbox.scratch import scratch
 
 PARAMETER, SCENARIO = "param:", "scenario:"
@@ -37,25 +38,6 @@ class Factor:
 
     name: str
     values: tuple[Any, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class SweepPoint:
-    """One point of a sweep: a value of each factor, and what the run with them gave."""
-
-    values: Mapping[str, Any]
-    failure_probability: float | None = None
-    """That of the mission; `None` where the run gave none."""
-    verdict: str = ""
-    """How far the run can be taken: `complete`, `partial`, `faulted`, `stuck`; empty for none."""
-    simulated_s: float | None = None
-    """How long the run lasted [s]."""
-    leading: str = ""
-    """The component with the greatest share."""
-    share: float = 0.0
-    """Its share, the Fussell-Vesely importance."""
-    error: str = ""
-    """Why there is no figure."""
 
 
 @dataclass(frozen=True, slots=True)

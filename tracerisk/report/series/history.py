@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 
 from tracerisk.prm.review.risk_change import WORKING_TREE
 from tracerisk.report.diff.sentences import sentence
-from tracerisk.report.series.sweep import plot_svg
+from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
 from tracerisk.text.paper import PAPER, Paper
 from tracerisk.trace import Verdict, kind_of
@@ -94,16 +94,18 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
 
 def history_svg(histories: Mapping[str, Sequence[HistoryPoint]]) -> str:
     """Return a chart: the figure after each commit, a line for each controller."""
-    points = [
-        _Point(
-            {"commit": row.name, "controller": name}, row.failure_probability, kind_of(row.verdict)
-        )
-        for name, rows in histories.items()
-        for row in rows
-    ]
-    if len(histories) == 1:
-        points = [_Point({"commit": each.values["commit"]}, *each.rest) for each in points]
-    return plot_svg(points)
+    is_one = len(histories) == 1
+    return plot_svg(
+        [
+            SweepPoint(
+                {"commit": row.name} if is_one else {"commit": row.name, "controller": name},
+                row.failure_probability,
+                kind_of(row.verdict),
+            )
+            for name, rows in histories.items()
+            for row in rows
+        ]
+    )
 
 
 def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
@@ -128,17 +130,3 @@ def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
         f'<text x="{first / 2:g}" y="14">{escape(left)}</text>'
         f'<text x="{first + second / 2:g}" y="14">{escape(right)}</text></g></svg>\n'
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """What a plot takes of a commit."""
-
-    values: Mapping[str, str]
-    failure_probability: float | None
-    verdict: str
-
-    @property
-    def rest(self) -> tuple[float | None, str]:
-        """What is not on the axes."""
-        return self.failure_probability, self.verdict

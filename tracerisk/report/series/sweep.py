@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from tracerisk.report.tables import csv_of, rendered, share_text, table_of
@@ -20,43 +21,26 @@ _LETTER = 7.3
 _FONT = {"font-family": "monospace", "font-size": "12"}
 
 
-class PlotPoint(Protocol):
-    """What a drawing takes of a point."""
+@dataclass(frozen=True, slots=True)
+class SweepPoint:
+    """One point of a sweep: a value of each factor, and what the run with them gave."""
 
-    @property
-    def values(self) -> Mapping[str, Any]:
-        """The value of each factor."""
-
-    @property
-    def failure_probability(self) -> float | None:
-        """That of the mission."""
-
-    @property
-    def verdict(self) -> str:
-        """How far the run can be taken."""
-
-
-class Point(PlotPoint, Protocol):
-    """What is shown of a point: see `tracerisk.pipeline.evidence.sweep.SweepPoint`."""
-
-    @property
-    def simulated_s(self) -> float | None:
-        """How long the run lasted [s]."""
-
-    @property
-    def leading(self) -> str:
-        """The component with the greatest share."""
-
-    @property
-    def share(self) -> float:
-        """Its share."""
-
-    @property
-    def error(self) -> str:
-        """Why there is no figure."""
+    values: Mapping[str, Any]
+    failure_probability: float | None = None
+    """That of the mission; `None` where the run gave none."""
+    verdict: str = ""
+    """How far the run can be taken: `complete`, `partial`, `faulted`, `stuck`; empty for none."""
+    simulated_s: float | None = None
+    """How long the run lasted [s]."""
+    leading: str = ""
+    """The component with the greatest share."""
+    share: float = 0.0
+    """Its share, the Fussell-Vesely importance."""
+    error: str = ""
+    """Why there is no figure."""
 
 
-def render_points(points: Sequence[Point], paper: Paper = PAPER) -> str:
+def render_points(points: Sequence[SweepPoint], paper: Paper = PAPER) -> str:
     """Return the points as a table for a terminal."""
     table = table_of("Probability that a hardware failure ends the mission")
     names = list(points[0].values) if points else []
@@ -78,7 +62,7 @@ def render_points(points: Sequence[Point], paper: Paper = PAPER) -> str:
     return rendered(lambda console: console.print(table), paper)
 
 
-def csv_text(points: Sequence[Point]) -> str:
+def csv_text(points: Sequence[SweepPoint]) -> str:
     """Return the points as CSV."""
     names = list(points[0].values) if points else []
     headings = (
@@ -99,7 +83,7 @@ def csv_text(points: Sequence[Point]) -> str:
     return csv_of(headings, rows)
 
 
-def plot_svg(points: Sequence[PlotPoint]) -> str:
+def plot_svg(points: Sequence[SweepPoint]) -> str:
     """Return a drawing: the figure over the first factor, a line for each value of the others.
 
     Figures that span more than a factor of ten have a logarithmic axis.
@@ -126,7 +110,7 @@ def plot_svg(points: Sequence[PlotPoint]) -> str:
     axis = _Axis(min(figures), max(figures))
     _axes(root, first, xs, axis)
     radius = "4" if len(xs) <= _FEW else "2"
-    lines: dict[str, list[PlotPoint]] = {}
+    lines: dict[str, list[SweepPoint]] = {}
     for each in shown:
         label = ", ".join(f"{name} {each.values[name]}" for name in others)
         lines.setdefault(label, []).append(each)
