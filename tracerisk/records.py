@@ -361,6 +361,11 @@ def _asdict(value: Any) -> Any:
     return value
 
 
+def picked(value: Any, *names: str) -> dict[str, Any]:
+    """Return some fields or properties of a value as plain data, by their names."""
+    return {name: _asdict(getattr(value, name)) for name in names}
+
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dataclasses import MISSING as MISSING

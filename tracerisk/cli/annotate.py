@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
 from tracerisk.cli.shared.run_report import blocks_line
+from tracerisk.cli.shared.sources import decoded, read_file
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -94,12 +94,7 @@ def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
     from tracerisk.trace_log import read_log
 
     name = options.trace if options.trace is not None else options.log
-    try:
-        text = Path(name).read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
-    except UnicodeDecodeError as error:
-        raise InputError("is not UTF-8 text", Location(name)) from error
+    text = decoded(read_file(name), name)
     if options.log is not None:
         return read_log(text, name, controller=controller.file)
     trace = trace_json.loads(text, name)

@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import (
     write_sarif,
 )
 from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.records import picked, replace
 from tracerisk.source.language import is_c
 from tracerisk.trace import GAPS, verdict_line
 
@@ -98,13 +99,8 @@ def _check(options: argparse.Namespace) -> int:
             exit_code=int(code),
             fresh=[str(each.path) for each in checked if not each.findings],
             findings=[
-                {
-                    "kind": finding.kind,
-                    "file": finding.location.file,
-                    "line": finding.location.line,
-                    "message": finding.message,
-                }
-                for finding in findings
+                picked(each, "kind", "message") | picked(each.location, "file", "line")
+                for each in findings
             ],
             errors=[str(error) for error in errors],
             verdicts=[
@@ -138,8 +134,6 @@ def _verdict_of(checked: Checked) -> str:
     """Return the verdict in words, without reasons where a finding of its own has each."""
     verdict = _as_typed(checked)
     if verdict is not None and any(each.kind == verdict.kind for each in checked.findings):
-        from tracerisk.records import replace
-
         verdict = replace(verdict, reasons=tuple(r for r in verdict.reasons if r.code in GAPS))
     return verdict_line(verdict)
 

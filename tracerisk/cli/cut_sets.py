@@ -12,6 +12,7 @@ from tracerisk.cli.shared.model_files import format_of, read_model
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text
 from tracerisk.errors import InputError, ModelError, one_of
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -72,15 +73,7 @@ def run(options: argparse.Namespace) -> int:
     for text in notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
-        sets = [
-            {
-                "events": list(each.events),
-                "absent": list(each.absent),
-                "order": each.order,
-                "probability": each.probability,
-            }
-            for each in listed
-        ]
+        sets = [picked(each, "events", "absent", "order", "probability") for each in listed]
         print_json(
             "cut-sets",
             top=asked.tree.top,

@@ -16,6 +16,8 @@ from tracerisk.dependencies import install_command, missing_extras, needed, vers
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.pipeline import Controller
     from tracerisk.twin.robots.robot import Robot
 
 
@@ -48,8 +50,13 @@ def run(options: argparse.Namespace) -> int:
     _look(found, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}
     if options.controller is not None:
-        found.update(_of_controller(options.controller, options.robot, options.sandbox))
-        settings = _settings(options.controller, options.robot, options.sandbox)
+        from tracerisk import pipeline
+
+        given = {"robot": options.robot, "sandbox": options.sandbox}
+        controller = pipeline.load_controller(options.controller)
+        in_use = pipeline.load_settings(controller, given)
+        found.update(_of_controller(controller, in_use))
+        settings = _settings(controller, in_use, given)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
         print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
@@ -152,18 +159,16 @@ def _sandbox() -> str:
     return f"does not work: {here.missing} is missing ({version}, {filters})"
 
 
-def _settings(path: str, robot_name: str | None, sandbox: str | None) -> dict[str, dict[str, Any]]:
+def _settings(
+    controller: Controller, settings: Settings, given: Mapping[str, str | None]
+) -> dict[str, dict[str, Any]]:
     """Return each setting of a controller: its value, where it comes from, and the place there."""
-    from tracerisk import pipeline
     from tracerisk.config import setting_origins
 
-    controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller, {"robot": robot_name, "sandbox": sandbox})
     found = {}
     for name, origin in setting_origins(controller.root, controller.file).items():
         place = origin.location
         source = "default" if place is None else "controller" if origin.is_own else "all"
-        given = {"robot": robot_name, "sandbox": sandbox}
         if given.get(name) is not None:
             source, place = "command line", None
         found[name] = {
@@ -193,17 +198,12 @@ def _source(setting: Mapping[str, Any]) -> str:
     return f"{setting['file']}:{setting['line']}, {given}"
 
 
-def _of_controller(path: str, robot_name: str | None, sandbox: str | None) -> dict[str, str]:
+def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
 
-    controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller, {"robot": robot_name, "sandbox": sandbox})
-    found = {
-        "controller": controller.file,
-        "root": str(controller.root),
-    }
+    found = {"controller": controller.file, "root": str(controller.root)}
     launch = LaunchChoice()
     try:
         launch = choose_launch(controller, settings)

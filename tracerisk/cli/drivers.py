@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text
 from tracerisk.cli.shared.output import print_json, show
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
@@ -70,12 +71,7 @@ def _counted(driver: Driver) -> str:
 
 def _as_json(driver: Driver) -> dict[str, Any]:
     return {
-        "name": driver.name,
-        "file": driver.file,
-        "origin": driver.origin,
-        "interfaces": [
-            {"kind": each.kind, "name": each.name, "types": list(each.types)}
-            for each in driver.interfaces
-        ],
+        **picked(driver, "name", "file", "origin"),
+        "interfaces": [picked(each, "kind", "name", "types") for each in driver.interfaces],
         "parameters": sorted(driver.parameters),
     }

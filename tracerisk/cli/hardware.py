@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
+from tracerisk.cli.shared.sources import named_robot
 from tracerisk.errors import InputError, Location
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.hardware.binding import BoundComponent
@@ -77,7 +79,7 @@ def _show(options: argparse.Namespace) -> int:
 
     if options.file is None and options.robot is None:
         options.file = _of_settings()
-    robot = None if options.robot is None else _robot(options.robot)
+    robot = None if options.robot is None else named_robot(options.robot)
     if options.file is not None:
         hardware = read_description(Path(options.file))
         note_warnings(hardware, quiet=options.quiet)
@@ -138,7 +140,7 @@ def _init(options: argparse.Namespace) -> int:
             f"is the name of a {named} file, but --format says {options.format}; leave one out",
             Location(options.output),
         )
-    robot = _robot(options.robot)
+    robot = named_robot(options.robot)
     hardware = starting_description(
         robot.name,
         robot.elements,
@@ -169,12 +171,6 @@ def _schema(options: argparse.Namespace) -> int:
     return 0
 
 
-def _robot(name: str) -> Robot:
-    from tracerisk.cli.robots import named_robot
-
-    return named_robot(name)
-
-
 def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
     from tracerisk.hardware.binding import bind
 
@@ -191,10 +187,7 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
         "assumed": [each.name for each in hardware.components if each.is_assumed],
         "units": None
         if bound is None
-        else {
-            name: {"quantity": each.quantity, "elements": list(each.elements)}
-            for name, each in bound.items()
-        },
+        else {name: picked(each, "quantity", "elements") for name, each in bound.items()},
     }
 
 
@@ -236,7 +229,7 @@ def _update(options: argparse.Namespace) -> int:
         name = options.robot or field.robot or hardware.robot
         if name is None:
             raise InputError("the field file names no robot; give --robot", Location(options.field))
-        bound = _bound(hardware, _robot(name))
+        bound = _bound(hardware, named_robot(name))
         units = {each: bound[each].elements for each in bound}
     rows = read_failures(Path(options.failures))
     found = updates(hardware, rows, options.failures, field, units)
@@ -248,16 +241,12 @@ def _update(options: argparse.Namespace) -> int:
 
 def _update_data(update: Update) -> dict[str, Any]:
     return {
-        "component": update.component,
+        **picked(update, "component", "failures", "exposure"),
+        **picked(update.after, "error_factor", "source"),
+        **picked(update.posterior, "alpha", "beta"),
         "before": update.before.value,
         "after": update.after.value,
-        "error_factor": update.after.error_factor,
-        "failures": update.failures,
-        "exposure": update.exposure,
         "per": update.before.per.value,
-        "alpha": update.posterior.alpha,
-        "beta": update.posterior.beta,
-        "source": update.after.source,
     }
 
 

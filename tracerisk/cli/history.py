@@ -16,6 +16,7 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint
@@ -112,13 +113,8 @@ def _data(points: list[HistoryPoint], above: HistoryPoint | None) -> dict[str, A
         "largest_rise": None if rise is None else {"commit": rise[0].commit, "ratio": rise[1]},
         "commits": [
             {
-                "change": point.change,
-                "commit": point.commit,
-                "date": point.date,
-                "error": point.error,
+                **picked(point, "change", "commit", "date", "error", "path", "subject"),
                 "failure_probability": point.failure_probability,
-                "path": point.path,
-                "subject": point.subject,
                 "verdict": None if point.verdict is None else point.verdict.kind,
             }
             for point in points

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.errors import ExitCode
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.overrides import Override
@@ -60,15 +61,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _data(override: Override, *, is_beyond: bool) -> dict[str, object]:
     return {
-        "kind": override.kind,
-        "file": override.location.file,
-        "line": override.location.line,
-        "field": override.field,
-        "value": override.value,
-        "computed": override.computed,
+        **picked(override, "kind", "field", "value", "computed", "reason"),
+        **picked(override.location, "file", "line"),
         # JSON has no infinity; it is that of a value where zero is computed.
         "drift_percent": override.drift if override.drift != math.inf else None,
-        "reason": override.reason,
         "exceeds": is_beyond,
     }
 

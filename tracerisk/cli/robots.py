@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
+from tracerisk.cli.shared.sources import named_robot
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
-    from tracerisk.twin.robots.robot import Controller, Gripper, Joint, Robot
-    from tracerisk.twin.robots.sensors import Sensor
+    from tracerisk.twin.robots.robot import Joint, Robot
 
 _LEAST = 2  # columns of the list: name and title
 
@@ -65,18 +65,6 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def named_robot(name: str) -> Robot:
-    """Return a shipped robot by its name, or that of a model file."""
-    from tracerisk.twin.robots.robot import is_model_file, load_robot
-
-    if is_model_file(name):
-        from tracerisk.config import read_settings
-        from tracerisk.pipeline.robot.choice import read_model
-
-        return read_model(Path.cwd(), name, read_settings(Path.cwd()).limits).robot
-    return load_robot(name)
-
-
 def interfaces(robot: Robot) -> list[dict[str, str]]:
     """Return what the twin serves for a robot by name; other names of these types are served too.
 
@@ -97,12 +85,9 @@ def interfaces(robot: Robot) -> list[dict[str, str]]:
 
 def _listed_as_json(names: RobotNames) -> dict[str, Any]:
     return {
-        "name": names.name,
-        "title": names.title,
+        **picked(names, "name", "title", "grippers", "source"),
         "joints": len(names.arm_joints),
-        "grippers": list(names.grippers),
         "payload_kg": names.payload,
-        "source": names.source,
     }
 
 
@@ -142,26 +127,27 @@ def _public_source(source: str) -> str:
 
 def _as_json(robot: Robot) -> dict[str, Any]:
     return {
-        "name": robot.name,
-        "title": robot.title,
-        "aliases": list(robot.aliases),
-        "source": robot.source,
+        **picked(robot, "name", "title", "aliases", "source", "default_scene"),
         "payload_kg": robot.payload,
-        "default_scene": robot.default_scene,
         "joints": [_joint_as_json(joint) for joint in robot.joints],
         "groups": {
-            name: {"joints": list(group.joints), "tip_link": group.tip_link}
-            for name, group in robot.groups.items()
+            name: picked(group, "joints", "tip_link") for name, group in robot.groups.items()
         },
         "named_states": {
             group: {state: dict(positions) for state, positions in states.items()}
             for group, states in robot.named_states.items()
         },
-        "grippers": [_gripper_as_json(gripper) for gripper in robot.grippers],
-        "controllers": [_controller_as_json(controller) for controller in robot.controllers],
+        "grippers": [
+            {
+                **picked(gripper, "name", "group", "joints", "pads", "effort"),
+                "range": [gripper.least, gripper.opening],
+            }
+            for gripper in robot.grippers
+        ],
+        "controllers": [picked(each, "name", "type", "joints") for each in robot.controllers],
         "interfaces": interfaces(robot),
-        "actuators": {name: list(joints) for name, joints in robot.actuators.items()},
-        "sensors": [_sensor_as_json(sensor) for sensor in robot.sensors],
+        "actuators": dict(robot.actuators),
+        "sensors": [picked(each, "name", "kind", "part", "topics") for each in robot.sensors],
         "measured": _measured(robot),
     }
 
@@ -169,42 +155,13 @@ def _as_json(robot: Robot) -> dict[str, Any]:
 def _joint_as_json(joint: Joint) -> dict[str, Any]:
     endless = joint.type == "continuous"
     return {
-        "name": joint.name,
-        "type": joint.type,
+        **picked(joint, "name", "type"),
         "lower": None if endless else joint.lower,
         "upper": None if endless else joint.upper,
         "velocity": joint.velocity_limit,
         "acceleration": joint.acceleration_limit,
         "torque": joint.torque_limit,
         "units": "m, N" if joint.type == "prismatic" else "rad, N m",
-    }
-
-
-def _gripper_as_json(gripper: Gripper) -> dict[str, Any]:
-    return {
-        "name": gripper.name,
-        "group": gripper.group,
-        "joints": list(gripper.joints),
-        "pads": list(gripper.pads),
-        "range": [gripper.least, gripper.opening],
-        "effort": gripper.effort,
-    }
-
-
-def _controller_as_json(controller: Controller) -> dict[str, Any]:
-    return {
-        "name": controller.name,
-        "type": controller.type,
-        "joints": list(controller.joints),
-    }
-
-
-def _sensor_as_json(sensor: Sensor) -> dict[str, Any]:
-    return {
-        "name": sensor.name,
-        "kind": sensor.kind,
-        "part": sensor.part,
-        "topics": list(sensor.topics),
     }
 
 

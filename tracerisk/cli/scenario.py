@@ -14,6 +14,7 @@ from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_a
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Controller
@@ -237,10 +238,5 @@ def _print_json(
 
 
 def _data(need: Need, place: Location | None) -> dict[str, Any]:
-    return {
-        "kind": need.kind,
-        "name": need.name,
-        "type": need.type_name,
-        "file": None if place is None else place.file,
-        "line": None if place is None else place.line,
-    }
+    file, line = (None, None) if place is None else (place.file, place.line)
+    return {**picked(need, "kind", "name"), "type": need.type_name, "file": file, "line": line}

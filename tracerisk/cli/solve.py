@@ -6,9 +6,9 @@ from tracerisk.cli import what_if as asked
 from tracerisk.cli.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import OWN, format_of
-from tracerisk.cli.shared.output import paper, print_json, print_text, show
-from tracerisk.cli.shared.risk_limit import risk_exit
-from tracerisk.cli.shared.sources import linked_model, model_of_files
+from tracerisk.cli.shared.model_format import ModelFormat
+from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit, show
+from tracerisk.cli.shared.sources import model_of_files
 from tracerisk.errors import InputError
 from tracerisk.records import asdict
 
@@ -47,8 +47,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--curve goes with trees and chains of other tools; leave it out")
     if options.mission_time_h is not None:
         raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
-    model_of_links = linked_model(options.files)
-    if model_of_links is not None:
+    if kind is ModelFormat.LINKED and len(options.files) == 1:
         from tracerisk.cli.solving.linked import solve_linked
 
         _forbid_hardware(options)
@@ -56,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError("--profile goes with sources; a linked model has its own chains")
         if options.pairs:
             raise InputError("--pairs goes with models of functions; leave it out")
-        return solve_linked(model_of_links, options)
+        return solve_linked(options)
     if options.figure is not None:
         raise InputError("--figure goes with a linked model or a model file of another tool")
     from tracerisk.prm.formats.assessment_json import assessment_to_json

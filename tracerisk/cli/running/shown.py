@@ -16,10 +16,10 @@ from tracerisk.cli.shared.output import (
     print_diffs,
     print_json,
     print_text,
+    risk_exit,
     terminal_width,
     write_file,
 )
-from tracerisk.cli.shared.risk_limit import risk_exit
 from tracerisk.cli.shared.run_report import (
     blocks_line,
     failure_of,

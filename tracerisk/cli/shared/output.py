@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.text.columns import columns_of
 from tracerisk.text.paper import Paper
 from tracerisk.text.printable import printable
@@ -102,6 +102,14 @@ def note(message: str, *, quiet: bool = False) -> None:
     """Print a line for the user at the terminal, on standard error."""
     if not quiet:
         show(message, to_errors=True)
+
+
+def risk_exit(risks: Mapping[str, float], limit: float | None) -> ExitCode:
+    """Return 1 where a probability is over the limit that was given, and print which."""
+    over = {} if limit is None else {name: p for name, p in risks.items() if p > limit}
+    for name, risk in over.items():
+        note(f"tracerisk: {name} {risk:.4g} is over --max-failure-probability {limit:g}")
+    return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
 
 
 def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.sources import named_robot
 from tracerisk.errors import InputError, Location, SettingsError
 
 if TYPE_CHECKING:
-    from tracerisk.config import Settings
     from tracerisk.pipeline.recordings.measured import Declared
     from tracerisk.trace import Trace
     from tracerisk.twin.robots.robot import Robot
@@ -69,7 +69,7 @@ def check_robot(trace: Trace, name: str | None, path: Path) -> None:
 
     if name is None or not trace.robot:
         return
-    named = _robot(name, Path(), Settings()).name
+    named = named_robot(name, Path(), Settings()).name
     if named != trace.robot:
         raise InputError(
             f"is the run of robot '{trace.robot}', which its figures are of, and not of '{named}'; "
@@ -97,7 +97,7 @@ def _declared(
         # A file that is no recording is reported first, before what is missing beside it.
         if name is None:
             raise InputError("the robot is not known; name it with --robot", Location(str(path)))
-    robot = _robot(name, root, settings)
+    robot = named_robot(name, root, settings)
     step = options.encoder_step
     if step is not None and not 0.0 < step < 1.0:
         raise SettingsError(f"--encoder-step: {step:g} is not allowed; give 0 to 1 rad (m)")
@@ -116,12 +116,3 @@ def _declared(
         states=settings.states,
         helpers=settings.helpers,
     )
-
-
-def _robot(name: str, root: Path, settings: Settings) -> Robot:
-    from tracerisk.pipeline.robot.choice import read_model
-    from tracerisk.twin.robots.robot import is_model_file, load_robot
-
-    if is_model_file(name):
-        return read_model(root.resolve(), name, settings.limits).robot
-    return load_robot(name)

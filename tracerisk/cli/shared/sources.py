@@ -1,4 +1,4 @@
-"""Read the files that `build` and `solve` are given."""
+"""Read the files that verbs are given."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tracerisk.config import Settings
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.twin.robots.robot import Robot
 
 
 _HAS_EVIDENCE = pattern(rb"RiskAnnotation [^\n]*with evidence")
@@ -73,17 +76,21 @@ def model_of_files(files: Sequence[str], profile: ProfileText) -> HybridModel:
     return model_of_sources(files, profile)
 
 
-def linked_model(files: Sequence[str]) -> LinkedModel | None:
-    """Return the linked model that one JSON file holds; `None` where it holds none."""
-    if len(files) != 1:
-        return None
-    data = read_file(files[0])
-    if not data.lstrip().startswith(b"{") or b"tracerisk-linked-model" not in data:
-        return None
-    from tracerisk.prm.formats import linked_json
+def named_robot(name: str, root: Path | None = None, settings: Settings | None = None) -> Robot:
+    """Return a shipped robot by its name, or that of a model file.
 
-    text = decoded(data, files[0])
-    return linked_json.loads(text, files[0]) if linked_json.is_linked(text) else None
+    `settings` are those of `root`, by default of this folder.
+    """
+    from pathlib import Path
+
+    from tracerisk.config import read_settings
+    from tracerisk.pipeline.robot.choice import read_model
+    from tracerisk.twin.robots.robot import is_model_file, load_robot
+
+    if not is_model_file(name):
+        return load_robot(name)
+    here = (root or Path()).resolve()
+    return read_model(here, name, (settings or read_settings(here)).limits).robot
 
 
 def decoded(data: bytes, name: str, encoding: str = "utf-8") -> str:

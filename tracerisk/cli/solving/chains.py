@@ -14,6 +14,7 @@ from tracerisk.cli.solving.solved import Render, Solved, chosen
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 from tracerisk.prm.markov.solver import SMALL
+from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.prism.reader import PrismModel
@@ -119,9 +120,7 @@ class ChainFile:
             {
                 "name": each.question.name,
                 "property": each.question.text,
-                "least": each.least,
-                "greatest": each.greatest,
-                "holds": each.holds,
+                **picked(each, "least", "greatest", "holds"),
             }
             for each in answers
         ]

@@ -7,9 +7,10 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.shared.output import paper, print_json, print_text
-from tracerisk.cli.shared.risk_limit import risk_exit
-from tracerisk.errors import InputError, one_of
+from tracerisk.cli.shared.model_files import read_text
+from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit
+from tracerisk.cli.solving.solved import chosen
+from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
@@ -19,13 +20,15 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
-def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
+def solve_linked(options: argparse.Namespace) -> int:
     """Solve a linked model as the options ask, print the result and return the exit code."""
+    from tracerisk.prm.formats import linked_json
     from tracerisk.prm.formats.assessment_json import finite
     from tracerisk.prm.linked.importance import importances
     from tracerisk.prm.linked.what_if import sweep
     from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
+    model = linked_json.loads(read_text(options.files[0]), options.files[0])
     figure = _figure(model, options)
     values = asked.parse_set(options.set_values, asked.number)
     before = model.solve().parameters if values else {}
@@ -68,15 +71,7 @@ def _figure(model: LinkedModel, options: argparse.Namespace) -> str:
     names = [each.name for each in model.figures]
     if not names:
         raise InputError(f"'{model.name}' has no figures; state one in the model")
-    if options.figure is None:
-        return names[0]
-    if options.figure not in names:
-        raise InputError(
-            f"--figure {options.figure}: no figure of '{model.name}'; "
-            f"{one_of(names, options.figure)}"
-        )
-    found: str = options.figure
-    return found
+    return chosen(names, options.figure, model.name)[0]
 
 
 def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Uncertainty | None:

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.cli.shared.output import note, paper, print_json, print_text
-from tracerisk.cli.shared.risk_limit import risk_exit
+from tracerisk.cli.shared.output import note, paper, print_json, print_text, risk_exit
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
 from tracerisk.records import asdict

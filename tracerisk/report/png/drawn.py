@@ -6,7 +6,6 @@ the command with it.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
 import subprocess
@@ -17,6 +16,7 @@ from typing import Literal
 
 from tracerisk.errors import RenderError
 from tracerisk.limits import Limit, Limits
+from tracerisk.records import picked
 from tracerisk.report.png.pictures import Picture
 from tracerisk.sandbox.limited_process import run_limited
 
@@ -103,11 +103,7 @@ def _run(
 
 
 def _data(picture: Picture) -> dict[str, object]:
-    found = {name: getattr(picture, name) for name in ("title",)}
-    found["rows"] = [dataclasses.asdict(row) for row in picture.rows]
-    found["camera"] = dataclasses.asdict(picture.camera)
-    found["solids"] = [dataclasses.asdict(solid) for solid in picture.solids]
-    return found
+    return picked(picture, "title", "rows", "camera", "solids")
 
 
 def _last_line(text: str) -> str:
