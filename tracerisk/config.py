@@ -35,6 +35,13 @@ _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ALIASES = {"max_risk": "max_failure_probability"}  # older names
+_LISTS = {
+    **dict.fromkeys(("args", "answers"), "strings"),
+    **dict.fromkeys(("params", "drivers", "readable", "writable"), "file names"),
+    **dict.fromkeys(("states", "helpers"), "qualified names"),
+    "env": "names of variables",
+}
+"""The settings that are lists, and of what."""
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 _BLOCK_BEGINS = "# /// script"
 _BLOCK_ENDS = "# ///"
@@ -370,9 +377,9 @@ class _Reader:
         return {_ALIASES.get(key, key): self._value(key, value) for key, value in table.items()}
 
     def _value(self, key: str, value: Any) -> Any:
-        if key in ("args", "answers"):
+        if key in _LISTS:
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                self.fail(key, "expected a list of strings")
+                self.fail(key, f"expected a list of {_LISTS[key]}")
             return tuple(value)
         if key in (*_ALIASES, "max_failure_probability", "min_coverage"):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
@@ -387,13 +394,6 @@ class _Reader:
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
             return value
-        names = ("params", "drivers", "states", "helpers", "readable", "writable", "env")
-        if key in names:
-            if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                whats = {"states": "qualified names", "helpers": "qualified names"}
-                what = "names of variables" if key == "env" else whats.get(key, "file names")
-                self.fail(key, f"expected a list of {what}")
-            return tuple(value)
         if key == "launch":
             if not isinstance(value, bool | str) or value == "":
                 self.fail(key, f"expected a launch file, true or false, found {value!r}")

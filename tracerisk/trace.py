@@ -295,17 +295,12 @@ class Verdict:
     def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
         """Return the verdict with other lines; `line_of` takes a file and a line of it."""
 
-        def moved(reason: Reason) -> Reason:
-            place = reason.location
-            if place is None or place.line is None:
-                return reason
-            line = line_of(place.file, place.line)
-            return replace(reason, location=Location(place.file, line, place.column))
-
         never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
         return replace(
             self,
-            reasons=tuple(map(moved, self.reasons)),
+            reasons=tuple(
+                replace(each, location=_moved(each.location, line_of)) for each in self.reasons
+            ),
             coverage=replace(self.coverage, never_ran=tuple(never)),
         )
 
@@ -333,6 +328,12 @@ class Verdict:
 
 def _placed(place: Location | None, file_of: Callable[[str], str]) -> Location | None:
     return None if place is None else Location(file_of(place.file), place.line, place.column)
+
+
+def _moved(place: Location | None, line_of: Callable[[str, int], int]) -> Location | None:
+    if place is None or place.line is None:
+        return place
+    return Location(place.file, line_of(place.file, place.line), place.column)
 
 
 def _with_file(never: Uncovered, file_of: Callable[[str], str]) -> Uncovered:
@@ -481,21 +482,17 @@ class Trace:
     def with_lines(self, line_of: Callable[[str, int], int]) -> Trace:
         """Return the trace with other lines; `line_of` takes a file and a line of it."""
 
-        def place(location: Location | None) -> Location | None:
-            if location is None or location.line is None:
-                return location
-            line = line_of(location.file, location.line)
-            return Location(location.file, line, location.column)
-
         def line(ref: FunctionRef, old: int) -> int:
             return line_of(ref.file, old) if old > 0 else old
 
         return replace(
             self,
-            end=replace(self.end, location=place(self.end.location)),
+            end=replace(self.end, location=_moved(self.end.location, line_of)),
             functions=tuple(replace(f, line=line(f.ref, f.line)) for f in self.functions),
             uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
-            findings=tuple(replace(f, location=place(f.location)) for f in self.findings),
+            findings=tuple(
+                replace(each, location=_moved(each.location, line_of)) for each in self.findings
+            ),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
         )
 

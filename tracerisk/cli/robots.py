@@ -220,28 +220,15 @@ def _described(robot: Robot) -> list[str]:
     return [*lines, "", f"source: {robot.source}"]
 
 
-def _joint_rows(robot: Robot) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = [
-        ("name", "type", "from", "to", "speed", "acceleration", "torque")
-    ]
+def _joint_rows(robot: Robot) -> list[tuple[str, str, str, str, str, str, str]]:
+    rows = [("name", "type", "from", "to", "speed", "acceleration", "torque")]
     for joint in robot.joints:
-        endless = joint.type == "continuous"
-        rows.append(
-            (
-                joint.name,
-                joint.type,
-                "-" if endless else _short(joint.lower),
-                "-" if endless else _short(joint.upper),
-                _short(joint.velocity_limit),
-                _short(joint.acceleration_limit),
-                _short(joint.torque_limit),
-            )
-        )
+        limits = (joint.velocity_limit, joint.acceleration_limit, joint.torque_limit)
+        lower, upper = f"{joint.lower:.4g}", f"{joint.upper:.4g}"
+        ends = ("-", "-") if joint.type == "continuous" else (lower, upper)
+        speed, acceleration, torque = (f"{each:.4g}" for each in limits)
+        rows.append((joint.name, joint.type, *ends, speed, acceleration, torque))
     return rows
-
-
-def _short(value: float) -> str:
-    return f"{value:.4g}"
 
 
 def _table(rows: Iterable[Sequence[str]]) -> list[str]:

@@ -14,15 +14,10 @@ from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 SOURCE = "tracerisk"
 """What stands before the messages in an editor."""
 
-_SEVERITY: Mapping[FindingKind, DiagnosticSeverity] = {
-    "edited": DiagnosticSeverity.Error,
-    "undecided": DiagnosticSeverity.Error,
-    "over_threshold": DiagnosticSeverity.Error,
-    "unsolvable": DiagnosticSeverity.Error,
-    "faulted": DiagnosticSeverity.Error,
-    "stuck": DiagnosticSeverity.Error,
-}
-"""Of all other kinds it is a warning: a refresh or a word of a user mends them."""
+_ERRORS: frozenset[FindingKind] = frozenset(
+    {"edited", "undecided", "over_threshold", "unsolvable", "faulted", "stuck"}
+)
+"""All other kinds are warnings: a refresh or a word of a user mends them."""
 
 
 def finding_diagnostic(finding: CheckFinding, controller: Path, lines: Lines) -> Diagnostic:
@@ -31,7 +26,7 @@ def finding_diagnostic(finding: CheckFinding, controller: Path, lines: Lines) ->
         finding.location,
         f"{finding.kind.replace('_', ' ')}: {finding.message}",
         finding.kind,
-        _SEVERITY.get(finding.kind, DiagnosticSeverity.Warning),
+        DiagnosticSeverity.Error if finding.kind in _ERRORS else DiagnosticSeverity.Warning,
         lines,
         {"kind": finding.kind, "subject": finding.subject, "controller": str(controller)},
     )

@@ -10,7 +10,7 @@ from tracerisk.hardware.model import Hardware
 from tracerisk.hardware.sources import assumed_sources
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.instances import component_shares
-from tracerisk.report.tables import add_share_columns, plain, share_cells, table_of
+from tracerisk.report.tables import add_share_columns, part_of, plain, share_cells, table_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -56,9 +56,7 @@ def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | 
     # The first stands for all where none drives anything.
     driving = [each for each in figures if each.fussell_vesely >= LEAST_SHARE] or figures[:1]
     shown = driving[:MOST_SHOWN]
-    title = "Assumed figures that drive the result"
-    if len(figures) > len(shown):
-        title += f" ({len(shown)} of {len(figures)})"
+    title = part_of("Assumed figures that drive the result", len(shown), len(figures))
     table = table_of(title, ["component"])
     add_share_columns(table, width)
     table.add_column("source", overflow="fold")

@@ -32,11 +32,8 @@ def render_cut_sets(
     """
     count = sum(by_order.values())
     limit = "" if max_order is None else f" of at most {max_order} events"
-    orders = table_of("")
-    for heading in ("order", "number"):
-        orders.add_column(heading, justify="right")
-    for order, number in by_order.items():
-        orders.add_row(*plain([str(order), str(number)]))
+    rows = [(str(order), str(number)) for order, number in by_order.items()]
+    orders = table_of("", (), ("order", "number"), rows, overflow="ellipsis")
     kinds = kind if count == 1 else f"{kind}s"
     parts: list[RenderableType] = [*plain([f"{top}: {count} {kinds}{limit}"]), orders]
     if total is not None:

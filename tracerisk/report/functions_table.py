@@ -32,9 +32,8 @@ def functions_table(
     it never fails; shares are parts of the mission's failure probability.
     Of many functions those with the greatest shares are shown.
     """
-    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
-    shown = {each.name for each in ranked[:MOST_FUNCTIONS]}
-    count = len(ranked)
+    shown = riskiest(assessment, MOST_FUNCTIONS)
+    count = len(assessment.states)
     title = "Functions"
     if count > len(shown):
         title += f" ({len(shown)} of {count}, those with the greatest share)"
@@ -48,12 +47,17 @@ def functions_table(
     for heading in ("p failure", "visits", *(("absorbed",) if width >= WIDE else ())):
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, width)
-    for state in assessment.states:
-        if state.name not in shown:
-            continue
+    for state in shown:
         for cells in _rows(state, assessment.mission.geometric_cycles, exposures, width):
             table.add_row(*cells)
     return table
+
+
+def riskiest(assessment: Assessment, most: int) -> list[StateAssessment]:
+    """Return the functions with the greatest shares, in the order of their call sequence."""
+    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
+    names = {each.name for each in ranked[:most]}
+    return [each for each in assessment.states if each.name in names]
 
 
 def _rows(

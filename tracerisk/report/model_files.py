@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tracerisk.report.tables import WIDE, Column, plain, render_parts, render_table, table_of
+from tracerisk.report.tables import (
+    WIDE,
+    Column,
+    part_of,
+    plain,
+    render_parts,
+    render_table,
+    table_of,
+)
 from tracerisk.text.paper import PAPER, Paper
 
 TYPE_CHECKING = False
@@ -41,7 +49,7 @@ def render_top_importance(
 ) -> str:
     """Return the importance of each parameter, or of each event of a dynamic tree, for a top."""
     kept = rows[:MOST_ROWS]
-    title = f"Importance for {top}{_cut(len(rows))}"
+    title = part_of(f"Importance for {top}", len(kept), len(rows))
     headings = {
         "probability": "probability",
         "birnbaum": "Birnbaum",
@@ -63,16 +71,17 @@ def render_top_importance(
 def render_event_tree(found: EventTreeSolution, paper: Paper = PAPER) -> str:
     """Return the sequences and outcomes of an event tree."""
     unit = f" per {found.initiating.per}" if found.initiating.per else ""
-    sequences = table_of("", ("sequence", "end state"), ("probability", f"value{unit}"))
-    for each in found.sequences:
-        figures = (f"{each.probability:.6e}", f"{each.value:.6e}")
-        sequences.add_row(*plain([each.name, each.end_state, *figures]))
+    rows = [
+        (each.name, each.end_state, f"{each.probability:.6e}", f"{each.value:.6e}")
+        for each in found.sequences
+    ]
+    headings = ("probability", f"value{unit}")
+    sequences = table_of("", ("sequence", "end state"), headings, rows)
     parts = [*plain([f"Event tree {found.event_tree}, from {found.initiating.name}"]), sequences]
     if not any(found.outcomes):
         return render_parts(parts, paper)
-    outcomes = table_of("", ["end state"], [f"value{unit}"])
-    for name, value in found.outcomes.items():
-        outcomes.add_row(*plain([name, f"{value:.6e}"]))
+    values = [(name, f"{value:.6e}") for name, value in found.outcomes.items()]
+    outcomes = table_of("", ["end state"], [f"value{unit}"], values)
     parts += [*plain([f"Outcomes of {found.event_tree}"]), outcomes]
     return render_parts(parts, paper)
 
@@ -89,7 +98,7 @@ def render_states(
         shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
     columns = [Column("state"), Column(heading, is_number=True)]
     rows = [[state, f"{value:.6e}"] for state, value in shown]
-    return render_table(f"{name}{_cut(len(values))}", columns, rows, paper)
+    return render_table(part_of(name, len(shown), len(values)), columns, rows, paper)
 
 
 def render_answers(name: str, answers: Sequence[Answer], paper: Paper = PAPER) -> str:
@@ -135,7 +144,3 @@ def render_curve(curve: Curve, paper: Paper = PAPER) -> str:
 def render_line(text: str, paper: Paper = PAPER) -> str:
     """Return a line of text."""
     return render_parts(plain([text]), paper)
-
-
-def _cut(count: int) -> str:
-    return f" ({MOST_ROWS} of {count})" if count > MOST_ROWS else ""

@@ -11,7 +11,7 @@ from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console, OverflowMethod, RenderableType
     from rich.table import Table
 
 LEAST_WIDTH = 60
@@ -24,6 +24,15 @@ WIDE = 110
 MOST_WIDTH = 160
 """Columns beyond which lines would only become harder to follow."""
 
+MEASURES = {
+    "birnbaum": "Birnbaum",
+    "criticality": "criticality",
+    "fussell_vesely": "Fussell-V.",
+    "risk_reduction_worth": "RRW",
+    "risk_achievement_worth": "RAW",
+    "tenfold": "tenfold",
+}
+"""The headings of importance measures."""
 _BAR_WIDTH = 12
 _GAP = "  "
 
@@ -134,9 +143,18 @@ def csv_of(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def table_of(
-    title: str, texts: Iterable[str] = (), numbers: Iterable[str] = (), *, style: str = "bold"
+    title: str,
+    texts: Iterable[str] = (),
+    numbers: Iterable[str] = (),
+    rows: Iterable[Sequence[str]] = (),
+    *,
+    style: str = "bold",
+    overflow: OverflowMethod | None = None,
 ) -> Table:
-    """Return an empty table."""
+    """Return a table with columns of texts, then of numbers, and rows of both.
+
+    A number is never broken; one that has too little room goes on by `overflow`, if any is given.
+    """
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -154,8 +172,18 @@ def table_of(
     for heading in texts:
         table.add_column(heading, overflow="fold")
     for heading in numbers:
-        table.add_column(heading, justify="right", no_wrap=True)
+        if overflow is None:
+            table.add_column(heading, justify="right", no_wrap=True)
+        else:
+            table.add_column(heading, justify="right", overflow=overflow)
+    for row in rows:
+        table.add_row(*plain(row))
     return table
+
+
+def part_of(title: str, shown: int, count: int) -> str:
+    """Return the title of a table that shows so many of all, which it says where it is a part."""
+    return f"{title} ({shown} of {count})" if count > shown else title
 
 
 def plain(cells: Sequence[str]) -> list[RenderableType]:

@@ -12,12 +12,13 @@ from tracerisk.prm.hybrid.assessment import (
     ComponentImportance,
     MissionFigures,
 )
-from tracerisk.report.functions_table import Exposures, functions_table
+from tracerisk.report.functions_table import Exposures, functions_table, riskiest
 from tracerisk.report.tables import (
     ROOMY,
     add_share_columns,
     counted,
     filled,
+    part_of,
     plain,
     rendered,
     share_cells,
@@ -84,19 +85,16 @@ def render_brief(
     """
     from rich.text import Text
 
-    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
-    shown = {each.name for each in ranked[:MOST_BRIEF]}
+    shown = riskiest(assessment, MOST_BRIEF)
     risk = assessment.mission.geometric_cycles
-    table = table_of(_title(len(ranked), len(shown)))
+    table = table_of(_title(len(assessment.states), len(shown)))
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("function", overflow="fold")
     headings = (*(("active s",) if exposures is not None else ()), "p failure", "visits")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, paper.width)
-    for state in assessment.states:
-        if state.name not in shown:
-            continue
+    for state in shown:
         used = [] if exposures is None else [_longest(exposures.get(state.name, {}))]
         figures = [*used, f"{state.top_event:.2e}", f"{state.expected_visits:.4g}"]
         share = state.absorption_probability / risk if risk > 0.0 else 0.0
@@ -185,9 +183,7 @@ def _fixed_cycles(mission: MissionFigures) -> str:
 
 def _components(components: Sequence[ComponentImportance], width: int) -> Table:
     shown = components[:MOST_COMPONENTS]
-    title = "Components that matter most"
-    if len(components) > len(shown):
-        title += f" ({len(shown)} of {len(components)})"
+    title = part_of("Components that matter most", len(shown), len(components))
     table = table_of(title, ["component"])
     add_share_columns(table, width, heading="Fussell-Vesely" if width >= ROOMY else "share")
     measures: dict[str, Callable[[ComponentImportance], str]] = {

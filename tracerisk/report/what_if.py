@@ -10,7 +10,7 @@ from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.prm.questions.pair_importance import PairImportance
 from tracerisk.prm.questions.uncertainty import Uncertainty
 from tracerisk.prm.questions.what_if import SetValue, Sweep
-from tracerisk.report.tables import plain, render_parts, table_of
+from tracerisk.report.tables import MEASURES, part_of, render_parts, table_of
 from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
@@ -22,13 +22,15 @@ MOST_PAIRS = 20
 
 def render_set_values(values: Sequence[SetValue], paper: Paper = PAPER) -> str:
     """Return the parameters that were set, each with its value in the model."""
-    table = table_of("Set, for what follows", ["parameter"])
-    for heading in ("in the model", "now"):
-        table.add_column(heading, justify="right")
-    for each in values:
-        before = "-" if math.isnan(each.before) else f"{each.before:.4g}"
-        table.add_row(*plain([each.name, before, f"{each.now:.4g}"]))
-    return render_parts([table], paper)
+    rows = [
+        (each.name, "-" if math.isnan(each.before) else f"{each.before:.4g}", f"{each.now:.4g}")
+        for each in values
+    ]
+    headings = ("in the model", "now")
+    title = "Set, for what follows"
+    return render_parts(
+        [table_of(title, ["parameter"], headings, rows, overflow="ellipsis")], paper
+    )
 
 
 def render_sweeps(sweeps: Sequence[Sweep], paper: Paper = PAPER) -> str:
@@ -38,25 +40,14 @@ def render_sweeps(sweeps: Sequence[Sweep], paper: Paper = PAPER) -> str:
 
 def render_importances(components: Sequence[ComponentImportance], paper: Paper = PAPER) -> str:
     """Return every importance measure of every component, and its parts by state and unit."""
-    headings = ("Birnbaum", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold")
-    measures = table_of("Importance over the mission", ["component"], headings)
-    for component in components:
-        measures.add_row(
-            *plain(
-                [
-                    component.name,
-                    f"{component.birnbaum:.4g}",
-                    f"{component.criticality:.4g}",
-                    f"{component.fussell_vesely:.4g}",
-                    f"{component.risk_reduction_worth:.4g}",
-                    f"{component.risk_achievement_worth:.3g}",
-                    f"{component.tenfold:.4g}",
-                ]
-            )
-        )
+    digits = dict.fromkeys(MEASURES, 4) | {"risk_achievement_worth": 3}
+    rows = [
+        (each.name, *(f"{getattr(each, name):.{count}g}" for name, count in digits.items()))
+        for each in components
+    ]
     return render_parts(
         [
-            measures,
+            table_of("Importance over the mission", ["component"], MEASURES.values(), rows),
             _shares("Criticality by function", "function", components),
             _shares("Criticality by unit", "unit", components),
         ],
@@ -67,21 +58,18 @@ def render_importances(components: Sequence[ComponentImportance], paper: Paper =
 def render_pairs(pairs: Sequence[PairImportance], paper: Paper = PAPER) -> str:
     """Return what pairs of components do together, those that share most of the risk first."""
     shown = pairs[:MOST_PAIRS]
-    title = "Importance of pairs"
-    if len(pairs) > len(shown):
-        title += f" ({len(shown)} of {len(pairs)})"
-    headings = ("Fussell-V.", "interaction", "joint B.", "joint crit.")
-    table = table_of(title, ("component", "and"), headings)
-    for pair in shown:
-        figures = (
-            pair.fussell_vesely,
-            pair.interaction,
-            pair.joint_birnbaum,
-            pair.joint_criticality,
-        )
-        cells = [f"{each:.4g}" for each in figures]
-        table.add_row(*plain([pair.first, pair.second, *cells]))
-    return render_parts([table], paper)
+    title = part_of("Importance of pairs", len(shown), len(pairs))
+    headings = {
+        "fussell_vesely": "Fussell-V.",
+        "interaction": "interaction",
+        "joint_birnbaum": "joint B.",
+        "joint_criticality": "joint crit.",
+    }
+    rows = [
+        (pair.first, pair.second, *(f"{getattr(pair, name):.4g}" for name in headings))
+        for pair in shown
+    ]
+    return render_parts([table_of(title, ("component", "and"), headings.values(), rows)], paper)
 
 
 def render_uncertainty(
@@ -90,22 +78,21 @@ def render_uncertainty(
     paper: Paper = PAPER,
 ) -> str:
     """Return the percentiles of a figure, and the share of each input."""
-    spread = table_of(f"{figure}, {found.samples} samples, seed {found.seed}")
     headings = [f"{level:.0f} %" for level in found.levels]
-    for heading in ("point", "mean", *headings, "std. deviation"):
-        spread.add_column(heading, justify="right")
     figures = (found.point, found.mean, *found.percentiles, found.deviation)
-    spread.add_row(*plain([f"{each:.3e}" for each in figures]))
+    rows = [[f"{each:.3e}" for each in figures]]
     for end, name in enumerate(("95 % from", "to")):
         ends = ["" if each[end] is None else f"{each[end]:.3e}" for each in found.intervals]
-        if ends:
-            spread.add_row(*plain([name, "", *ends, ""]))
-    inputs = table_of("Share of each input in that spread", ["parameter"])
-    for heading in ("point", *headings, "share"):
-        inputs.add_column(heading, justify="right")
+        rows += [[name, "", *ends, ""]] if ends else []
+    title = f"{figure}, {found.samples} samples, seed {found.seed}"
+    numbers = ("point", "mean", *headings, "std. deviation")
+    spread = table_of(title, (), numbers, rows, overflow="ellipsis")
+    rows = []
     for each in found.inputs:
         cells = [f"{value:.3e}" for value in (each.value, *each.percentiles)]
-        inputs.add_row(*plain([each.name, *cells, f"{100.0 * each.share:.3g} %"]))
+        rows.append([each.name, *cells, f"{100.0 * each.share:.3g} %"])
+    title, numbers = "Share of each input in that spread", ("point", *headings, "share")
+    inputs = table_of(title, ["parameter"], numbers, rows, overflow="ellipsis")
     cut = [
         f"{each.name}: {each.cut} of {found.samples} samples above 1 were taken as 1; "
         "is its error factor meant?"
@@ -139,25 +126,22 @@ def render_uncertainty(
 
 
 def _sweep(swept: Sweep) -> Table:
-    table = table_of(f"Sweep of {swept.name} ({swept.before:.4g} in the model)")
-    for heading in (swept.name, "geometric cycles", "fixed cycles", "as executed"):
-        table.add_column(heading, justify="right", overflow="fold")
+    rows = []
     for point in swept.points:
         mission = point.mission
         figures = (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
-        table.add_row(*plain([f"{point.value:.4g}", *(f"{each:.4e}" for each in figures)]))
-    return table
+        rows.append((f"{point.value:.4g}", *(f"{each:.4e}" for each in figures)))
+    headings = (swept.name, "geometric cycles", "fixed cycles", "as executed")
+    title = f"Sweep of {swept.name} ({swept.before:.4g} in the model)"
+    return table_of(title, (), headings, rows, overflow="fold")
 
 
 def _shares(title: str, by: str, components: Sequence[ComponentImportance]) -> Table:
-    table = table_of(title, ("component", by))
-    for heading in ("Birnbaum", "criticality"):
-        table.add_column(heading, justify="right")
+    rows = []
     for component in components:
         parts = component.by_state if by == "function" else component.by_unit
         for index, part in enumerate(parts):
             name = component.name if index == 0 else ""
-            table.add_row(
-                *plain([name, part.name, f"{part.birnbaum:.4g}", f"{part.criticality:.4g}"])
-            )
-    return table
+            rows.append((name, part.name, f"{part.birnbaum:.4g}", f"{part.criticality:.4g}"))
+    headings = ("Birnbaum", "criticality")
+    return table_of(title, ("component", by), headings, rows, overflow="ellipsis")

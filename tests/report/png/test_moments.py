@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.report.png.moments import function_moments
+from tracerisk.report.png.moments import FrameCounts, function_moments
 from tracerisk.trace import Element
 from tracerisk.twin.recording.activity import ElementActivity
 
@@ -33,7 +33,7 @@ def activity_of(**frames: str) -> dict[str, ElementActivity]:
 
 
 def moments(trace, activity, n_frames):
-    return function_moments(trace, activity, n_frames=n_frames, frame_s=FRAME, step_s=0.002)
+    return function_moments(trace, FrameCounts(activity, n_frames, FRAME, 0.002))
 
 
 def test_the_most_active_elements_count_first_then_those_that_move(trace_of):

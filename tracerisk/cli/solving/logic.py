@@ -66,15 +66,9 @@ class LogicFile:
             tops[top] = (solution.top.p, solution.top.q)
             if importance:
                 importances[top] = tuple(solution.importance())
-        data["tops"] = [
-            {"name": top, "probability": p, "complement": q}
-            | (
-                {"importance": [asdict(each) for each in importances[top]]}
-                if top in importances
-                else {}
-            )
-            for top, (p, q) in tops.items()
-        ]
+        data["tops"] = _tops_data(tops)
+        for each in data["tops"] if importance else ():
+            each["importance"] = [asdict(one) for one in importances[each["name"]]]
         figures = {top: p for top, (p, _) in tops.items()}
         shown: list[tuple[Render, tuple[Any, ...]]] = []
         if tops:
@@ -87,10 +81,7 @@ class LogicFile:
             for phase in phases:
                 solved: dict[str, tuple[float, float]] = phase["tops"]
                 figures |= {f"{top} ({phase['name']})": p for top, (p, _) in solved.items()}
-                phase["tops"] = [
-                    {"name": top, "probability": p, "complement": q}
-                    for top, (p, q) in solved.items()
-                ]
+                phase["tops"] = _tops_data(solved)
         risks = tuple(figures) or None
         if model.alignments and begun:
             notes.append("event trees are solved without phases: house events as they are defined")
@@ -158,3 +149,7 @@ class LogicFile:
         if self.mission_time_h is None and needs_mission_time(self.model):
             raise no_mission_time(self.name)
         return self.mission_time_h or 0.0
+
+
+def _tops_data(tops: Mapping[str, tuple[float, float]]) -> list[dict[str, Any]]:
+    return [{"name": top, "probability": p, "complement": q} for top, (p, q) in tops.items()]

@@ -72,22 +72,18 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
     """Return the worst effect of each component in each function, with its share of failures."""
     functions = _ordered(each.function for each in _by_time(found.cells))
     kinds = _ordered((each.component, each.mode) for each in found.cells)
+    tried = {(row.component, row.mode, row.function): row for row in fmea_rows(found)}
     rows = []
     for component, mode in kinds:
         entries = []
         for function in functions:
-            cells = [
-                each
-                for each in found.cells
-                if (each.component, each.mode, each.function) == (component, mode, function)
-            ]
-            if not cells:
+            row = tried.get((component, mode, function))
+            if row is None:
                 entries.append(("none", "", "", ""))
                 continue
-            worst = min((each.effect for each in cells), key=EFFECTS.index)
-            failed = sum(1 for each in cells if each.fails)
-            link = next((pages[each.key] for each in cells if each.key in pages), "")
-            entries.append((worst, end_effect(cells), f"{failed} of {len(cells)}", link))
+            failed = f"{row.failed} of {len(row.cells)}"
+            link = next((pages[each.key] for each in row.cells if each.key in pages), "")
+            entries.append((str(row.worst.effect), end_effect(row.cells), failed, link))
         rows.append((component, mode.replace("_", " "), entries))
     return {"functions": functions, "rows": rows}
 

@@ -38,23 +38,14 @@ class Moment:
     states: Mapping[str, tuple[State, ...]]
 
 
-def function_moments(
-    trace: Trace,
-    activity: Mapping[str, ElementActivity],
-    *,
-    n_frames: int,
-    frame_s: float,
-    step_s: float,
-) -> tuple[Moment, ...]:
+def function_moments(trace: Trace, count: FrameCounts) -> tuple[Moment, ...]:
     """Return the moment of each function that was visited, in the order of the functions.
 
     It is among the visits of the function where the most elements are active at once; of such,
     where the most of them move or grasp; of such, the middle of the longest stretch; of such, the
     earliest. Elements that are not active on behalf of the visit do not count.
-    `activity` has an entry every `step_s` [s]; there are `n_frames` poses, one every `frame_s`.
     """
     spans = visit_spans(trace.visits, trace.end.simulated_s or 0.0)
-    count = FrameCounts(activity, n_frames, frame_s, step_s)
     moments = []
     for function in trace.functions:
         own = [i for i, visit in enumerate(trace.visits) if visit.function == function.ref]
@@ -71,18 +62,21 @@ def function_moments(
         visit = trace.visits[own[number - 1]]
         states: dict[str, tuple[State, ...]] = {}
         for name, exposure in visit.exposures.items():
-            if name in activity:
+            if count.follows(name):
                 states[name] = count.states(name, frame)
             elif exposure is not None and exposure.active_s + exposure.reading_s > 0.0:
                 states[name] = ("in use",)
         shown = {name: each for name, each in states.items() if each}
-        time_s = round(frame * frame_s, 9)
+        time_s = round(frame * count.frame_s, 9)
         moments.append(Moment(function.ref, number, len(own), time_s, frame, shown))
     return tuple(moments)
 
 
 class FrameCounts:
-    """What each element does in each frame, of which there are `n_frames`."""
+    """What each element does in each frame, of which there are `n_frames`.
+
+    `activity` has an entry every `step_s` [s]; there are `n_frames` poses, one every `frame_s`.
+    """
 
     def __init__(
         self,
@@ -94,7 +88,7 @@ class FrameCounts:
         stride = round(frame_s / step_s)
         n_steps = min((len(each.moving) for each in activity.values()), default=0)
         self.n_frames = max(min(n_frames, -(-n_steps // stride)), 1)
-        self._frame_s = frame_s
+        self.frame_s = frame_s
         at = np.minimum(np.arange(self.n_frames) * stride, max(n_steps - 1, 0))
         self._flags: dict[str, NDArray[np.bool_]] = {
             # Moving, holding, grasping; (3, n_frames).
@@ -102,13 +96,17 @@ class FrameCounts:
             for name, each in activity.items()
         }
 
+    def follows(self, element: str) -> bool:
+        """Return whether the samples follow an element over time."""
+        return element in self._flags
+
     def best(
         self, elements: Sequence[str], start_s: float, stop_s: float
     ) -> tuple[tuple[int, int, int], int]:
         """Return the score of the best moment in a span, and its frame."""
         # Of a visit between two poses, the pose after its begin.
-        first = min(math.ceil(start_s / self._frame_s - _ROUNDING), self.n_frames - 1)
-        end = min(math.ceil(stop_s / self._frame_s - _ROUNDING), self.n_frames)
+        first = min(math.ceil(start_s / self.frame_s - _ROUNDING), self.n_frames - 1)
+        end = min(math.ceil(stop_s / self.frame_s - _ROUNDING), self.n_frames)
         last = max(end - 1, first)
         flags = [self._flags[name][:, first : last + 1] for name in elements if name in self._flags]
         n_active = np.sum([each.any(axis=0) for each in flags], axis=0, dtype=np.int64)

@@ -14,7 +14,7 @@ from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.errors import InputError
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.camera import Camera, camera_of
-from tracerisk.report.png.moments import Moment, State, function_moments
+from tracerisk.report.png.moments import FrameCounts, Moment, State, function_moments
 from tracerisk.report.png.placement import Placed, placed_bodies, placed_shape
 from tracerisk.trace import Trace
 
@@ -42,6 +42,8 @@ _TINTS = (0.92, 0.66)  # how much of the state's colour an active link takes, in
 _INSET = 0.985  # of every second link, so that where two share a surface one of them is seen
 _MOST_NAMED = 12
 _LONGEST_NAME = 48
+Active = dict[str, dict[str, tuple[State, ...]]]
+"""What the elements of each component do that is in use."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,22 +95,34 @@ def make_pictures(
     was visited or the robot has no shapes.
     """
     replay, values = shown_run(trace, run)
-    moments = function_moments(
-        trace,
-        replay.activity,
-        n_frames=replay.frames.count,
-        frame_s=replay.frames.every_s,
-        step_s=replay.step_s,
-    )
+    frames = replay.frames
+    counts = FrameCounts(replay.activity, frames.count, frames.every_s, replay.step_s)
+    moments = function_moments(trace, counts)
     places = [placed_bodies(replay.bodies, values[each.frame].tolist()) for each in moments]
     camera = camera_of(replay.bodies, places)
     names = model_names([function.ref for function in trace.functions])
-    return tuple(
-        _picture(
-            number, names[moment.function], moment, trace, components, replay.bodies, placed, camera
-        )
-        for number, (moment, placed) in enumerate(zip(moments, places, strict=True), start=1)
-    )
+    pictures = []
+    for number, (moment, placed) in enumerate(zip(moments, places, strict=True), start=1):
+        name = names[moment.function]
+        file = file_name(number, name)
+        active, always = _active(moment.states, components)
+        entry = {
+            "file": file,
+            "function": name,
+            "source": moment.function.file,
+            "visit": moment.visit,
+            "visits": moment.n_visits,
+            "time_s": moment.time_s,
+            "active": {
+                component: {element: list(states) for element, states in elements.items()}
+                for component, elements in active.items()
+            },
+            "always": list(always),
+        }
+        rows = _caption(trace, moment, active, always)
+        solids = tuple(solids_of(replay.bodies, placed, moment))
+        pictures.append(Picture(file, printable(name), rows, camera, solids, entry))
+    return tuple(pictures)
 
 
 def shown_run(trace: Trace, run: RecordedRun) -> tuple[Replay, NDArray[np.float64]]:
@@ -160,54 +174,26 @@ def printable(text: str) -> str:
     )
 
 
-def _picture(
-    number: int,
-    name: str,
-    moment: Moment,
-    trace: Trace,
-    components: Mapping[str, Sequence[str]],
-    bodies: Sequence[Body],
-    places: Sequence[Placed],
-    camera: Camera,
-) -> Picture:
-    file = file_name(number, name)
-    title = printable(name)
+def _caption(
+    trace: Trace, moment: Moment, active: Active, always: Sequence[str]
+) -> tuple[CaptionRow, ...]:
     when = f"at {moment.time_s:.2f} s, visit {moment.visit} of {moment.n_visits}"
-    active, always = _active(moment.states, components)
     rows = [CaptionRow(when), *_state_rows(moment.states, active)]
     if always:
         rows.append(CaptionRow(f"always in use: {_listed(always)}"))
-    rows.append(
-        CaptionRow(
-            f"{printable(trace.controller)} on {printable(trace.robot)}; a link has the colour of "
-            "the drive that moves it"
-        )
-    )
-    entry = {
-        "file": file,
-        "function": name,
-        "source": moment.function.file,
-        "visit": moment.visit,
-        "visits": moment.n_visits,
-        "time_s": moment.time_s,
-        "active": {
-            component: {element: list(states) for element, states in elements.items()}
-            for component, elements in active.items()
-        },
-        "always": list(always),
-    }
-    solids = tuple(solids_of(bodies, places, moment))
-    return Picture(file, title, tuple(rows), camera, solids, entry)
+    where = f"{printable(trace.controller)} on {printable(trace.robot)}"
+    rows.append(CaptionRow(f"{where}; a link has the colour of the drive that moves it"))
+    return tuple(rows)
 
 
 def _active(
     states: Mapping[str, tuple[State, ...]], components: Mapping[str, Sequence[str]]
-) -> tuple[dict[str, dict[str, tuple[State, ...]]], tuple[str, ...]]:
+) -> tuple[Active, tuple[str, ...]]:
     """Return the active components with their active elements, and those that always are.
 
     Elements that no component is bound to stand under an empty name.
     """
-    found: dict[str, dict[str, tuple[State, ...]]] = {}
+    found: Active = {}
     for component, elements in components.items():
         own = {name: states[name] for name in elements if name in states}
         if own:
@@ -222,10 +208,7 @@ def _active(
     return found, tuple(name for name, elements in components.items() if not elements)
 
 
-def _state_rows(
-    states: Mapping[str, tuple[State, ...]],
-    active: Mapping[str, Mapping[str, tuple[State, ...]]],
-) -> list[CaptionRow]:
+def _state_rows(states: Mapping[str, tuple[State, ...]], active: Active) -> list[CaptionRow]:
     rows = []
     for state, colour in STATE_COLOURS.items():
         parts = []
