@@ -118,12 +118,7 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
 
     Numbers come where the result is made one and nothing is compared with it.
     """
-    tree = source_tree(place)
-    if tree is None or place is None:
-        return ()
-    for node in calls_at(tree, place.line):
-        if last_name(node.func) != call:
-            continue
+    for tree, node in _calls_of(place, call):
         names, casts = held_by(tree, node)
         refused = _refused(tree)
         found = [
@@ -165,12 +160,7 @@ def used_as(place: Location | None, call: str) -> str:
 
     By the conversions around it, and by what it is joined, reckoned or counted with.
     """
-    tree = source_tree(place)
-    if tree is None or place is None:
-        return ""
-    for node in calls_at(tree, place.line):
-        if last_name(node.func) != call:
-            continue
+    for tree, node in _calls_of(place, call):
         names, casts = held_by(tree, node)
         for kind in ("int", "float", "str"):
             if kind in casts:
@@ -212,10 +202,9 @@ def _asserted(test: ast.expr) -> ast.expr:
 
 def written_name(place: Location | None, call: str) -> str:
     """Return the text that the `call` at `place` has as its first argument; empty for none."""
-    tree = source_tree(place)
-    for node in () if tree is None or place is None else calls_at(tree, place.line):
+    for _, node in _calls_of(place, call):
         first = node.args[0] if node.args else None
-        if last_name(node.func) == call and isinstance(first, ast.Constant):
+        if isinstance(first, ast.Constant):
             return str(first.value) if isinstance(first.value, str) else ""
     return ""
 
@@ -254,6 +243,14 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
 
 def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
     return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
+
+
+def _calls_of(place: Location | None, name: str) -> Iterator[tuple[ast.Module, ast.Call]]:
+    """Yield the calls of a name that stand at a place, each with the tree of its source."""
+    tree = source_tree(place)
+    for call in () if tree is None or place is None else calls_at(tree, place.line):
+        if tree is not None and last_name(call.func) == name:
+            yield tree, call
 
 
 def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
