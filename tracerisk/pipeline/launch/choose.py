@@ -200,7 +200,7 @@ class _Search:
         file = LaunchFile(path.resolve(), ros, True)
         candidates = self.candidates([file])
         if not candidates:
-            reading = read_launch_file(file, self.workspace, self.limits)
+            (reading,) = read_launch_files([file], self.workspace, self.limits)
             started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
             wanted = f"{self.program.package}/{self.program.script.name}"
             why = f" ({self.problems[0]})" if self.problems else ""
@@ -217,10 +217,7 @@ class _Search:
     def candidates(self, files: Sequence[LaunchFile]) -> list[_Candidate]:
         """Return of each file the node that is the program; what cannot be read is noted."""
         found = []
-        with ThreadPoolExecutor(_AT_ONCE) as pool:
-            readings = list(
-                pool.map(lambda file: read_launch_file(file, self.workspace, self.limits), files)
-            )
+        readings = read_launch_files(files, self.workspace, self.limits)
         for file, reading in zip(files, readings, strict=True):
             nodes = [
                 node
@@ -245,14 +242,21 @@ class _Search:
         return found
 
 
-def read_launch_file(file: LaunchFile, workspace: Workspace, limits: Limits) -> LaunchReading:
-    """Return what a launch file of either ROS starts.
+def read_launch_files(
+    files: Sequence[LaunchFile], workspace: Workspace, limits: Limits
+) -> list[LaunchReading]:
+    """Return what each of some launch files of either ROS starts.
 
-    Raises LimitError where reading it takes too long or too much memory.
+    Raises LimitError where reading one takes too long or too much memory.
     """
-    if file.ros == 2:
-        return read_launch(file.path, workspace, limits)
-    return read_roslaunch(file.path, workspace.packages)
+
+    def read(file: LaunchFile) -> LaunchReading:
+        if file.ros == 2:
+            return read_launch(file.path, workspace, limits)
+        return read_roslaunch(file.path, workspace.packages)
+
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        return list(pool.map(read, files))
 
 
 def _best(candidates: Sequence[_Candidate], asked: Asked) -> _Candidate | None:

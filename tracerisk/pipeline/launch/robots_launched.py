@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tracerisk.config import Settings
-from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_file
+from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_files
 from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
 from tracerisk.pipeline.launch_files.records import RobotSource
@@ -19,7 +18,6 @@ from tracerisk.twin.robots.names_in_source import LaunchedBy, LaunchedDescriptio
 from tracerisk.twin.workspace.description_files import distance
 
 _MOST_READ = {1: 40, 2: 4}  # launch files of ROS 2 cost a process each
-_AT_ONCE = 2
 _DESCRIBES = re.compile(r"\.xacro\b|\.urdf\b|MoveItConfigsBuilder|\bplanning_context\.launch\b")
 
 
@@ -58,10 +56,7 @@ def launched_robots(
         key=lambda path: (whose(path) == "workspace", distance(script, path), path),
     )[: _MOST_READ[ros]]
     files = [LaunchFile(path, ros, False) for path in paths]
-    with ThreadPoolExecutor(_AT_ONCE) as pool:
-        readings = list(
-            pool.map(lambda file: read_launch_file(file, workspace, settings.limits), files)
-        )
+    readings = read_launch_files(files, workspace, settings.limits)
     found = list(own)
     for file, reading in zip(files, readings, strict=True):
         by = whose(file.path)

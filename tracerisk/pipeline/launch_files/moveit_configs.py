@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -41,31 +42,26 @@ def moveit_configs_modules(
     return modules
 
 
+@dataclass(frozen=True, slots=True)
 class _Files:
     """The packages of the workspace; what is not there is an absent value."""
 
-    def __init__(
-        self,
-        packages: Mapping[str, Path],
-        on_read: Callable[[Path], None],
-        on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
-    ) -> None:
-        self._packages = packages
-        self._on_read = on_read
-        self._on_robot = on_robot
+    packages: Mapping[str, Path]
+    on_read: Callable[[Path], None]
+    on_robot: Callable[[tuple[str, Mapping[str, Any]]], None]
 
     def folder(self, package: str) -> Path | None:
-        return self._packages.get(package)
+        return self.packages.get(package)
 
     def text(self, path: Path) -> str:
-        self._on_read(path)
+        self.on_read(path)
         if is_robot_file(path):
-            self._on_robot((str(path), {}))
+            self.on_robot((str(path), {}))
         return path.read_text(encoding="utf-8")
 
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:
         # A controller needs no URDF: the robot is that of the run.
-        self._on_robot((str(path), arguments))
+        self.on_robot((str(path), arguments))
         return Absent("the output of xacro")
 
     def left_out(self, what: str) -> dict[str, Any]:
@@ -75,14 +71,8 @@ class _Files:
 class _LaunchBuilder(ConfigsBuilder):
     """A builder whose paths may lead to what is not here."""
 
-    def __init__(
-        self,
-        files: _Files,
-        robot_name: str,
-        robot_description: str,
-        package_name: str | None,
-    ) -> None:
-        super().__init__(files, robot_name, robot_description, package_name)
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
         if self._configs.package_path is None:
             self._configs.package_path = ABSENT_FOLDER / self._package_name
 

@@ -10,7 +10,7 @@ from tracerisk.errors import Location
 from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace.workspace import Workspace
-from tracerisk.sandbox.limited_process import run_limited
+from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.sandbox.process import regular_within
 from tracerisk.text.read_back import read_back
 
@@ -50,6 +50,5 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
             robots=tuple(read_back(RobotSource, each) for each in data["robots"]),
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
-        return LaunchReading(problems=(f"cannot be read: {reason[:_LONGEST_REASON]}",))
+        reason = last_words(done)[:_LONGEST_REASON]
+        return LaunchReading(problems=(f"cannot be read: {reason}",))

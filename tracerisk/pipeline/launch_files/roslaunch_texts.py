@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ from tracerisk.pipeline.launch_files.expressions import evaluate
 _ONE = re.compile(r"\$\(([^()$]*)\)")
 # What the host has sourced must not decide what a controller is given.
 _OF_ROS = ("ROS_", "CATKIN_", "CMAKE_")
-_TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
+_TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class RoslaunchError(ValueError):
@@ -45,17 +46,29 @@ class Texts:
         Raises RoslaunchError where it says neither true nor false.
         """
         value = self.of(text).strip().lower()
-        if value in _TRUE:
-            return True
-        if value in _FALSE:
-            return False
-        raise RoslaunchError(f"'{text}' is neither true nor false")
+        if value not in _TRUTHS:
+            raise RoslaunchError(f"'{text}' is neither true nor false")
+        return _TRUTHS[value]
 
     def _made(self, inner: str) -> str:
-        words = inner.split()
-        if not words or words[0] not in _KNOWN:
+        kind, *words = inner.split() or [""]
+        if kind == "dirname":
+            return str(self.folder)
+        if kind == "optenv":
+            if not words:
+                raise RoslaunchError(f"$({inner}) names no variable")
+            return self.env(words[0], " ".join(words[1:]))
+        of_one_name: dict[str, Callable[[str], str]] = {
+            "env": self.env,
+            "find": self.find,
+            "arg": self.arg,
+            "anon": _anonymous,
+        }
+        if kind not in of_one_name:
             raise RoslaunchError(f"$({inner}) is not known")
-        return _KNOWN[words[0]](self, words[1:], inner)
+        if len(words) != 1:
+            raise RoslaunchError(f"$({inner}) needs one name")
+        return of_one_name[kind](words[0])
 
     def find(self, name: str) -> str:
         """Return the folder of a package: its source, for nothing is installed."""
@@ -78,13 +91,13 @@ class Texts:
 
     def _eval(self, expression: str) -> Any:
         names: dict[str, Any] = {
-            "arg": lambda name: _converted(self.arg(name)),
+            "arg": lambda name: _guessed(self.arg(name)),
             "find": self.find,
             "env": self.env,
             "optenv": lambda name, default="": self.env(name, default),
             "anon": _anonymous,
             "dirname": lambda: str(self.folder),
-            **{name: _converted(value) for name, value in self.arguments.items()},
+            **{name: _guessed(value) for name, value in self.arguments.items()},
         }
         try:
             return evaluate(expression, names)
@@ -92,57 +105,18 @@ class Texts:
             raise RoslaunchError(str(error)) from error
 
 
-def _of_env(texts: Texts, words: list[str], inner: str) -> str:
-    return texts.env(_only(words, inner))
-
-
-def _of_optenv(texts: Texts, words: list[str], inner: str) -> str:
-    if not words:
-        raise RoslaunchError(f"$({inner}) names no variable")
-    return texts.env(words[0], " ".join(words[1:]))
-
-
-def _of_find(texts: Texts, words: list[str], inner: str) -> str:
-    return texts.find(_only(words, inner))
-
-
-def _of_arg(texts: Texts, words: list[str], inner: str) -> str:
-    return texts.arg(_only(words, inner))
-
-
-def _of_anon(_texts: Texts, words: list[str], inner: str) -> str:
-    return _anonymous(_only(words, inner))
-
-
-def _of_dirname(texts: Texts, _words: list[str], _inner: str) -> str:
-    return str(texts.folder)
-
-
-_KNOWN: dict[str, Callable[[Texts, list[str], str], str]] = {
-    "env": _of_env,
-    "optenv": _of_optenv,
-    "find": _of_find,
-    "arg": _of_arg,
-    "anon": _of_anon,
-    "dirname": _of_dirname,
-}
-
-
-def _only(words: list[str], inner: str) -> str:
-    if len(words) != 1:
-        raise RoslaunchError(f"$({inner}) needs one name")
-    return words[0]
-
-
 def _anonymous(name: str) -> str:
     # The same in each run: a trace must come out again.
     return f"{name}_anonymous"
 
 
-def _converted(text: str) -> Any:
-    """Return an argument as an expression sees it: a number or a truth value where it looks so."""
-    value = typed(text, "auto")
-    return text if isinstance(value, list | dict) else value
+def _guessed(text: str) -> Any:
+    """Return what a text looks like: a number, a truth value, or itself."""
+    for convert in (int, float):
+        with contextlib.suppress(ValueError):
+            return convert(text)
+    plain = text.strip().lower()
+    return _TRUTHS[plain] if plain in ("true", "false") else text
 
 
 def _shown(value: Any) -> str:
@@ -156,29 +130,20 @@ def typed(text: str, kind: str) -> Any:
     """
     from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, yaml_value
 
-    plain = text.strip()
+    readers: dict[str, Callable[[str], Any]] = {
+        "auto": _guessed,
+        "str": str,
+        "string": str,
+        "int": int,
+        "double": float,
+        **dict.fromkeys(("bool", "boolean"), lambda truth: _TRUTHS[truth.strip().lower()]),
+        "yaml": yaml_value,
+    }
+    if kind not in readers:
+        raise RoslaunchError(f"'{kind}' is not a type of a parameter")
     try:
-        if kind == "auto":
-            for convert in (int, float):
-                try:
-                    return convert(plain)
-                except ValueError:
-                    continue
-            return plain.lower() == "true" if plain.lower() in ("true", "false") else text
-        if kind in ("str", "string"):
-            return text
-        if kind == "int":
-            return int(plain)
-        if kind == "double":
-            return float(plain)
-        if kind in ("bool", "boolean"):
-            if plain.lower() not in _TRUE | _FALSE:
-                raise RoslaunchError(f"'{text}' is not a bool")
-            return plain.lower() in _TRUE
-        if kind == "yaml":
-            return yaml_value(text)
+        return readers[kind](text)
     except ParameterTextError as error:
         raise RoslaunchError(str(error)) from error
-    except ValueError as error:
+    except (KeyError, ValueError) as error:
         raise RoslaunchError(f"'{text}' is not a {kind}") from error
-    raise RoslaunchError(f"'{kind}' is not a type of a parameter")

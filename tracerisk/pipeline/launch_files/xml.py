@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from tracerisk.pipeline.launch_files.parameter_text import yaml_value
@@ -54,6 +55,10 @@ class Element:
     def need(self, name: str) -> list[Any]:
         """Return the substitutions of an attribute; raise LaunchTextError when it is missing."""
         return substitutions_of(self.text(name))
+
+    def words(self, name: str) -> list[list[Any]]:
+        """Return the words of an attribute, each with its substitutions; none without it."""
+        return words_of(self.text(name)) if name in self.attributes else []
 
     def flag(self, name: str, *, default: bool) -> bool:
         """Return a truth value that is written out."""
@@ -125,11 +130,17 @@ class _Later(actions.OpaqueFunction):
         return f"<{self.element.tag}>"
 
     def _make(self, _context: Any) -> list[Any]:
-        tag = self.element.tag.replace("-", "_")
-        if tag not in _TAGS:
-            raise LaunchTextError(f"<{self.element.tag}> is not read")
-        made = _TAGS[tag](self.element)
-        return [] if made is None else [made]
+        element, tag = self.element, self.element.tag.replace("-", "_")
+        if tag in _LEFT_OUT:
+            return []
+        if tag in _PLAIN:
+            kind, *names = _PLAIN[tag]
+            made = partial(kind, *(element.need(name) for name in names))
+        elif tag in _TAGS:
+            made = _TAGS[tag](element)
+        else:
+            raise LaunchTextError(f"<{element.tag}> is not read")
+        return [made(**_condition(element))]
 
 
 def _condition(element: Element) -> dict[str, Any]:
@@ -141,35 +152,28 @@ def _condition(element: Element) -> dict[str, Any]:
 
 
 def _arg(element: Element) -> Any:
-    return actions.DeclareLaunchArgument(
-        element.text("name"), default_value=element.get("default"), **_condition(element)
-    )
-
-
-def _let(element: Element) -> Any:
-    return actions.SetLaunchConfiguration(
-        element.need("name"), element.need("value"), **_condition(element)
-    )
+    name, default = element.text("name"), element.get("default")
+    return partial(actions.DeclareLaunchArgument, name, default_value=default)
 
 
 def _group(element: Element) -> Any:
     inner = Element(element.tag, {}, [each for each in element.children if each.tag != "keep"])
     kept = {tuple(each.need("name")): each.need("value") for each in element.all("keep")}
-    return actions.GroupAction(
+    return partial(
+        actions.GroupAction,
         _actions(inner),
         scoped=element.flag("scoped", default=True),
         forwarding=element.flag("forwarding", default=True),
         launch_configurations=kept,
-        **_condition(element),
     )
 
 
 def _include(element: Element) -> Any:
     given = [*element.all("arg"), *element.all("let")]
-    return actions.IncludeLaunchDescription(
+    return partial(
+        actions.IncludeLaunchDescription,
         element.need("file"),
         launch_arguments=[(each.need("name"), each.need("value")) for each in given],
-        **_condition(element),
     )
 
 
@@ -178,19 +182,17 @@ def _environment(element: Element) -> list[tuple[Any, Any]]:
 
 
 def _node(element: Element) -> Any:
-    return ros.Node(
+    return partial(
+        ros.Node,
         executable=element.need("exec"),
         package=element.get("pkg"),
         name=element.get("name"),
         namespace=element.get("namespace"),
         parameters=[part for each in element.all("param") for part in _parameters(each)],
         remappings=[(each.need("from"), each.need("to")) for each in element.all("remap")],
-        arguments=words_of(element.text("args")) if "args" in element.attributes else (),
-        ros_arguments=words_of(element.text("ros_args"))
-        if "ros_args" in element.attributes
-        else (),
+        arguments=element.words("args"),
+        ros_arguments=element.words("ros_args"),
         additional_env=dict(_environment(element)),
-        **_condition(element),
     )
 
 
@@ -223,61 +225,42 @@ def _tree(element: Element) -> dict[str, Any]:
 
 
 def _executable(element: Element) -> Any:
-    return actions.ExecuteProcess(
-        cmd=words_of(element.text("cmd")),
-        additional_env=dict(_environment(element)),
-        **_condition(element),
-    )
-
-
-def _namespace(element: Element) -> Any:
-    return ros.PushRosNamespace(element.need("namespace"), **_condition(element))
+    words, environment = words_of(element.text("cmd")), dict(_environment(element))
+    return partial(actions.ExecuteProcess, cmd=words, additional_env=environment)
 
 
 def _set_parameter(element: Element) -> Any:
     value = element.attributes.get("value")
     given = value if value is not None and not isinstance(value, str) else None
     made = given if given is not None else ParameterValue(element.need("value"))
-    return ros.SetParameter(element.need("name"), made, **_condition(element))
+    return partial(ros.SetParameter, element.need("name"), made)
 
 
 def _timer(element: Element) -> Any:
-    return actions.TimerAction(
-        period=element.get("period") or "0", actions=_actions(element), **_condition(element)
-    )
+    period = element.get("period") or "0"
+    return partial(actions.TimerAction, period=period, actions=_actions(element))
 
 
-def _nothing(_element: Element) -> Any:
-    return None
-
-
+_PLAIN: dict[str, tuple[Any, ...]] = {
+    "let": (actions.SetLaunchConfiguration, "name", "value"),
+    "push_ros_namespace": (ros.PushRosNamespace, "namespace"),
+    "set_parameters_from_file": (ros.SetParametersFromFile, "filename"),
+    "set_remap": (ros.SetRemap, "from", "to"),
+    "set_env": (actions.SetEnvironmentVariable, "name", "value"),
+    "unset_env": (actions.UnsetEnvironmentVariable, "name"),
+}
+"""Actions that are made of attributes as they stand, in this order."""
 _TAGS: dict[str, Callable[[Element], Any]] = {
     "arg": _arg,
-    "let": _let,
     "group": _group,
     "include": _include,
     "node": _node,
     "executable": _executable,
-    "push_ros_namespace": _namespace,
     "set_parameter": _set_parameter,
-    "set_parameters_from_file": lambda each: ros.SetParametersFromFile(
-        each.need("filename"), **_condition(each)
-    ),
-    "set_remap": lambda each: ros.SetRemap(each.need("from"), each.need("to"), **_condition(each)),
-    "set_use_sim_time": lambda each: ros.SetUseSimTime(
-        ParameterValue(each.need("value")), **_condition(each)
-    ),
-    "set_env": lambda each: actions.SetEnvironmentVariable(
-        each.need("name"), each.need("value"), **_condition(each)
-    ),
-    "unset_env": lambda each: actions.UnsetEnvironmentVariable(
-        each.need("name"), **_condition(each)
-    ),
+    "set_use_sim_time": lambda each: partial(ros.SetUseSimTime, ParameterValue(each.need("value"))),
     "timer": _timer,
-    "reset": _nothing,
-    "keep": _nothing,
-    "log": _nothing,
-    "shutdown": _nothing,
-    "node_container": _nothing,
-    "load_composable_node": _nothing,
 }
+"""What makes the others; each lacks its condition."""
+_LEFT_OUT = frozenset(
+    {"reset", "keep", "log", "shutdown", "node_container", "load_composable_node"}
+)

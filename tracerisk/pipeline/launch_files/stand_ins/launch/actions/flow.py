@@ -88,13 +88,19 @@ class IncludeLaunchDescription(Action):
             self._check_arguments(context)
             if self.source.location:
                 place = text_of(context, self.source.location)
-                context.extend_locals(_places(Path(place), place))
+                places = _places(Path(place))
+                is_file = Path(place).is_absolute()
+                context.extend_locals(places if is_file else dict.fromkeys(places, place))
             return [*sets, self.source.description]
         # Values are taken where the file is included, not within it.
         done = [each.visit(context) for each in sets]
         assert not any(done)
         before = context.get_locals_as_dict()
-        return [_Enter(path), _Described(path), _Leave(before)]
+        return [
+            OpaqueFunction(function=lambda inner: inner.extend_locals(_places(path))),
+            _Described(path),
+            OpaqueFunction(function=lambda inner: inner.replace_locals(before)),
+        ]
 
     def _check_arguments(self, context: Any) -> None:
         given = [text_of(context, name) for name, _ in self.launch_arguments]
@@ -112,27 +118,12 @@ class IncludeLaunchDescription(Action):
         return [] if self.source.description is None else [self.source.description]
 
 
-def _places(path: Path, place: str) -> dict[str, str]:
-    """Return the path and folder of a launch file as launch names them; `place` without a file."""
-    is_file = path.is_absolute()
+def _places(path: Path) -> dict[str, str]:
+    """Return the path and folder of a launch file as launch names them."""
     return {
-        "current_launch_file_path": str(path) if is_file else place,
-        "current_launch_file_directory": str(path.parent) if is_file else place,
+        "current_launch_file_path": str(path),
+        "current_launch_file_directory": str(path.parent),
     }
-
-
-class _Enter(Action):
-    def __init__(self, path: Path) -> None:
-        super().__init__()
-        self.path = path
-
-    def execute(self, context: Any) -> Any:
-        context.extend_locals(
-            {
-                "current_launch_file_path": str(self.path),
-                "current_launch_file_directory": str(self.path.parent),
-            }
-        )
 
 
 class _Described(Action):
@@ -145,15 +136,6 @@ class _Described(Action):
 
     def execute(self, context: Any) -> Any:
         return [context.read_file(self.path, context)]
-
-
-class _Leave(Action):
-    def __init__(self, values: Mapping[str, Any]) -> None:
-        super().__init__()
-        self.values = values
-
-    def execute(self, context: Any) -> Any:
-        context.replace_locals(self.values)
 
 
 class OpaqueFunction(Action):
