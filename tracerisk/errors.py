@@ -216,6 +216,22 @@ class MachineError(LimitError):
     code = "machine"
 
 
+@dataclass(frozen=True, slots=True)
+class Readable:
+    """Raises an error of this kind where a file cannot be read within."""
+
+    path: object
+    kind: type[InputError] = InputError
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, _: object, error: object, trace: object) -> None:
+        if isinstance(error, OSError):
+            place = Location(str(self.path))
+            raise self.kind(f"cannot be read: {error.strerror}", place) from error
+
+
 def disk_full(folder: str) -> MachineError:
     """Return the error of a full disk that holds a folder with temporary files."""
     return MachineError(

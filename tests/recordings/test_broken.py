@@ -11,7 +11,8 @@ import pytest
 
 from tests.recordings.conftest import KINDS, Mission, commanded
 from tracerisk.errors import LogError, TraceRiskError
-from tracerisk.pipeline.recordings.measured import Declared, measured_trace
+from tracerisk.pipeline.recordings.declared import Declared
+from tracerisk.pipeline.recordings.measured import measured_trace
 
 SHORT = Mission(rate_hz=20.0, seconds=5.0)
 

@@ -24,9 +24,9 @@ from tests.recordings.conftest import (
 )
 from tracerisk import trace_json
 from tracerisk.errors import LogError, SettingsError
-from tracerisk.pipeline.recordings.effort import parse_effort_unit
+from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
 from tracerisk.pipeline.recordings.joint_states import _differentiated
-from tracerisk.pipeline.recordings.measured import Declared, measured_trace
+from tracerisk.pipeline.recordings.measured import measured_trace
 from tracerisk.pipeline.recordings.probed import is_motion
 from tracerisk.trace import WEAR_EXPONENTS
 

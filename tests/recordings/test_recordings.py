@@ -261,8 +261,8 @@ def test_a_run_read_as_if_it_were_of_a_robot_gives_its_exposures(recorded):
     from mcap.writer import Writer
 
     from tracerisk import trace_json
-    from tracerisk.pipeline.recordings.effort import parse_effort_unit
-    from tracerisk.pipeline.recordings.measured import Declared, measured_trace
+    from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
+    from tracerisk.pipeline.recordings.measured import measured_trace
     from tracerisk.twin.robots.robot import load_robot
 
     bare = recorded.folder / "bare.mcap"

@@ -47,6 +47,11 @@ class Command:
     outcome: str | None = None
     goal: tuple[float, ...] = ()
 
+    def with_times(self, changed: Callable[[int], int]) -> Command:
+        """Return it with other times [ns], each by what it was."""
+        end_ns = None if self.end_ns is None else changed(self.end_ns)
+        return replace(self, issue_ns=changed(self.issue_ns), end_ns=end_ns)
+
 
 @dataclass(frozen=True, slots=True)
 class Note:

@@ -85,12 +85,16 @@ def mark_start() -> None:
     if not cpu_s:
         return
     used_s = process_time()
-    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-    wanted = math.ceil(used_s) + int(cpu_s)
-    most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
-    resource.setrlimit(resource.RLIMIT_CPU, (most, hard))
+    lower_limit(resource.RLIMIT_CPU, math.ceil(used_s) + int(cpu_s))
     os.write(int(descriptor), f"{os.getpid()} {used_s:.6f}\n".encode())
     os.close(int(descriptor))
+
+
+def lower_limit(kind: int, most: int) -> None:
+    """Give this process a limit of the system, or as little as it has already."""
+    _, hard = resource.getrlimit(kind)
+    wanted = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(kind, (wanted, hard))
 
 
 class OwnTime:

@@ -85,11 +85,11 @@ class Overlay:
         for name in ("stat", "lstat", "access", "readlink", "chdir"):
             found[name] = functools.partial(self._reading, name)
         for name in ("mkdir", "mkfifo"):
-            found[name] = functools.partial(self._making, name)
+            found[name] = functools.partial(self._within, self._making, name)
         for name in ("remove", "unlink", "rmdir"):
-            found[name] = functools.partial(self._removing, name)
+            found[name] = functools.partial(self._within, self._removing, name)
         for name in ("truncate", "utime", "chmod"):
-            found[name] = functools.partial(self._changing, name)
+            found[name] = functools.partial(self._within, self._changing, name)
         return {
             name: _named_as(self._real.get(name, self._open), function)
             for name, function in found.items()
@@ -208,21 +208,23 @@ class Overlay:
         place = full if full is None else self._seen(full)
         return self._real[name](path if place in (None, full) else place, *args, **more)
 
-    def _making(self, name: str, path: Any, *args: Any, **more: Any) -> None:
+    def _within(
+        self, change: Callable[..., None], name: str, path: Any, *args: Any, **more: Any
+    ) -> None:
+        """Change what is the overlay's business by `change`, all else as the real function does."""
         full = self._full(path, more)
         if full is None:
             self._real[name](path, *args, **more)
-            return
+        else:
+            change(name, full, path, *args, **more)
+
+    def _making(self, name: str, full: str, path: Any, *_: Any, **__: Any) -> None:
         if self._exists(self._seen(full)):
             raise FileExistsError(17, "File exists", os.fsdecode(path))
         # A folder that could not be read could not be removed either.
         self._real[name](self._target(full))
 
-    def _removing(self, name: str, path: Any, *args: Any, **more: Any) -> None:
-        full = self._full(path, more)
-        if full is None:
-            self._real[name](path, *args, **more)
-            return
+    def _removing(self, name: str, full: str, path: Any, *_: Any, **__: Any) -> None:
         if self._has(full):
             self._real[name](self._over(full))
         elif not self._exists(self._seen(full)):
@@ -236,11 +238,8 @@ class Overlay:
         if self._exists(full):
             self._gone.add(full)
 
-    def _changing(self, name: str, path: Any, *args: Any, **more: Any) -> None:
-        full = self._full(path, more)
-        if full is None:
-            self._real[name](path, *args, **more)
-        elif name == "truncate":
+    def _changing(self, name: str, full: str, _: Any, *args: Any, **more: Any) -> None:
+        if name == "truncate":
             self._real[name](self._copied(full), *args, **more)
         else:
             self._real[name](self._seen(full), *args, **more)

@@ -11,7 +11,7 @@ from tracerisk.cli.shared.sources import named_robot
 from tracerisk.errors import InputError, Location, SettingsError
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.recordings.measured import Declared
+    from tracerisk.pipeline.recordings.declared import Declared
     from tracerisk.trace import Trace
     from tracerisk.twin.robots.robot import Robot
 
@@ -83,8 +83,7 @@ def _declared(
 ) -> tuple[Robot, Declared]:
     from tracerisk import pipeline
     from tracerisk.config import Settings
-    from tracerisk.pipeline.recordings.effort import parse_effort_unit
-    from tracerisk.pipeline.recordings.measured import Declared
+    from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
     from tracerisk.pipeline.recordings.messages import open_recording
 
     settings, file, root = Settings(), "", Path()

@@ -25,7 +25,7 @@ from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import controller_root
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, Readable
 from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
 from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
@@ -95,10 +95,8 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
 
 
 def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
-    try:
+    with Readable(path):
         source = path.read_bytes() if content is None else content
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
     if is_c_like(path.name) and not _bases(path):
         for block in read_c_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))

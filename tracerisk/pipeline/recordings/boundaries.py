@@ -17,6 +17,7 @@ from typing import Any
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.recording import Command
 from tracerisk.instrument.tracer import Frame
+from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.pipeline.recordings.names import COMMANDS
 from tracerisk.pipeline.recordings.probed import Boundaries, elements_of, lines_of, probed
@@ -37,29 +38,21 @@ _NAME = re.compile(r"(?:Function:\s*)?([\w.<>]+)(?:\(\))?\s*$")
 
 
 def boundaries(
-    file: RecordingFile,
-    robot: Robot,
-    span_ns: tuple[int, int],
-    *,
-    commands: Path | None = None,
-    functions: Path | None = None,
-    names: str | None = None,
-    controller: str = "",
+    file: RecordingFile, robot: Robot, span_ns: tuple[int, int], declared: Declared
 ) -> Boundaries:
     """Return the commands of a recording whose joint states cover `span_ns`.
 
-    `commands` is a file of the probe, `functions` a CSV file of times, `names` a topic of function
-    names; `controller` is the file that the functions of the last two are of.
-    Raises LogError where they are malformed, or nothing names a function.
+    Raises LogError where what is declared is malformed, or nothing names a function.
     """
+    commands, controller = declared.commands, declared.controller
     if commands is not None:
         texts = enumerate(lines_of(commands), 1)
         found = probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
         return replace(found, told_by=f"the probe's file {commands.name}")
-    if functions is not None:
-        return _timed(functions, span_ns, controller)
-    if names is not None:
-        return _named(file, names, controller, span_ns[1])
+    if declared.functions is not None:
+        return _timed(declared.functions, span_ns, controller)
+    if declared.names is not None:
+        return _named(file, declared.names, controller, span_ns[1])
     if COMMANDS in file.of_type(TEXT):
         messages = file.messages([COMMANDS])
         found = probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)

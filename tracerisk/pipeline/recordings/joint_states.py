@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import LogError
-from tracerisk.pipeline.recordings.effort import EffortUnit
+from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.twin.recording.samples import SampleHeader, Samples
 from tracerisk.twin.robots.robot import Robot
@@ -62,23 +62,14 @@ class JointStates:
     lost: tuple[str, ...]
 
 
-def read_joint_states(
-    file: RecordingFile,
-    robot: Robot,
-    *,
-    topic: str | None = None,
-    unit: EffortUnit | None = None,
-    encoder_step: float | None = None,
-) -> JointStates:
-    """Return the joint states of a robot.
+def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> JointStates:
+    """Return the joint states of a robot: by default of `/joint_states`, or the only fitting topic.
 
-    `topic` is theirs (default: `/joint_states`, or the only one with its joints); `unit` that of
-    effort, `None` where it is not known; `encoder_step` the least difference of two positions
-    [rad or m].
     Raises LogError where the recording has none of this robot, its clock jumps back, or it holds
     no velocity.
     """
-    tables = _read(file, topic)
+    unit, encoder_step = declared.effort_unit, declared.encoder_step
+    tables = _read(file, declared.joint_states)
     main, names = _own_topic(file, robot, tables)
     joints: dict[str, _Joint] = {}
     for joint in robot.joints:

@@ -6,8 +6,8 @@ nobody knows what the controller would have done else.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from tracerisk.errors import LogError
 from tracerisk.instrument.ownership import attribute
 from tracerisk.instrument.recording import Command, Recording
 from tracerisk.pipeline.recordings.boundaries import boundaries
-from tracerisk.pipeline.recordings.effort import EffortUnit
+from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_states
 from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
 from tracerisk.pipeline.recordings.probed import Boundaries
@@ -35,30 +35,6 @@ _ALWAYS_LOST = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Declared:
-    """What is declared of a recording."""
-
-    effort_unit: EffortUnit | None = None
-    """The unit of effort; `None` where it is not known."""
-    encoder_step: float | None = None
-    """The least difference of two positions [rad or m]; `None` where it is not known."""
-    joint_states: str | None = None
-    """The topic of joint states; `None` for the one that fits the robot."""
-    commands: Path | None = None
-    """A file of the probe."""
-    functions: Path | None = None
-    """A CSV file with the times of functions."""
-    names: str | None = None
-    """A topic with the names of functions."""
-    controller: str = ""
-    """The file of the controller; empty for what the probe says."""
-    states: Collection[str] = ()
-    """Qualified names of functions that are steps of the task."""
-    helpers: Collection[str] = ()
-    """Qualified names of functions that are none."""
-
-
 def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
     """Return the trace of a robot from a recording of any tool.
 
@@ -66,24 +42,10 @@ def measured_trace(path: Path, robot: Robot, declared: Declared) -> Trace:
     Raises LogError where the recording is damaged, of another robot, or names no function.
     """
     with open_recording(path) as file:
-        states = read_joint_states(
-            file,
-            robot,
-            topic=declared.joint_states,
-            unit=declared.effort_unit,
-            encoder_step=declared.encoder_step,
-        )
+        states = read_joint_states(file, robot, declared)
         step_ns = states.samples.header.step_ns
         span_ns = (states.begin_ns, states.begin_ns + states.samples.n_steps * step_ns)
-        bounds = boundaries(
-            file,
-            robot,
-            span_ns,
-            commands=declared.commands,
-            functions=declared.functions,
-            names=declared.names,
-            controller=declared.controller,
-        )
+        bounds = boundaries(file, robot, span_ns, declared)
         return _trace(file, robot, declared, states, bounds)
 
 
@@ -161,15 +123,7 @@ def _on_one_clock(
     begin_ns = max(within[0].issue_ns, states.begin_ns)
     skipped = (begin_ns - states.begin_ns) // step_ns
     cut = between(samples, skipped, None)
-    moved = tuple(
-        replace(
-            each,
-            issue_ns=max(each.issue_ns - begin_ns, 0),
-            end_ns=None if each.end_ns is None else max(each.end_ns - begin_ns, 0),
-        )
-        for each in within
-    )
-    return cut, moved
+    return cut, tuple(each.with_times(lambda ns: max(ns - begin_ns, 0)) for each in within)
 
 
 def _activity(samples: Samples, robot: Robot) -> dict[str, ElementActivity]:

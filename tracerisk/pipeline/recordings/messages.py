@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.dependencies import is_installed, missing_extra
-from tracerisk.errors import Location, LogError
+from tracerisk.errors import Location, LogError, Readable
 from tracerisk.pipeline.recordings.names import MAGIC
 
 if TYPE_CHECKING:
@@ -124,11 +124,8 @@ def open_recording(path: Path) -> Iterator[RecordingFile]:
                 raise LogError("is a folder without metadata.yaml; name a recording", place)
             yield _open_rosbags(path, stack)
             return
-        try:
-            with path.open("rb") as stream:
-                begin = stream.read(16)
-        except OSError as error:
-            raise LogError(f"cannot be read: {error.strerror}", place) from error
+        with Readable(path, LogError), path.open("rb") as stream:
+            begin = stream.read(16)
         if not begin:
             raise LogError("is empty; was the recording ended?", place)
         if begin.startswith(MAGIC):

@@ -143,22 +143,10 @@ class PackedWriter:
         from mcap.records import Attachment, AttachmentIndex
 
         offset = self._stream.tell()
-        length = self._write(
-            Attachment(
-                create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data
-            )
-        )
-        self._attachments.append(
-            AttachmentIndex(
-                offset=offset,
-                length=length,
-                create_time=time_ns,
-                log_time=time_ns,
-                data_size=len(data),
-                name=name,
-                media_type=media_type,
-            )
-        )
+        about = {"create_time": time_ns, "log_time": time_ns, "name": name}
+        length = self._write(Attachment(**about, media_type=media_type, data=data))
+        place = {"offset": offset, "length": length, "data_size": len(data)}
+        self._attachments.append(AttachmentIndex(**about, media_type=media_type, **place))
 
     def finish(self) -> None:
         """Write the summary and the end of the file."""
@@ -248,16 +236,16 @@ class PackedWriter:
                 own = found[:, channels == channel].reshape(-1)
                 beside = indexes.get(int(channel), own[:0])
                 indexes[int(channel)] = np.sort(np.concatenate((own, beside)), order="offset")
-        times = [int(each["time"].min()) for each in indexes.values()]
-        lasts = [int(each["time"].max()) for each in indexes.values()]
+        first = min(int(each["time"].min()) for each in indexes.values())
+        last = max(int(each["time"].max()) for each in indexes.values())
         packed = ZstdCompressor(level=_LEVEL, write_checksum=True).compress(data)
         offset = self._stream.tell()
         length = self._write(
             Chunk(
                 compression="zstd",
                 data=packed,
-                message_start_time=min(times),
-                message_end_time=max(lasts),
+                message_start_time=first,
+                message_end_time=last,
                 uncompressed_crc=0,  # zstd's own checksum takes a tenth of the time
                 uncompressed_size=len(data),
             )
@@ -270,8 +258,8 @@ class PackedWriter:
             self._counts[channel] = self._counts.get(channel, 0) + len(rows_of)
         self._chunks.append(
             ChunkIndex(
-                message_start_time=min(times),
-                message_end_time=max(lasts),
+                message_start_time=first,
+                message_end_time=last,
                 chunk_start_offset=offset,
                 chunk_length=length,
                 message_index_offsets=places,
@@ -281,8 +269,8 @@ class PackedWriter:
                 uncompressed_size=len(data),
             )
         )
-        start, end = self._span or (min(times), max(lasts))
-        self._span = (min(start, *times), max(end, *lasts))
+        start, end = self._span or (first, last)
+        self._span = (min(start, first), max(end, last))
 
     def _write(self, record: Any) -> int:
         builder = self._builder()

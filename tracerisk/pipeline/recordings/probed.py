@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from tracerisk.errors import Location, LogError
+from tracerisk.errors import Location, LogError, Readable
 from tracerisk.instrument.recording import Command
 from tracerisk.instrument.tracer import Frame, RootKind
 from tracerisk.trace import FunctionRef, QualifiedName
@@ -48,12 +48,11 @@ def lines_of(path: Path) -> Iterator[str]:
     """Yield the lines of a file; raise LogError where it cannot be read."""
     place = Location(str(path))
     try:
-        if path.stat().st_size > _MOST_TEXT:
-            raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
-        with path.open(encoding="utf-8") as stream:
-            yield from stream
-    except OSError as error:
-        raise LogError(f"cannot be read: {error.strerror}", place) from error
+        with Readable(path, LogError):
+            if path.stat().st_size > _MOST_TEXT:
+                raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
+            with path.open(encoding="utf-8") as stream:
+                yield from stream
     except UnicodeDecodeError as error:
         raise LogError("is not UTF-8 text; give a file of the probe", place) from error
 
@@ -97,14 +96,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
             f"the probe recorded no command that moves a robot ({passed_over} others)", last
         )
     shift = _shift(pairs)
-    moved = [
-        replace(
-            each,
-            issue_ns=each.issue_ns + shift,
-            end_ns=None if each.end_ns is None else each.end_ns + shift,
-        )
-        for each in commands.values()
-    ]
+    moved = [each.with_times(lambda ns: ns + shift) for each in commands.values()]
     lost = (f"{passed_over} messages and calls that move no robot were left out",)
     return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
 

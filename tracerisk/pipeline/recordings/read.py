@@ -6,7 +6,7 @@ import struct
 from pathlib import Path
 
 from tracerisk import trace_json
-from tracerisk.errors import Location, LogError
+from tracerisk.errors import Location, LogError, Readable
 from tracerisk.pipeline.recordings.messages import MOST_BYTES
 from tracerisk.pipeline.recordings.names import MAGIC, TRACE
 from tracerisk.trace import Trace
@@ -21,11 +21,8 @@ def read_trace(path: Path) -> Trace | None:
     place = Location(str(path))
     if not path.is_file():
         return None
-    try:
-        with path.open("rb") as stream:
-            begin = stream.read(len(MAGIC))
-    except OSError as error:
-        raise LogError(f"cannot be read: {error.strerror}", place) from error
+    with Readable(path, LogError), path.open("rb") as stream:
+        begin = stream.read(len(MAGIC))
     if begin != MAGIC:
         return None
     text = _attached(path, place)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, LogError
+from tracerisk.errors import InputError, Location, LogError, Readable
 from tracerisk.hardware.binding import bind
 
 if TYPE_CHECKING:
@@ -44,10 +44,8 @@ def kept_recording(folder: str) -> RecordedRun:
     """
     from tracerisk.pipeline.results.run_section import recorded_run
 
-    try:
+    with Readable(folder, LogError):
         found = recorded_run(Path(folder))
-    except OSError as error:
-        raise LogError(f"cannot be read: {error.strerror}", Location(folder)) from error
     if found is None:
         raise LogError(
             "holds no recording of a run; `tracerisk run --keep DIR` leaves one", Location(folder)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, Readable
 from tracerisk.pipeline.history.repository import Repository
 
 WORKING_TREE = "working tree"
@@ -37,10 +37,8 @@ class GitVersion:
         place = self.repository.top / path
         if place.is_symlink() or not place.is_file():
             return None if os.path.lexists(place) else self.repository.left_out(path)
-        try:
+        with Readable(path):
             return place.read_bytes()
-        except OSError as error:
-            raise InputError(f"cannot be read: {error.strerror}", Location(path)) from error
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.preparation import leave_out_other_ros, prepare
 from tracerisk.pipeline.run.run_watch import RunWatch
-from tracerisk.pipeline.run.scripted_input import scripted_input
+from tracerisk.pipeline.run.scripted_input import Answers, scripted_input
 from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.trace.run_files import (
@@ -78,7 +78,7 @@ from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.sandbox.limited_process import mark_start
+from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.overlay import Overlay
 from tracerisk.source.ros_version import ros_version
@@ -100,44 +100,41 @@ _MOST_DENIED = 50
 def main() -> int:
     """Run the request named on the command line; the exit code says how the run ended."""
     request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    _apply_limits(request)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    lower_limit(resource.RLIMIT_AS, request.memory_limit_mb * _MB)
     # What is imported by now stays: to look through it for garbage takes longer than many a run.
     gc.freeze()
     folder = Path(request.folder)
     with (folder / STACKS).open("w") as stacks:
         # The parent asks where an endless loop stands before it ends the process.
         faulthandler.register(signal.SIGUSR1, file=stacks, all_threads=True)
-        return _run(request, folder)
+        return recorded(request, _run)
 
 
-def _apply_limits(request: RunRequest) -> None:
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = request.memory_limit_mb * _MB
-    limit = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+def recorded(
+    request: RunRequest,
+    run: Callable[[RunRequest, SampleWriter, Recorder, list[Callable[[], int]]], None],
+) -> int:
+    """Carry out a run that leaves a recording; return the code with which its process ends.
 
-
-def _run(request: RunRequest, folder: Path) -> int:
-    with (
-        (folder / EVENTS).open("wb", buffering=0) as stream,
-        SampleWriter(folder) as samples,
-    ):
+    The run gives the recorder's clock, the only one of its list.
+    """
+    folder = Path(request.folder)
+    with (folder / EVENTS).open("wb", buffering=0) as stream, SampleWriter(folder) as samples:
         # The recorder's clock and the tracer know each other only through the scheduler.
         clock: list[Callable[[], int]] = [lambda: 0]
         recorder = Recorder(stream, clock=lambda: clock[0]())
         try:
-            _run_recorded(request, folder, samples, recorder, clock)
+            run(request, samples, recorder, clock)
         except TraceRiskError as error:
             # Nothing has run: the source, the robot or the scene is at fault.
-            refuse(recorder, error)
+            _refuse(recorder, error)
             return int(error.exit_code)
     return 0
 
 
-def _run_recorded(
+def _run(
     request: RunRequest,
-    folder: Path,
     samples: SampleWriter,
     recorder: Recorder,
     clock: list[Callable[[], int]],
@@ -146,7 +143,7 @@ def _run_recorded(
     launch = request.launch or NOTHING_LAUNCHED
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
-    twin, scenario = twin_of(request, folder, samples, recorder)
+    twin, scenario = twin_of(request, samples, recorder)
     robot = twin.robot
     for fault in request.faults:
         twin.arm(fault)
@@ -244,12 +241,14 @@ def _run_recorded(
         served_opencv_names(),
         virtual_time(scheduler, seed=request.seed, note=partial(recorder.finding, "not_simulated")),
         scripted_input(
-            (*request.answers, *scenario.answers),
-            recorder,
-            scheduler,
-            str(script),
-            assume=lambda: known_answers(asking_place(), values),
-            progress=lambda: watch.last_command_ns,
+            Answers(
+                (*request.answers, *scenario.answers),
+                recorder,
+                scheduler,
+                str(script),
+                assume=lambda: known_answers(asking_place(), values),
+                progress=lambda: watch.last_command_ns,
+            )
         ),
         prepared_controller(
             script, tracer, request.argv, root=root, entry=entry.function if entry else None
@@ -298,11 +297,11 @@ def _run_recorded(
 
 
 def twin_of(
-    request: RunRequest, folder: Path, samples: SampleWriter, recorder: Recorder
+    request: RunRequest, samples: SampleWriter, recorder: Recorder
 ) -> tuple[Twin, Scenario]:
     """Return the twin of a request, whose robot lies in `folder`, and its scenario."""
     robot = with_assumed_names(
-        read_dumped_robot(folder / ROBOT),
+        read_dumped_robot(Path(request.folder, ROBOT)),
         lambda message: recorder.finding("assumed_name", message),
     )
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
@@ -426,7 +425,7 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[Overlay | None]:
         yield overlay
 
 
-def refuse(recorder: Recorder, error: TraceRiskError) -> None:
+def _refuse(recorder: Recorder, error: TraceRiskError) -> None:
     """Note why a run could not begin."""
     place = error.location
     recorder.note(

@@ -7,6 +7,7 @@ import contextlib
 import io
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import NoReturn
 
 from tracerisk.instrument.recording import Recorder
@@ -19,24 +20,8 @@ _TAKES_NO_ENTER = 3
 
 
 @contextlib.contextmanager
-def scripted_input(
-    answers: Sequence[str],
-    recorder: Recorder,
-    scheduler: Scheduler,
-    script: str,
-    assume: Callable[[], Sequence[str]],
-    progress: Callable[[], object],
-) -> Iterator[None]:
-    """Give `input()` and reads of the standard input the answers in turn, then Enter.
-
-    Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
-    one that is asked again and again ends the run. A controller that reads keys gets each answer as
-    one; `script` is the file of its own in which the keys are compared.
-
-    A question that comes again and again with no `progress` between does not take Enter: it gets
-    what `assume` returns for it, in turn, and each is an assumption.
-    """
-    stream = _Answers(answers, recorder, scheduler, script, assume, progress)
+def scripted_input(stream: Answers) -> Iterator[None]:
+    """Give `input()` and reads of the standard input the answers in turn, then Enter."""
     real_input, real_stdin = builtins.input, sys.stdin
 
     def scripted(prompt: object = "", /) -> str:
@@ -52,48 +37,56 @@ def scripted_input(
         builtins.input, sys.stdin = real_input, real_stdin
 
 
-class _Answers(io.TextIOBase):
+@dataclass(eq=False, repr=False)
+class Answers(io.TextIOBase):
     """The answers line by line.
 
     What waits for a line or a key gets Enter when they are used up; what reads to the end of
     the input finds it there, as behind a pipe.
+
+    Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
+    one that is asked again and again ends the run. A controller that reads keys gets each answer as
+    one; `script` is the file of its own in which the keys are compared.
+
+    A question that comes again and again with no `progress` between does not take Enter: it gets
+    what `assume` returns for it, in turn, and each is an assumption.
     """
 
-    def __init__(
-        self,
-        answers: Sequence[str],
-        recorder: Recorder,
-        scheduler: Scheduler,
-        script: str,
-        assume: Callable[[], Sequence[str]],
-        progress: Callable[[], object],
-    ) -> None:
-        self.prompt = ""
-        self.keys = ScriptedKeys(self._given, scheduler, script)
-        self._assume = assume
-        self._progress = progress
-        self._assumed: dict[str, list[str]] = {}
-        self._last_asked: tuple[str, object] = ("", None)
-        self._times = 0
-        self._answers = list(answers)
-        self._line = ""
-        self._recorder = recorder
-        self._scheduler = scheduler
+    answers: Sequence[str]
+    recorder: Recorder
+    scheduler: Scheduler
+    script: str
+    assume: Callable[[], Sequence[str]]
+    progress: Callable[[], object]
+    prompt: str = field(default="", init=False)
+    _assumed: dict[str, list[str]] = field(default_factory=dict, init=False)
+    _last_asked: tuple[str, object] = field(default=("", None), init=False)
+    _times: int = field(default=0, init=False)
+    _line: str = field(default="", init=False)
+
+    def __post_init__(self) -> None:
+        self.keys = ScriptedKeys(self._given, self.scheduler, self.script)
+        self._left = list(self.answers)
 
     @property
     def encoding(self) -> str:  # type: ignore[override]
+        """Return what a terminal's would be."""
         return "utf-8"
 
     def readable(self) -> bool:
+        """Return that it can be read."""
         return True
 
     def fileno(self) -> int:
+        """Return the descriptor of the standard input, whose keys are scripted too."""
         return STDIN
 
     def seekable(self) -> bool:
+        """Return that it has no places to go to, as a terminal."""
         return False
 
     def readline(self, size: int | None = -1, /) -> str:  # type: ignore[override]
+        """Return the next answer or what is left of it, or a key."""
         if self.keys.is_raw:
             return self.keys.read(1 if size is None or size < 0 else size)
         if not self._line:
@@ -101,45 +94,47 @@ class _Answers(io.TextIOBase):
         return self._take(size)
 
     def read(self, size: int | None = -1, /) -> str:
+        """Return all answers, or as much as is asked for."""
         if (size is None or size < 0) and not self.keys.is_raw:
             return "".join(self)
         return self.readline(size)
 
     def __next__(self) -> str:  # type: ignore[override]
-        if not self._line and not self._answers:
+        if not self._line and not self._left:
             raise StopIteration
         return self.readline()
 
     def detach(self) -> NoReturn:
+        """Raise, for there is nothing to part from."""
         raise io.UnsupportedOperation("the answers are text and have no bytes below them")
 
     def _given(self) -> str | None:
         """Return the next of the answers that were given, None where none is left."""
-        if not self._answers:
+        if not self._left:
             return None
-        answer = self._answers.pop(0)
-        self._recorder.note("input", answer=answer)
+        answer = self._left.pop(0)
+        self.recorder.note("input", answer=answer)
         return answer
 
     def _next_answer(self) -> None:
         answer = self._given()
         if answer is None:
             answer = self._unscripted()
-            self._recorder.note("input", answer=answer)
+            self.recorder.note("input", answer=answer)
         self._line = f"{answer}\n"
 
     def _unscripted(self) -> str:
         """Return Enter, or an answer that the code knows where Enter leads nowhere."""
         asked = repr(self.prompt) if self.prompt else "a read of the standard input"
-        now = asked, self._progress()
+        now = asked, self.progress()
         self._times = self._times + 1 if now == self._last_asked else 1
         self._last_asked = now
         if self._times == _TAKES_NO_ENTER and asked not in self._assumed:
-            self._assumed[asked] = list(self._assume())
-        self._scheduler.touch()
+            self._assumed[asked] = list(self.assume())
+        self.scheduler.touch()
         if self._assumed.get(asked):
             answer = self._assumed[asked].pop(0)
-            self._recorder.finding(
+            self.recorder.finding(
                 "answer_assumed",
                 f"{asked} does not take Enter: {answer!r} is assumed, as its code would take it; "
                 "--answer gives another",
@@ -147,9 +142,9 @@ class _Answers(io.TextIOBase):
                 object_name=asked,
             )
             return answer
-        self._scheduler.miss(Need("input", asked))
+        self.scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
-            self._scheduler.end(
+            self.scheduler.end(
                 "deadlock",
                 f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "
                 "Enter each time",

@@ -57,6 +57,9 @@ _COMMANDS = re.compile(
 )
 
 
+_Asked = Callable[[], tuple[Missed, ...]]
+
+
 @dataclass(slots=True, eq=False)
 class UnmetNeeds:
     """The needs of one run; `has_commanded` returns whether anything was commanded.
@@ -81,7 +84,7 @@ class UnmetNeeds:
     in_source: Callable[[Path], Iterable[Missed]] = lambda _: ()
     drafts: DraftsNoted = "never"
     shift: Callable[[], PlaceAndShift | None] = lambda: None
-    _at_end: tuple[tuple[Missed, ...], ...] | None = field(default=None, init=False)
+    _at_end: dict[_Asked, tuple[Missed, ...]] | None = field(default=None, init=False)
     _named: tuple[Missed, ...] = field(default=(), init=False)
 
     def __post_init__(self) -> None:
@@ -89,12 +92,12 @@ class UnmetNeeds:
 
     def _keep(self) -> None:
         """Keep what is lacking now: a controller that is ended may still take down its node."""
-        self._at_end = (
-            self._missed_now(),
-            self._all_now(),
-            self._unserved_now(),
-            self._uncalled_now(),
-        )
+        asked = (self._missed_now, self._all_now, self._unserved, self._uncalled)
+        self._at_end = {each: each() for each in asked}
+
+    def _as_of_end(self, asked: _Asked) -> tuple[Missed, ...]:
+        """Return what one of its methods returned when the run was over, or does now."""
+        return asked() if self._at_end is None else self._at_end[asked]
 
     def waited_for(self) -> tuple[Missed, ...]:
         """Return what a controller that only waits may be waiting for."""
@@ -137,7 +140,10 @@ class UnmetNeeds:
         names = {(each.need.kind, each.need.name) for each in unmet}
         more = tuple(
             each
-            for each in (*self._unserved(), *self._further(self.in_source(self.script)))
+            for each in (
+                *self._as_of_end(self._unserved),
+                *self._further(self.in_source(self.script)),
+            )
             if (each.need.kind, each.need.name) not in names
         )
         lines = scenario_lines(drafts((*unmet, *more), self.interfaces, self.values))
@@ -153,7 +159,8 @@ class UnmetNeeds:
 
     def _further(self, asked: Iterable[Missed]) -> tuple[Missed, ...]:
         """Return what of that which sources ask for by name nothing would give."""
-        waits = {(each.need.kind, each.need.name) for each in self._unserved()}
+        unserved = self._as_of_end(self._unserved)
+        waits = {(each.need.kind, each.need.name) for each in unserved}
         read = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
         found: dict[tuple[NeedKind, str], Missed] = {}
         for each in asked:
@@ -212,7 +219,8 @@ class UnmetNeeds:
             left_off = (*left_off, needs.came_nowhere)
         beside = self._further(self._beside())
         obeyed = () if shows_risk else self._may_be_obeyed()
-        for each in (*self._unserved(), *beside, *self._uncalled(), *left_off, *obeyed):
+        unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
+        for each in (*unserved, *beside, *uncalled, *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():
@@ -321,17 +329,12 @@ class UnmetNeeds:
         return ()
 
     def _all(self) -> tuple[Missed, ...]:
-        found = self._all_now() if self._at_end is None else self._at_end[1]
-        return (*found, *self._named)
+        return (*self._as_of_end(self._all_now), *self._named)
 
     def _missed(self) -> tuple[Missed, ...]:
-        missed = self._missed_now() if self._at_end is None else self._at_end[0]
-        return (*missed, *self._named)
+        return (*self._as_of_end(self._missed_now), *self._named)
 
     def _unserved(self) -> tuple[Missed, ...]:
-        return self._unserved_now() if self._at_end is None else self._at_end[2]
-
-    def _unserved_now(self) -> tuple[Missed, ...]:
         """Return what the controller has a client of, or listens to, and nobody provides."""
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
         found = (*graph.unserved(), *actions.unserved(), *graph.unpublished())
@@ -350,12 +353,9 @@ class UnmetNeeds:
                 topics.setdefault(each.need.name, each)
         lacking = (*missed, *topics.values())
         # Who lacks nothing and serves something waits to be asked.
-        return lacking or self._uncalled_now()
+        return lacking or self._uncalled()
 
     def _uncalled(self) -> tuple[Missed, ...]:
-        return self._uncalled_now() if self._at_end is None else self._at_end[3]
-
-    def _uncalled_now(self) -> tuple[Missed, ...]:
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
         return (*graph.uncalled(), *actions.uncalled())
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from tracerisk.config import controller_root
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, Readable
 from tracerisk.records import dataclass, field, replace
 from tracerisk.source.language import is_c
 from tracerisk.source.named_literals import counted_names
@@ -57,12 +57,9 @@ class Controller:
             return self.source
         if file in self.others:
             return self.others[file]
-        try:
-            return self.path_of(file).read_bytes()
-        except OSError as error:
-            raise InputError(
-                f"cannot be read: {error.strerror}", Location(str(self.path_of(file)))
-            ) from error
+        path = self.path_of(file)
+        with Readable(path):
+            return path.read_bytes()
 
     def as_ran(self, sources: Mapping[str, bytes]) -> Controller:
         """Return the controller with the sources that a run compiled, by their names."""

@@ -29,7 +29,7 @@ from tracerisk.pipeline.trace.run_files import (
     claimed,
 )
 from tracerisk.sandbox.forking import NotForkableError, fork_apart, open_descriptors
-from tracerisk.sandbox.limited_process import POLL_S
+from tracerisk.sandbox.limited_process import POLL_S, lower_limit
 from tracerisk.sandbox.overlay import Overlay
 from tracerisk.twin.faults.armed import step_at
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
@@ -137,8 +137,8 @@ class BranchPoints:
         self._pending.clear()
         self._alive.clear()
         self._unread.clear()
-        _limit(resource.RLIMIT_CPU, math.ceil(min(plan.cpu_limit_s, 1e9)) + _SPARE_CPU_S)
-        _limit(resource.RLIMIT_FSIZE, MOST_ROWS)
+        lower_limit(resource.RLIMIT_CPU, math.ceil(min(plan.cpu_limit_s, 1e9)) + _SPARE_CPU_S)
+        lower_limit(resource.RLIMIT_FSIZE, MOST_ROWS)
         self._samples.moved(self.folder)
         self._end.forked()
         self._end.before_exit = lambda: None
@@ -184,12 +184,6 @@ class BranchPoints:
             os.write(log, f"{json.dumps(cause)}\n".encode())
         finally:
             os.close(log)
-
-
-def _limit(kind: int, most: int) -> None:
-    _, hard = resource.getrlimit(kind)
-    wanted = most if hard == resource.RLIM_INFINITY else min(most, hard)
-    resource.setrlimit(kind, (wanted, hard))
 
 
 def _step_of(branch: Branch) -> int:

@@ -21,7 +21,7 @@ from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.child import (
     drivers_of,
     note_given,
-    refuse,
+    recorded,
     runtime_of,
     serve_twin,
     twin_of,
@@ -30,7 +30,6 @@ from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
     ENTRY,
-    EVENTS,
     GRAPH_USE,
     MISSION_END,
     STARTED,
@@ -66,33 +65,27 @@ _EXIT_S = 5.0
 def main() -> int:
     """Run the request named on the command line; the exit code says whether anything ran."""
     request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    folder = Path(request.folder)
     is_alone = leave_network()
-    with (folder / EVENTS).open("wb", buffering=0) as stream, SampleWriter(folder) as samples:
-        clock: list[Callable[[], int]] = [lambda: 0]
-        recorder = Recorder(stream, clock=lambda: clock[0]())
+
+    def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder, clock: Any) -> None:
         if not is_alone:
             recorder.finding("not_simulated", _NO_NETWORK)
-        try:
-            _LiveRun(request, folder, samples, recorder, clock).run()
-        except TraceRiskError as error:
-            refuse(recorder, error)
-            return int(error.exit_code)
-    return 0
+        _LiveRun(asked, samples, recorder, clock).run()
+
+    return recorded(request, run)
 
 
 class _LiveRun:
     def __init__(
         self,
         request: RunRequest,
-        folder: Path,
         samples: SampleWriter,
         recorder: Recorder,
         clock: list[Callable[[], int]],
     ) -> None:
-        self._request, self._folder, self._recorder = request, folder, recorder
+        self._request, self._recorder = request, recorder
         script, root = Path(request.controller), Path(request.root)
-        self._twin, scenario = twin_of(request, folder, samples, recorder)
+        self._twin, scenario = twin_of(request, samples, recorder)
         tracer = Tracer()
         self._scheduler = Scheduler(
             self._twin, duration_ns=round(request.duration_s * 1e9), tracer=tracer
@@ -163,7 +156,7 @@ class _LiveRun:
         self._report_end(over, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
         self._twin.close()
-        WallTime(time.perf_counter() - began, 0.0).write(self._folder)
+        WallTime(time.perf_counter() - began, 0.0).write(Path(self._request.folder))
 
     def _lived(self, session: Session, program: Program, entry: Any) -> RunOver | None:
         def live() -> None:

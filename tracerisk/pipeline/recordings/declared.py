@@ -1,10 +1,11 @@
-"""What the effort of a joint state means: the unit that is declared for a robot."""
+"""What is declared of a recording, and what the effort of its joint states means by it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from tracerisk.errors import SettingsError, one_of
 from tracerisk.twin.robots.robot import Joint
@@ -27,6 +28,30 @@ class EffortUnit:
         """Return what one unit is of a joint [N m or N]."""
         found = self.by_joint.get(joint.name, self.of_all)
         return joint.torque_limit / 100.0 if found is None else found
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """What is declared of a recording."""
+
+    effort_unit: EffortUnit | None = None
+    """The unit of effort; `None` where it is not known."""
+    encoder_step: float | None = None
+    """The least difference of two positions [rad or m]; `None` where it is not known."""
+    joint_states: str | None = None
+    """The topic of joint states; `None` for the one that fits the robot."""
+    commands: Path | None = None
+    """A file of the probe."""
+    functions: Path | None = None
+    """A CSV file with the times of functions."""
+    names: str | None = None
+    """A topic with the names of functions."""
+    controller: str = ""
+    """The file of the controller; empty for what the probe says."""
+    states: Collection[str] = ()
+    """Qualified names of functions that are steps of the task."""
+    helpers: Collection[str] = ()
+    """Qualified names of functions that are none."""
 
 
 def parse_effort_unit(text: str) -> EffortUnit:
