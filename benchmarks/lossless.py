@@ -21,6 +21,7 @@ import sys
 import sysconfig
 import time
 import warnings
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,14 +34,14 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
     is_function_name,
 )
-from tracerisk.adder.sources.c_blocks import scan_c_blocks
+from tracerisk.adder.sources.c_blocks import insert_c_at, scan_c_blocks
 from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
-from tracerisk.adder.sources.insert import insert_everywhere, strip_blocks
+from tracerisk.adder.sources.insert import insert_at, strip_blocks
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import TraceRiskError
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.source.language import is_c
+from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import QualifiedName
 
 VERDICTS = ("exact", "refused", "wrong")
@@ -56,6 +57,16 @@ class Outcome:
     functions: int = 0
     left_out: int = 0
     reason: str = ""
+
+
+def insert_everywhere(
+    source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock], file: str
+) -> bytes:
+    """Return the source with a block at each definition, given by its name and its line."""
+    if is_c_like(file):
+        return insert_c_at(parse_c(source, file), scan_c_blocks(source, file), blocks)
+    parsed = parse_python(source, file)
+    return insert_at(source, parsed, scan_blocks(parsed), blocks)
 
 
 def check(path: Path) -> Outcome:

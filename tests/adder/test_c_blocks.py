@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 
 import pytest
+from lossless import insert_everywhere
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import computed_count
-from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
+from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.placed import MisplacedBlockError
 from tracerisk.adder.sources.read import block_lines, read_blocks
 from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError

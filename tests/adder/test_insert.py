@@ -3,10 +3,11 @@ from __future__ import annotations
 import ast
 
 import pytest
+from lossless import insert_everywhere
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import computed_count, computed_next
-from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
+from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.errors import BlockError, InputError, UnsafeRewriteError
 
 SIGN = "<block>"

@@ -10,6 +10,7 @@ from types import CodeType
 import pytest
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
+from lossless import insert_everywhere
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import (
@@ -19,7 +20,7 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
-from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
+from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import SourceError, UnsafeRewriteError
 from tracerisk.hardware.redundancy import Redundancy

@@ -283,12 +283,8 @@ def _left_blocks_last(
     their rank may be another's by now, and their `next` may name a function without a block.
     """
     computed = {source.file: source.computed for source in sources}
-    placed = [
-        (file, name, block)
-        for file, one in merged.items()
-        for name, block in one.blocks.items()
-        if block is not None
-    ]
+    found = _by_function(merged)
+    placed = [(ref.file, ref.name, block) for ref, block in found.items()]
     left = [
         each
         for each in placed
@@ -296,7 +292,7 @@ def _left_blocks_last(
         and not each[2].added
         and not each[2].call_sequence.pinned
     ]
-    names = {*model_names(_by_function(merged)).values(), DONE}
+    names = {*model_names(found).values(), DONE}
     ranks = [each[2].call_sequence.value for each in placed if each not in left]
     result = dict(merged)
     left.sort(key=lambda each: (each[2].call_sequence.value, each[0], each[1]))

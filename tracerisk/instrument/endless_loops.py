@@ -51,19 +51,24 @@ def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
                 ast.copy_location(node, loop.body[0])
         loop.body.insert(0, marker)
     if loops:
-        index = 1 if ast.get_docstring(tree, clean=False) is not None else 0
-        while index < len(tree.body) and _is_future_import(tree.body[index]):
-            index += 1
         line = ast.ImportFrom(module, [ast.alias("looped", MARKER)], 0)
         for node in ast.walk(line):
             if "lineno" in node._attributes:
                 node.lineno = node.end_lineno = 1  # type: ignore[attr-defined]
                 node.col_offset = node.end_col_offset = 0  # type: ignore[attr-defined]
-        tree.body.insert(index, line)
+        tree.body.insert(begin_of_code(tree), line)
+
+
+def begin_of_code(tree: ast.Module) -> int:
+    """Return how many statements must stay first: the docstring and `from __future__` imports."""
+    index = 1 if ast.get_docstring(tree, clean=False) is not None else 0
+    while index < len(tree.body) and _is_future_import(tree.body[index]):
+        index += 1
+    return index
 
 
 def _is_future_import(node: ast.stmt) -> bool:
-    return isinstance(node, ast.ImportFrom) and node.module == "__future__"
+    return isinstance(node, ast.ImportFrom) and node.module == "__future__" and node.level == 0
 
 
 def _holds(test: ast.expr) -> bool:

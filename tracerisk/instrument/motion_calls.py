@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from tracerisk.instrument.tracer import Site
+from tracerisk.source.dotted_names import dotted_name
 from tracerisk.source.python_source import parsed
 
 MOTION_CALLS = frozenset(
@@ -33,25 +34,14 @@ def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
         return frozenset()
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and (node.lineno, node.col_offset + 1) in wanted:
-            written = _dotted(node.func)
-            if written is None:
+            written = dotted_name(node.func)
+            if not written:
                 continue
             names.add(written)
             last = written.rpartition(".")[2]
             if isinstance(node.func, ast.Attribute) and last not in _COMMON:
                 names.add(last)
     return frozenset(names)
-
-
-def _dotted(node: ast.expr) -> str | None:
-    """Return `a.b.c` as it is written, None for what is more than names and dots."""
-    parts: list[str] = []
-    while isinstance(node, ast.Attribute):
-        parts.append(node.attr)
-        node = node.value
-    if not isinstance(node, ast.Name):
-        return None
-    return ".".join(reversed([*parts, node.id]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +77,8 @@ def missed_calls(
         # stack.
         if isinstance(scope, ast.AsyncFunctionDef) or _is_made(call, made):
             continue
-        written = _dotted(call.func)
-        if written is None:
+        written = dotted_name(call.func)
+        if not written:
             continue
         owner, _, last = written.rpartition(".")
         if last in coroutines:
@@ -114,10 +104,10 @@ def _calls(
         yield from _calls(each, inner)
 
 
-def _same(call: ast.Call, scope: ast.AST | None) -> tuple[str | None, int]:
+def _same(call: ast.Call, scope: ast.AST | None) -> tuple[str, int]:
     """Return what is equal for calls of the same thing."""
-    written = _dotted(call.func)
-    owner, _, last = (written or "").rpartition(".")
+    written = dotted_name(call.func)
+    owner, _, last = written.rpartition(".")
     # A local `publisher` may be another one in another function.
     is_local = last in _COMMON and owner.partition(".")[0] != "self"
     return written, id(scope) if is_local else 0

@@ -11,8 +11,8 @@ import sys
 import threading
 from collections.abc import Callable
 from contextvars import ContextVar, Token
-from dataclasses import dataclass, replace
-from types import CodeType, FrameType, TracebackType
+from dataclasses import dataclass, field, replace
+from types import CodeType, FrameType
 from typing import Any, Literal
 
 from tracerisk.errors import Location
@@ -53,26 +53,22 @@ class Frame:
     instance: str | None = None
 
 
+@dataclass(slots=True, eq=False)
 class _Record:
     """A traced function: its name, the line of its `def` and its code."""
 
-    __slots__ = ("code", "line", "ref")
-
-    def __init__(self, ref: FunctionRef, line: int, code: CodeType) -> None:
-        self.ref = ref
-        self.line = line
-        self.code = code
+    ref: FunctionRef
+    line: int
+    code: CodeType
 
 
+@dataclass(slots=True, eq=False)
 class _Base:
     """The bottom of a stack: a root, or what a thread or a future inherited."""
 
-    __slots__ = ("activation", "inherited", "kind")
-
-    def __init__(self, kind: RootKind, activation: int, inherited: tuple[Frame, ...] = ()) -> None:
-        self.kind = kind
-        self.activation = activation
-        self.inherited = inherited
+    kind: RootKind
+    activation: int
+    inherited: tuple[Frame, ...] = ()
 
 
 # One link of a stack: (the caller's link or the base, the function, the activation).
@@ -87,26 +83,19 @@ class Captured:
     frames: tuple[Frame, ...]
 
 
+@dataclass(slots=True, eq=False)
 class _Entered:
     """Context manager: the stack stands on `base` while it is open; may be entered again."""
 
-    __slots__ = ("_base", "_tokens", "_variable")
-
-    def __init__(self, variable: ContextVar[Any], base: _Base) -> None:
-        self._variable = variable
-        self._base = base
-        self._tokens: list[Token[Any]] = []
+    variable: ContextVar[Any]
+    base: _Base
+    tokens: list[Token[Any]] = field(default_factory=list)
 
     def __enter__(self) -> None:
-        self._tokens.append(self._variable.set(self._base))
+        self.tokens.append(self.variable.set(self.base))
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._variable.reset(self._tokens.pop())
+    def __exit__(self, *_: object) -> None:
+        self.variable.reset(self.tokens.pop())
 
 
 class Tracer:
@@ -119,8 +108,9 @@ class Tracer:
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
-        self._top: ContextVar[Any] = ContextVar("tracerisk_stack", default=None)
-        self._next_activation = itertools.count(1).__next__
+        self.top: ContextVar[Any] = ContextVar("tracerisk_stack", default=None)
+        """The innermost link of the running code's stack."""
+        self.next_activation = itertools.count(1).__next__
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
         self.on_source: Callable[[str, bytes], None] | None = None
@@ -168,23 +158,13 @@ class Tracer:
         record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
         self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)
-        token = self._top.set((self._top.get(), record, self._next_activation()))
+        token = self.top.set((self.top.get(), record, self.next_activation()))
         try:
             exec(code, namespace)
         finally:
-            self._top.reset(token)
+            self.top.reset(token)
 
     # --- what the wrappers use
-
-    @property
-    def top(self) -> ContextVar[Any]:
-        """The innermost link of the running code's stack."""
-        return self._top
-
-    @property
-    def next_activation(self) -> Callable[[], int]:
-        """Counts the activations of the run."""
-        return self._next_activation
 
     def first_run(self, record: Any) -> None:
         """Note that a function runs; only the first time counts."""
@@ -202,7 +182,7 @@ class Tracer:
 
     def root(self, kind: RootKind) -> _Entered:
         """Return a context manager in which controller code is called by none of its own."""
-        return _Entered(self._top, _Base(kind, self._next_activation()))
+        return _Entered(self.top, _Base(kind, self.next_activation()))
 
     def capture(self) -> Captured:
         """Return the stack of the running code, for a thread or a future to inherit.
@@ -213,7 +193,7 @@ class Tracer:
 
     def resume(self, captured: Captured) -> _Entered:
         """Return a context manager in which the stack goes on from a captured one."""
-        return _Entered(self._top, _Base("thread", self._next_activation(), captured.frames))
+        return _Entered(self.top, _Base("thread", self.next_activation(), captured.frames))
 
     def stack(self) -> tuple[Frame, ...]:
         """Return the active functions of the running code, root first; never empty.
@@ -226,12 +206,12 @@ class Tracer:
         frames = self._frames()
         if frames:
             return frames
-        base = self._top.get()
+        base = self.top.get()
         while isinstance(base, tuple):
             # Library code only: it runs for the root below.
             base = base[0]
         if not isinstance(base, _Base):
-            base = _Base(_bare_root(), self._next_activation())
+            base = _Base(_bare_root(), self.next_activation())
         frame = self._innermost_controller_frame()
         if frame is None:
             ref, site = FunctionRef(self._main_file, MODULE_NAME), (1, 0)
@@ -275,7 +255,7 @@ class Tracer:
     def _frames(self) -> tuple[Frame, ...]:
         """Match the links of the stack with Python's frames, innermost first; no libraries."""
         links: list[_Link] = []
-        link = self._top.get()
+        link = self.top.get()
         while isinstance(link, tuple):
             if link[1].code.co_filename not in self._libraries:
                 links.append(link)

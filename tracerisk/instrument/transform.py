@@ -18,7 +18,7 @@ import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.code_positions import compile_with_positions
-from tracerisk.instrument.endless_loops import mark_endless_loops
+from tracerisk.instrument.endless_loops import begin_of_code, mark_endless_loops
 from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
@@ -140,20 +140,13 @@ def _import_line() -> cst.SimpleStatementLine:
 
 def _import_index(tree: ast.Module, body: Sequence[cst.BaseStatement]) -> int:
     """Count the lines of the docstring and the `from __future__` imports, which must stay first."""
-    small = 1 if ast.get_docstring(tree, clean=False) is not None else 0
-    while small < len(tree.body) and _is_future_import(tree.body[small]):
-        small += 1
-    index = 0
+    small, index = begin_of_code(tree), 0
     while small > 0:
         line = body[index]
         assert isinstance(line, cst.SimpleStatementLine)
         small -= len(line.body)
         index += 1
     return index
-
-
-def _is_future_import(node: ast.stmt) -> bool:
-    return isinstance(node, ast.ImportFrom) and node.module == "__future__" and node.level == 0
 
 
 def _take_positions(tree: ast.Module, original: ast.Module, file: str) -> None:

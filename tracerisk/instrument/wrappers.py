@@ -170,18 +170,18 @@ class _Resumed:
 
     @hide
     def throw(self, *exception: Any) -> Any:
-        caller = self._top.get()
-        self._top.set((caller, self._record, self._activation))
-        try:
-            return self._target.throw(*exception)
-        finally:
-            self._top.set(caller)
+        return self._within(self._target.throw, *exception)
 
     @hide
     def close(self) -> None:
+        self._within(self._target.close)
+
+    @hide
+    def _within(self, call: Callable[..., Any], *arguments: Any) -> Any:
+        # `send` does the same by itself, for there is one at each step of a generator.
         caller = self._top.get()
         self._top.set((caller, self._record, self._activation))
         try:
-            self._target.close()
+            return call(*arguments)
         finally:
             self._top.set(caller)

@@ -34,6 +34,7 @@ DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"
 
 DEFAULT_WIDTH = 79
 """The width that printed lines keep to, the indentation included, where words allow it."""
+_NARROWEST, _TAB_COLUMNS = 40, 8
 
 WITH_EVIDENCE = "with evidence"
 """What stands behind the header of a block whose values take evidence."""
@@ -383,6 +384,11 @@ def _comment_text(computed: str | None, reason: str | None) -> str | None:
 
 def _lines_of(keys: Iterable[str]) -> list[str]:
     return [f"{key} =" for key in keys]
+
+
+def width_behind(indent: bytes) -> int:
+    """Return how wide the lines of a block may be behind an indentation."""
+    return max(_NARROWEST, DEFAULT_WIDTH - len(indent.expandtabs(_TAB_COLUMNS)))
 
 
 def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.model import Basis
+from tracerisk.hardware.model import Basis, Component
 from tracerisk.quantify.mission import ComponentUse
 
 
@@ -14,13 +14,40 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     """Return what is assumed of the components, each kind in a line."""
     bound = [each.bound for each in used]
     return (
-        *_per_visit(bound),
+        *_named(
+            bound,
+            lambda each: any(figure.per is Basis.VISIT for figure in each.figures),
+            "failure figures are per visit, whatever its length, so the mission's figure depends "
+            "on how the code is cut into functions",
+        ),
         *_tested(used),
-        *_own_speed(bound),
+        *_named(
+            bound,
+            lambda each: each.load_law is not None and each.load_law.reference_speed is None,
+            "the figures are taken to hold at the mean speed of the mission itself, since the "
+            "load law states no reference_speed: what moves faster throughout wears no more by "
+            "that",
+        ),
         *_ageing(bound),
         *_harmless(bound),
-        *_medians(bound),
+        *_named(
+            bound,
+            lambda each: any(
+                figure.error_factor is not None and figure.value_is == "median"
+                for figure in each.figures
+            ),
+            "the figures with an error factor are medians, and so the mission's is about its "
+            "median; its mean is higher; `solve --hardware --uncertainty` prints it",
+        ),
     )
+
+
+def _named(
+    bound: Sequence[BoundComponent], is_so: Callable[[Component], bool], words: str
+) -> tuple[str, ...]:
+    """Return words behind the names of the components that are so; nothing where none is."""
+    names = sorted(each.component.name for each in bound if is_so(each.component))
+    return (f"{', '.join(names)}: {words}",) if names else ()
 
 
 def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
@@ -38,35 +65,6 @@ def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
         if each.missions_between_tests > 1.0
     ]
     return (*(lines if within else ()), *rarer)
-
-
-def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    per_visit = sorted(
-        each.component.name
-        for each in bound
-        if any(figure.per is Basis.VISIT for figure in each.component.figures)
-    )
-    if not per_visit:
-        return ()
-    return (
-        f"{', '.join(per_visit)}: failure figures are per visit, whatever its length, so the "
-        "mission's figure depends on how the code is cut into functions",
-    )
-
-
-def _own_speed(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    names = sorted(
-        each.component.name
-        for each in bound
-        if each.component.load_law is not None and each.component.load_law.reference_speed is None
-    )
-    if not names:
-        return ()
-    return (
-        f"{', '.join(names)}: the figures are taken to hold at the mean speed of the mission "
-        "itself, since the load law states no reference_speed: what moves faster throughout "
-        "wears no more by that",
-    )
 
 
 def _ageing(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
@@ -93,23 +91,6 @@ def _harmless(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
                 f"of the failures; the other {100.0 * rest:.4g} % are taken as harmless"
             )
     return tuple(lines)
-
-
-def _medians(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    names = sorted(
-        each.component.name
-        for each in bound
-        if any(
-            figure.error_factor is not None and figure.value_is == "median"
-            for figure in each.component.figures
-        )
-    )
-    if not names:
-        return ()
-    return (
-        f"{', '.join(names)}: the figures with an error factor are medians, and so the mission's "
-        "is about its median; its mean is higher; `solve --hardware --uncertainty` prints it",
-    )
 
 
 _ROUNDING = 1e-9

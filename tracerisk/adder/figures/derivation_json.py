@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
-from enum import Enum
 from typing import Any
 
 from tracerisk.adder.figures.derivation import FunctionDerivation
+from tracerisk.text.finite import finite
 
 SCHEMA = "tracerisk-derivation"
 VERSION = 1
@@ -18,17 +17,5 @@ def derivation_data(derivation: FunctionDerivation) -> dict[str, Any]:
 
     A number that is infinite (of what surely fails) is `None`, JSON's null.
     """
-    plain: dict[str, Any] = _plain(asdict(derivation))
+    plain: dict[str, Any] = finite(asdict(derivation))
     return {"schema": SCHEMA, "version": VERSION, **plain}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

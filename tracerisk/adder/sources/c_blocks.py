@@ -19,10 +19,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import DEFAULT_WIDTH, GUTTER, print_block
+from tracerisk.adder.blocks.grammar import GUTTER, print_block, width_behind
 from tracerisk.adder.sources.c_source import SCOPE, CFunction, CSource, parse_c
 from tracerisk.adder.sources.edits import Edit, apply_edits
-from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock, targets_of
+from tracerisk.adder.sources.placed import (
+    MisplacedBlockError,
+    PlacedBlock,
+    check_same_blocks,
+    check_same_bytes,
+    targets_of,
+)
 from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 from tracerisk.instance_name import is_name_at
@@ -30,8 +36,6 @@ from tracerisk.records import replace
 from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
-_NARROWEST = 40
-_TAB_COLUMNS = 8
 _BLANK = pattern(rb"\s*")
 
 
@@ -84,22 +88,15 @@ def insert_c_blocks(
     found = [(each.name, each.line) for each in parsed.functions]
     line = parsed.first_unread
     hint = "" if line is None else f"; from line {line} on something cannot be read without macros"
-    return _rewrite(parsed, placed, targets_of(found, placed, blocks, lines, file, hint))
+    return insert_c_at(parsed, placed, targets_of(found, placed, blocks, lines, file, hint))
 
 
-def insert_c_everywhere(
-    source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock | None], file: str
-) -> bytes:
-    """Return the source with a block at each definition; see `insert_everywhere`."""
-    parsed = parse_c(source, file)
-    return _rewrite(parsed, tuple(_placed(parsed, c_comments(source, file))), blocks)
-
-
-def _rewrite(
+def insert_c_at(
     parsed: CSource,
     placed: Sequence[PlacedBlock],
     targets: Mapping[tuple[QualifiedName, int], RiskBlock | None],
 ) -> bytes:
+    """Return the source with a block at each target; see `insert_at`."""
     source, file = parsed.source, parsed.file
     spans = {(block.function, block.line): block for block in placed}
     edits = []
@@ -208,9 +205,8 @@ def _text(block: RiskBlock, source: bytes, at: int, indent_at: int, file: str) -
         indent += b"\t" if b"\t" in indent else b"  "
     before = source[at - 2 : at] if at else source[: source.find(b"\n") + 1]
     newline = b"\r\n" if before.endswith(b"\r\n") else b"\n"
-    columns = len(indent.expandtabs(_TAB_COLUMNS))
-    width = max(_NARROWEST, DEFAULT_WIDTH - columns)
-    lines = [" * " + each.removeprefix(GUTTER) for each in print_block(block, width)]
+    printed = print_block(block, width_behind(indent))
+    lines = [" * " + each.removeprefix(GUTTER) for each in printed]
     for each in lines:
         if "*/" in each:
             raise UnsafeRewriteError(
@@ -234,16 +230,9 @@ def _check_rewrite(before: CSource, result: bytes, expected: Sequence[RiskBlock]
         ) from error
     comments = list(c_comments(before.source, before.file))
     bare = _without(before.source, comments, before.file)
-    if _without(result, found, before.file) != bare:
-        raise UnsafeRewriteError(
-            "taking the risk blocks out again would not give the same bytes",
-            Location(before.file),
-        )
+    check_same_bytes(bare, _without(result, found, before.file), before.file)
     _check_same_program(before, after, "adding")
-    if sorted(map(print_block, expected)) != sorted(print_block(each.block) for each in placed):
-        raise UnsafeRewriteError(
-            "the risk blocks would not be read back as they were written", Location(before.file)
-        )
+    check_same_blocks(expected, placed, before.file)
 
 
 def _check_same_program(before: CSource, after: CSource, what: str) -> None:

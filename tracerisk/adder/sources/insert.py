@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import DEFAULT_WIDTH, print_block
-from tracerisk.adder.sources.c_blocks import insert_c_blocks, insert_c_everywhere, strip_c_blocks
+from tracerisk.adder.blocks.grammar import print_block, width_behind
+from tracerisk.adder.sources.c_blocks import insert_c_blocks, strip_c_blocks
 from tracerisk.adder.sources.definitions import (
     BYTE_ORDER_MARK,
     MODULE,
@@ -34,9 +34,6 @@ from tracerisk.errors import InputError, Location, UnsafeRewriteError
 from tracerisk.instance_name import is_name_at
 from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
-
-_NARROWEST = 40
-_TAB_COLUMNS = 8
 
 
 def strip_blocks(source: bytes, file: str) -> bytes:
@@ -80,29 +77,19 @@ def insert_blocks(
     found = [(MODULE, module_line(parsed))]
     found += [(definition.name, definition.line) for definition in definitions(parsed.tree)]
     targets = targets_of(found, placed, blocks, lines or {}, file)
-    return _rewrite(source, parsed, placed, targets)
+    return insert_at(source, parsed, placed, targets)
 
 
-def insert_everywhere(
-    source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock | None], file: str
-) -> bytes:
-    """Return the source with a block at each definition, given by name and line of its `def`.
-
-    Raises:
-        As `insert_blocks`.
-    """
-    if is_c_like(file):
-        return insert_c_everywhere(source, blocks, file)
-    parsed = parse_python(source, file)
-    return _rewrite(source, parsed, scan_blocks(parsed), blocks)
-
-
-def _rewrite(
+def insert_at(
     source: bytes,
     parsed: PythonSource,
     placed: tuple[PlacedBlock, ...],
     targets: Mapping[tuple[QualifiedName, int], RiskBlock | None],
 ) -> bytes:
+    """Return the source with a block at each target, given by name and line of its `def`.
+
+    `placed` are the blocks that it has. Raises as `insert_blocks`.
+    """
     for (name, line), wanted in targets.items():
         if wanted is not None and normal_name(wanted.name) != name:
             raise InputError(
@@ -148,12 +135,11 @@ def _lines_of(block: RiskBlock, source: PythonSource, ends_as: int, indent_line:
     if indent_line == 1:
         line = line.removeprefix(BYTE_ORDER_MARK)
     indent = line[: len(line) - len(line.lstrip(b" \t\f"))]
-    columns = len(indent.expandtabs(_TAB_COLUMNS))
     newline = _newline(source, ends_as)
     try:
         return b"".join(
             indent + text.encode(source.encoding) + newline
-            for text in print_block(block, max(_NARROWEST, DEFAULT_WIDTH - columns))
+            for text in print_block(block, width_behind(indent))
         )
     except UnicodeEncodeError as error:
         raise UnsafeRewriteError(

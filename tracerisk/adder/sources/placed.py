@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.errors import BlockError, InputError, Location, one_of
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError, one_of
 from tracerisk.instance_name import name_at, places
 from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
@@ -102,3 +103,21 @@ def targets_of(
                 if other.function == name and other.line != line:
                     targets[name, other.line] = None
     return targets
+
+
+def check_same_bytes(bare: bytes, bare_after: bytes, file: str) -> None:
+    """Raise UnsafeRewriteError where a source without its blocks is not what it was."""
+    if bare_after != bare:
+        raise UnsafeRewriteError(
+            "taking the risk blocks out again would not give the same bytes", Location(file)
+        )
+
+
+def check_same_blocks(
+    expected: Iterable[RiskBlock], placed: Iterable[PlacedBlock], file: str
+) -> None:
+    """Raise UnsafeRewriteError where a source holds other blocks than were meant for it."""
+    if sorted(map(print_block, expected)) != sorted(print_block(each.block) for each in placed):
+        raise UnsafeRewriteError(
+            "the risk blocks would not be read back as they were written", Location(file)
+        )

@@ -9,10 +9,9 @@ import ast
 from collections.abc import Iterable
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.adder.sources.definitions import PythonSource, parse_python
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
-from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.adder.sources.placed import PlacedBlock, check_same_blocks, check_same_bytes
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 
@@ -53,17 +52,10 @@ def check_rewrite(
             f"with the risk block in, the file would no longer be read: {error.message}",
             error.location,
         ) from error
-    if without_blocks(after, placed_after) != without_blocks(before, placed):
-        raise UnsafeRewriteError(
-            "taking the risk blocks out again would not give the same bytes",
-            Location(before.file),
-        )
+    bare = without_blocks(before, placed)
+    check_same_bytes(bare, without_blocks(after, placed_after), before.file)
     check_same_program(before, after, "adding")
-    found = [block.block for block in placed_after]
-    if sorted(map(print_block, expected)) != sorted(map(print_block, found)):
-        raise UnsafeRewriteError(
-            "the risk blocks would not be read back as they were written", Location(before.file)
-        )
+    check_same_blocks(expected, placed_after, before.file)
 
 
 def check_same_program(before: PythonSource, after: PythonSource, what: str) -> None:

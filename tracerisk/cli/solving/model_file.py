@@ -48,7 +48,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     for text in solved.notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
-        from tracerisk.prm.formats.assessment_json import finite
+        from tracerisk.text.finite import finite
 
         data: dict[str, Any] = {
             "model": model.name,

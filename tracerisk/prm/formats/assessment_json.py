@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import Any
 
 from tracerisk.prm.hybrid.assessment import Assessment
+from tracerisk.text.finite import finite
 
 
 def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
@@ -16,14 +16,3 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     """
     plain: dict[str, Any] = finite(asdict(assessment))
     return plain
-
-
-def finite(value: Any) -> Any:
-    """Return plain data with `None` for each number that is infinite or none."""
-    if isinstance(value, dict):
-        return {key: finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

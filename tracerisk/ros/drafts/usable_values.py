@@ -278,49 +278,38 @@ class UsableValues:
         kind = type_of(message_class)
         (x, y, z), (qx, qy, qz, qw) = self.pose.position, self.pose.orientation
         position, turn = {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}
-        names = [joint.name for joint in self.joints]
-        posture = list(self.posture)
+        header = {"stamp": "now", "frame_id": self.robot.base_link}
+        plain: dict[str, dict[str, Any]] = {
+            "std_msgs/Header": header,
+            "geometry_msgs/Point": position,
+            "geometry_msgs/Point32": position,
+            "geometry_msgs/Quaternion": turn,
+            "geometry_msgs/Transform": {"translation": position, "rotation": turn},
+            "geometry_msgs/Twist": {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}},
+            "lifecycle_msgs/State": {"id": 3, "label": "active"},
+            # As many as a common game pad has, the first stick moved and nothing pressed.
+            "sensor_msgs/Joy": {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12},
+        }
         if kind in PICTURES:
             parts = [field.name for field in fields_of(message_class)]
             return picture(kind, parts, self.robot.base_link, name)
         if kind == "sensor_msgs/PointCloud2":
-            return {
-                "header": {"stamp": "now", "frame_id": self.robot.base_link},
-                **cloud(self.pose.position),
-            }
-        if kind == "std_msgs/Header":
-            return {"stamp": "now", "frame_id": self.robot.base_link}
-        if kind in ("geometry_msgs/Point", "geometry_msgs/Point32"):
-            return position
-        if kind == "geometry_msgs/Quaternion":
-            return turn
-        if kind == "geometry_msgs/Transform":
-            return {"translation": position, "rotation": turn}
-        if kind == "lifecycle_msgs/State":
-            return {"id": 3, "label": "active"}
-        if kind == "geometry_msgs/Twist":
-            return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
+            return {"header": header, **cloud(self.pose.position)}
         if kind == "shape_msgs/SolidPrimitive":
             return {"type": constants_of(message_class)["BOX"], "dimensions": list(BOX)}
-        if kind == "sensor_msgs/Joy":
-            # As many as a common game pad has, the first stick moved and nothing pressed.
-            return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}
         if kind == "sensor_msgs/JointState":
-            header = {"stamp": "now", "frame_id": ""}
             # Those of the gripper too, as the robot itself reports them.
             names = [joint.name for joint in self.robot.joints]
             posture = [self._moved(joint) for joint in self.robot.joints]
             zeros = [0.0 for _ in names]
             return {
-                "header": header, "name": names, "position": posture, "velocity": zeros,
-                "effort": zeros,
+                "header": {**header, "frame_id": ""},
+                "name": names, "position": posture, "velocity": zeros, "effort": zeros,
             }  # fmt: skip
         if kind == "trajectory_msgs/JointTrajectory":
-            return {
-                "joint_names": names,
-                "points": [{"positions": posture, "time_from_start": 2.0}],
-            }
-        return None
+            point = {"positions": list(self.posture), "time_from_start": 2.0}
+            return {"joint_names": [joint.name for joint in self.joints], "points": [point]}
+        return plain.get(kind)
 
     def _field(self, owner: Any, field: MessageField, place: _Place) -> Any:
         if not field.is_array:

@@ -38,12 +38,12 @@ class GoalState(enum.Enum):
     @property
     def ros1_status(self) -> int:
         """The number of the state in actionlib_msgs/GoalStatus."""
-        return _ROS1_STATUS[self]
+        return _STATUS[self][0]
 
     @property
     def ros2_status(self) -> int:
         """The number of the state in action_msgs/GoalStatus."""
-        return _ROS2_STATUS[self]
+        return _STATUS[self][1]
 
 
 _TERMINAL = frozenset(
@@ -56,32 +56,20 @@ _TERMINAL = frozenset(
         GoalState.LOST,
     }
 )
-_ROS1_STATUS = {
-    GoalState.PENDING: 0,
-    GoalState.ACCEPTED: 1,
-    GoalState.ACTIVE: 1,
-    GoalState.PREEMPTED: 2,
-    GoalState.SUCCEEDED: 3,
-    GoalState.ABORTED: 4,
-    GoalState.REJECTED: 5,
-    GoalState.PREEMPTING: 6,
-    GoalState.RECALLING: 7,
-    GoalState.RECALLED: 8,
-    GoalState.LOST: 9,
+_STATUS = {
+    GoalState.PENDING: (0, 0),
+    GoalState.ACCEPTED: (1, 1),
+    GoalState.ACTIVE: (1, 2),
+    GoalState.PREEMPTED: (2, 5),
+    GoalState.SUCCEEDED: (3, 4),
+    GoalState.ABORTED: (4, 6),
+    GoalState.REJECTED: (5, 6),
+    GoalState.PREEMPTING: (6, 3),
+    GoalState.RECALLING: (7, 3),
+    GoalState.RECALLED: (8, 5),
+    GoalState.LOST: (9, 0),
 }
-_ROS2_STATUS = {
-    GoalState.PENDING: 0,
-    GoalState.ACCEPTED: 1,
-    GoalState.ACTIVE: 2,
-    GoalState.RECALLING: 3,
-    GoalState.PREEMPTING: 3,
-    GoalState.SUCCEEDED: 4,
-    GoalState.RECALLED: 5,
-    GoalState.PREEMPTED: 5,
-    GoalState.ABORTED: 6,
-    GoalState.REJECTED: 6,
-    GoalState.LOST: 0,
-}
+"""The number of each state in actionlib_msgs/GoalStatus, and in action_msgs/GoalStatus."""
 PURSUED = (GoalState.ACCEPTED, GoalState.ACTIVE, GoalState.PREEMPTING)
 LIVE = (*PURSUED, GoalState.PENDING, GoalState.RECALLING)
 
