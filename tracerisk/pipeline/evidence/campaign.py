@@ -33,7 +33,7 @@ from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
-from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.freshness.freshness import run_inputs, stated
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER, make_kept
 
@@ -110,7 +110,7 @@ def plan_campaign(
     from tracerisk.hardware.formats import load_hardware
 
     _check_cells(1 if cells is None else cells)
-    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    given = tuple(stated(options).items())
     nominal = nominal_of(str(controller), given)
     trace = nominal.trace
     if not trace.is_usable or not trace.functions:

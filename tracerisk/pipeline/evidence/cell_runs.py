@@ -163,7 +163,7 @@ def _run(
     """
     request = replace(nominal.run.request, duration_s=_duration_s(nominal), beside=beside)
     branches = [
-        Branch(index, (Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s),), cell.time_s)
+        Branch(index, (fault_of(cell),), cell.time_s)
         for index, cell in ((index, cells[index]) for index in todo)
     ]
     with scratch("cells-") as folder:
@@ -188,7 +188,7 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
 
     The recording goes into `folder`. This is what `run_batch` is measured against.
     """
-    fault = Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
+    fault = fault_of(cell)
     request = replace(nominal.run.request, duration_s=_duration_s(nominal))
     before = replace(nominal.run, request=request)
     options = RunOptions(folder, quiet=True)
@@ -196,6 +196,11 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
     judged = _judged(nominal, cell, done, None, folder)
     assert judged is not None, "it was followed to its end"
     return judged
+
+
+def fault_of(cell: Cell) -> Fault:
+    """Return the failure of a cell."""
+    return Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
 
 
 @lru_cache(maxsize=4)

@@ -16,7 +16,7 @@ from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
 from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
-from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons
+from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons, stated
 from tracerisk.pipeline.stages import annotate, build, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
 from tracerisk.pipeline.trace.cache import FOLDER, make_kept
@@ -68,7 +68,7 @@ def sweep(
     """
     _check(factors)
     loaded = load_controller(controller)
-    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    given = tuple(stated(options).items())
     names = [each.name for each in factors]
     product = itertools.product(*(each.values for each in factors))
     points = [tuple(zip(names, values, strict=True)) for values in product]

@@ -24,9 +24,6 @@ from tracerisk.trace import Trace
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""
 
-_SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings", "given", "hardware"
-_LIBRARIES = "libraries"
-_EVIDENCE = "evidence"
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
     {
@@ -36,6 +33,7 @@ _LIMITS = frozenset(
         *("evidence", "evidence_cells"),
     }
 )
+_LEFT_OUT_EMPTY = ("libraries", "evidence")
 _MEASURED = "measured"
 _OF_VALUES = frozenset({"hardware", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
@@ -73,18 +71,8 @@ class RunInputs:
 
     def data(self) -> dict[str, Any]:
         """Return what the lock keeps."""
-        data: dict[str, Any] = {
-            _FILES: dict(self.files),
-            _GIVEN: dict(self.given),
-            _HARDWARE: self.hardware,
-            _SETTINGS: dict(self.settings),
-            _SOURCES: dict(self.sources),
-        }
-        if self.libraries:
-            data[_LIBRARIES] = list(self.libraries)
-        if self.evidence:
-            data[_EVIDENCE] = self.evidence
-        return data
+        data = {**asdict(self), "libraries": list(self.libraries)}
+        return {key: data[key] for key in data if data[key] or key not in _LEFT_OUT_EMPTY}
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> RunInputs:
@@ -95,13 +83,13 @@ class RunInputs:
             return value if isinstance(value, dict) else {}
 
         return cls(
-            table(_SETTINGS),
-            table(_GIVEN),
-            table(_SOURCES),
-            table(_FILES),
-            str(data.get(_HARDWARE, "")),
-            tuple(map(str, data.get(_LIBRARIES, ()))),
-            str(data.get(_EVIDENCE, "")),
+            table("settings"),
+            table("given"),
+            table("sources"),
+            table("files"),
+            str(data.get("hardware", "")),
+            tuple(map(str, data.get("libraries", ()))),
+            str(data.get("evidence", "")),
         )
 
 
@@ -133,7 +121,7 @@ def run_inputs(
     sources = {controller.file, *trace.files}
     inputs = RunInputs(
         settings=settings_data(settings, root),
-        given=_given_data(given or {}, root),
+        given=_given_data(given, root),
         sources={file: code_digest(controller.source_of(file), file) for file in sorted(sources)},
         files={file: file_digest(root / file) for file in sorted(listed - sources)},
         hardware=hardware_digest(settings),
@@ -267,11 +255,16 @@ def _code_now(controller: Controller, file: str) -> str:
     return code_digest(controller.source_of(file), file)
 
 
-def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
+def stated(options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the options that were given, sorted by their names."""
+    return {k: v for k, v in sorted((options or {}).items()) if v not in (None, (), [])}
+
+
+def _given_data(given: Mapping[str, Any] | None, root: Path) -> dict[str, Any]:
     return {
         name: _plain(name, value, root)
-        for name, value in sorted(given.items())
-        if value not in (None, (), []) and name not in _LIMITS
+        for name, value in stated(given).items()
+        if name not in _LIMITS
     }
 
 

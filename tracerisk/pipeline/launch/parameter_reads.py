@@ -9,6 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.pipeline.workspace.own_modules import imports_in
+from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed
 
 _MOST_MODULES = 60
@@ -59,27 +61,14 @@ def asked_by(script: Path, source: bytes, folders: Mapping[str, Path]) -> Asked:
 
 def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterator[Path]:
     """Yield the files of the modules of the workspace that a module imports."""
-    tree = parsed(source)
-    if tree is None:
-        return
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            targets = [(each.name, 0) for each in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            targets = [(base, node.level)]
-            targets += [(f"{base}.{each.name}".strip("."), node.level) for each in node.names]
-        else:
+    for level, parts in imports_in(parsed(source)):
+        if not parts:
             continue
-        for name, level in targets:
-            parts = [part for part in name.split(".") if part]
-            if not parts:
-                continue
-            top = path.parents[level - 1] if level else folders.get(parts[0], path.parent)
-            target = top.joinpath(*parts)
-            for file in (target.with_suffix(".py"), target / "__init__.py"):
-                if file.is_file():
-                    yield file.resolve()
+        top = path.parents[level - 1] if level else folders.get(parts[0], path.parent)
+        target = top.joinpath(*parts)
+        for file in (target.with_suffix(".py"), target / "__init__.py"):
+            if file.is_file():
+                yield file.resolve()
 
 
 def asked_of(source: bytes) -> Asked:
@@ -91,7 +80,7 @@ def asked_of(source: bytes) -> Asked:
     required: set[str] = set()
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     for call in calls:
-        called = _called(call)
+        called = last_name(call.func)
         if called in _READS:
             name = _text(call.args[0]) if call.args else _keyword(call, "name")
             if name is not None:
@@ -107,12 +96,6 @@ def asked_of(source: bytes) -> Asked:
     }
     nodes = tuple(_node_names(calls))
     return Asked(frozenset(names), frozenset(required), frozenset(literals), nodes)
-
-
-def _called(call: ast.Call) -> str:
-    if isinstance(call.func, ast.Attribute):
-        return call.func.attr
-    return call.func.id if isinstance(call.func, ast.Name) else ""
 
 
 def _text(node: ast.expr) -> str | None:
@@ -151,7 +134,7 @@ def _declared(call: ast.Call) -> Iterator[str]:
 def _node_names(calls: Iterable[ast.Call]) -> Iterator[str]:
     """Yield what nodes are called: `super().__init__("x")`, `create_node("x")`, `Node("x")`."""
     for call in calls:
-        called = _called(call)
+        called = last_name(call.func)
         is_base = called == "__init__" and isinstance(call.func, ast.Attribute)
         if called not in _NODES and not is_base:
             continue

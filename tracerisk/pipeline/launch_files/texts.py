@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
-from typing import Any
 
 from tracerisk.pipeline.launch_files.stand_ins.launch import substitutions as subs
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
@@ -132,10 +131,6 @@ def _unquoted(argument: _Argument) -> _Argument:
     ]
 
 
-def _command(command: _Argument, *_: Any) -> Substitution:
-    return subs.Command(command)
-
-
 _KNOWN: dict[str, tuple[int, int, Callable[..., Substitution]]] = {
     "var": (1, 2, lambda name, default=None: subs.LaunchConfiguration(name, default=default)),
     "env": (
@@ -156,7 +151,7 @@ _KNOWN: dict[str, tuple[int, int, Callable[..., Substitution]]] = {
     "filename": (0, 0, subs.ThisLaunchFile),
     "anon": (1, 1, subs.AnonName),
     "eval": (1, 1, subs.PythonExpression),
-    "command": (1, 2, _command),
+    "command": (1, 2, lambda command, *_: subs.Command(command)),
     "file-content": (1, 1, subs.FileContent),
     "param": (1, 2, lambda name, default=None: ros.Parameter(name, default=default)),
     "not": (1, 1, subs.NotSubstitution),

@@ -72,7 +72,7 @@ def check_alerts(
     for path, each in zip(paths, found, strict=True):
         if isinstance(each, TraceRiskError):
             place = each.location or Location(str(path))
-            alerts.append(alert_at("unreadable", each.message, place, _file(place.file)))
+            alerts.append(_alert("unreadable", each.message, place))
             continue
         if is_gone(path):
             alerts += [_of_check(one, ()) for one in each.findings]
@@ -108,15 +108,13 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
                 continue
             names = {"function": field.function, "component": change.component or ""}
             if change.kind == "component_omitted":
-                file = _file(str(folder / place.file))
-                alerts.append(alert_at("omitted-component", change.summary, place, file, **names))
+                alerts.append(_alert("omitted-component", change.summary, place, folder, **names))
             for mark, rule in (
                 ("lost_redundancy", "lost-redundancy"),
                 ("single_point_of_failure", "single-point-of-failure"),
             ):
                 if mark in change.marks:
-                    file = _file(str(folder / place.file))
-                    alerts.append(alert_at(rule, change.summary, place, file, **names))
+                    alerts.append(_alert(rule, change.summary, place, folder, **names))
     return tuple(alerts)
 
 
@@ -134,8 +132,7 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
         if finding.kind != _CONTACT and finding.message not in known_messages:
             place = finding.location or Location(trace.controller)
             subject = f"{finding.kind} {finding.message}"
-            file = _file(str(root / place.file))
-            alerts.append(alert_at("run-finding", finding.message, place, file, subject=subject))
+            alerts.append(_alert("run-finding", finding.message, place, root, subject=subject))
     lines = {each.ref: each.line for each in trace.functions}
     links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
     for contact, touches in unexpected_contacts(trace.visits).items():
@@ -149,14 +146,9 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
 def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
     """Return the alert of a reason for which a run is not complete."""
     place = reason.location or Location(trace.controller)
-    return alert_at(
-        "partial-run" if reason.verdict == "partial" else "faulted-run",
-        reason.words,
-        place,
-        _file(str(root / place.file)),
-        function=reason.function,
-        subject=f"{reason.code} {reason.object}",
-    )
+    rule = "partial-run" if reason.verdict == "partial" else "faulted-run"
+    subject = f"{reason.code} {reason.object}"
+    return _alert(rule, reason.words, place, root, function=reason.function, subject=subject)
 
 
 def _of_last_run(
@@ -190,20 +182,18 @@ def _of_last_run(
 
 
 def _touched(contact: UnexpectedContact, message: str, place: Location) -> Alert:
-    return alert_at(
-        "unexpected-contact",
-        message,
-        place,
-        _file(place.file),
-        function=contact.function.name,
-        subject=contact.bodies,
-    )
+    function, bodies = contact.function.name, contact.bodies
+    return _alert("unexpected-contact", message, place, function=function, subject=bodies)
 
 
 def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:
     message = f"{name} can move the arm and never ran: no risk data, which is not no risk"
-    file = _file(str(root / ref.file))
-    return Alert("uncovered-motion", message, file, line, function=ref.name)
+    return _alert("uncovered-motion", message, Location(ref.file, line), root, function=ref.name)
+
+
+def _alert(rule: str, message: str, place: Location, folder: Path = Path(), **names: str) -> Alert:
+    """Return the alert at a place, whose file is named from `folder`."""
+    return alert_at(rule, message, place, _file(str(folder / place.file)), **names)
 
 
 def _file(shown: str) -> str:
@@ -222,15 +212,9 @@ def _sources(path: Path, root: Path, entry: ControllerLock | None) -> list[Path]
 
 def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
     function, component, rest = _names(finding.subject, placed)
-    return alert_at(
-        _RULES[finding.kind],
-        finding.message,
-        finding.location,
-        _file(finding.location.file),
-        function=function,
-        component=component,
-        subject=rest,
-    )
+    rule, place = _RULES[finding.kind], finding.location
+    names = {"function": function, "component": component, "subject": rest}
+    return _alert(rule, finding.message, place, Path(), **names)
 
 
 def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
@@ -269,11 +253,6 @@ def _single_points(
             continue
         block, place = places[0]
         assert place is not None
-        yield alert_at(
-            "single-point-of-failure",
-            f"one failed unit of {component} fails the mission: in {some(functions)}",
-            place,
-            _file(place.file),
-            function=block.name,
-            component=component,
-        )
+        message = f"one failed unit of {component} fails the mission: in {some(functions)}"
+        names = {"function": block.name, "component": component}
+        yield _alert("single-point-of-failure", message, place, Path(), **names)

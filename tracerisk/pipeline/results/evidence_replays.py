@@ -6,7 +6,7 @@ import re
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from markupsafe import Markup
 
@@ -14,9 +14,10 @@ from tracerisk.adder.sources.write import atomic_write
 from tracerisk.errors import InputError, LogError
 from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
 from tracerisk.hardware.formats import load_hardware
-from tracerisk.hardware.model import FaultMode, Hardware
-from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
+from tracerisk.hardware.model import Hardware
+from tracerisk.pipeline.evidence.cell_runs import Nominal, fault_of, nominal_of
 from tracerisk.pipeline.evidence.workers import CellProgress
+from tracerisk.pipeline.freshness.freshness import stated
 from tracerisk.pipeline.results.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
@@ -48,7 +49,7 @@ def write_replays(
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file; name a folder for the pages")
-    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    given = tuple(stated(options).items())
     nominal = nominal_of(str(controller), given)
     hardware = load_hardware(nominal.settings, nominal.trace.robot)
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,7 +82,7 @@ def cells_that_matter(found: Evidence) -> list[Cell]:
 
 
 def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[tuple[Cell, str]]:
-    branches = [Branch(n, (_fault(each),), each.time_s) for n, each in enumerate(cells)]
+    branches = [Branch(n, (fault_of(each),), each.time_s) for n, each in enumerate(cells)]
     pages = []
     with scratch("replays-") as kept:
         for result in run_branches(
@@ -91,7 +92,7 @@ def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[t
             if result.done is None:
                 continue
             folder = kept / str(result.branch.index)
-            fault = _fault(cell)
+            fault = fault_of(cell)
             pages.append((cell, _page(result.run.trace, fault, _lines(cell), hardware, folder)))
     return pages
 
@@ -128,10 +129,6 @@ def _lines(cell: Cell) -> list[str]:
         *(f"lost: {each}" for each in cell.lost),
         *([f"hardest touch: {cell.contact}"] if cell.contact else []),
     ]
-
-
-def _fault(cell: Cell) -> Fault:
-    return Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
 
 
 def _name(cell: Cell) -> str:

@@ -63,8 +63,10 @@ class Libraries:
         self._root = root.resolve()
         self._states = frozenset(states)
         self._known: dict[Path, bool] = {}
-        self._imported: dict[tuple[Path, tuple[Path, ...]], frozenset[Path]] = {}
-        self._named: dict[Path, frozenset[tuple[int, tuple[str, ...]]]] = {}
+        self._imports = lru_cache(maxsize=None)(
+            lambda file, bases: frozenset(self._looked_for(file, bases))
+        )
+        self._names_imported = lru_cache(maxsize=None)(_names_imported)
         self._names_in = lru_cache(maxsize=None)(names_in)
         self._modules = lru_cache(maxsize=None)(
             lambda parts, where: tuple(module_files(parts, where, self._names_in))
@@ -139,13 +141,8 @@ class Libraries:
             waiting += new
         return frozenset(found)
 
-    def _imports(self, file: Path, bases: tuple[Path, ...]) -> frozenset[Path]:
-        """Return what a file imports that is looked for in `bases`."""
-        if (file, bases) not in self._imported:
-            self._imported[file, bases] = frozenset(self._looked_for(file, bases))
-        return self._imported[file, bases]
-
     def _looked_for(self, file: Path, bases: tuple[Path, ...]) -> Iterator[Path]:
+        """Yield what a file imports that is looked for in `bases`."""
         package = file.parent
         while "__init__.py" in self._names_in(str(package)):
             package = package.parent
@@ -156,16 +153,15 @@ class Libraries:
             if level or parts[0] in self._tops:
                 yield from self._modules(parts, where)
 
-    def _names_imported(self, file: Path) -> frozenset[tuple[int, tuple[str, ...]]]:
-        """Return what a file names in its imports: the level of a relative one, and its parts."""
-        if file not in self._named:
-            self._named[file] = frozenset(_named(read_or_nothing(file)))
-        return self._named[file]
-
     def _is_program(self, path: Path) -> bool:
         if _STARTS.search(read_or_nothing(path)) is not None:
             return True
         return path.stem in self._commands(controller_root(path))
+
+
+def _names_imported(file: Path) -> frozenset[tuple[int, tuple[str, ...]]]:
+    """Return what a file names in its imports: the level of a relative one, and its parts."""
+    return frozenset(_named(read_or_nothing(file)))
 
 
 def _named(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:

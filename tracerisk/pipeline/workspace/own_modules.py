@@ -63,17 +63,20 @@ def _bases(controller: Controller) -> tuple[Path, ...]:
 
 
 def _imported(tree: ast.Module | None, file: Path, bases: tuple[Path, ...]) -> Iterator[Path]:
+    for level, parts in imports_in(tree):
+        above = tuple(file.parents)[:level]
+        yield from module_files(parts, above[-1:] if level else bases)
+
+
+def imports_in(tree: ast.Module | None) -> Iterator[tuple[int, list[str]]]:
+    """Yield what a source imports: the level of a relative import, and the parts of a name."""
     for node in ast.walk(tree) if tree is not None else ():
         if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield from module_files(alias.name.split("."), bases)
+            yield from ((0, alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            start = (node.module or "").split(".") if node.module else []
-            above = tuple(file.parents)[: node.level]
-            where = bases if not node.level else above[-1:]
-            yield from module_files(start, where)
-            for alias in node.names:
-                yield from module_files([*start, alias.name], where)
+            start = node.module.split(".") if node.module else []
+            yield node.level, start
+            yield from ((node.level, [*start, alias.name]) for alias in node.names)
 
 
 def names_in(folder: str) -> frozenset[str]:

@@ -77,7 +77,8 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
         if name
     }
     frames: set[str] = set()
-    if any(isinstance(node, ast.Call) and _called(node) in _BROADCASTS for node in ast.walk(tree)):
+    called = {last_name(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    if called & _BROADCASTS:
         frames = {
             node.value.strip("/")
             for node in ast.walk(tree)
@@ -95,17 +96,13 @@ def named_calls(
     """
     texts, declared = _constants(tree), _declared(tree)
     for node in ast.walk(tree):
-        signature = signatures.get(_called(node)) if isinstance(node, ast.Call) else None
+        signature = signatures.get(last_name(node.func)) if isinstance(node, ast.Call) else None
         if signature is None or not isinstance(node, ast.Call):
             continue
         name = _text(_argument(node, signature.name, signature.names), texts, declared)
         position = signature.type
         kind = None if position is None else _argument(node, position, signature.types)
         yield signature.kind, name, "" if kind is None else last_name(kind), node
-
-
-def _called(call: ast.Call) -> str:
-    return last_name(call.func)
 
 
 def _argument(call: ast.Call, position: int, keywords: tuple[str, ...]) -> ast.expr | None:
@@ -141,7 +138,7 @@ def _declared(tree: ast.Module) -> dict[str, str]:
     """Return the parameters of a node of ROS 2 whose default is a text."""
     found: dict[str, str] = {}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and _called(node) == "declare_parameter":
+        if isinstance(node, ast.Call) and last_name(node.func) == "declare_parameter":
             name, default = (_constant(each) for each in (*node.args, None, None)[:2])
             if name and default:
                 found[name] = default
@@ -156,11 +153,11 @@ def _literal(node: ast.expr, declared: dict[str, str]) -> str:
     if isinstance(node, ast.Attribute):
         # `self.get_parameter("topic").value`, or `.get_parameter_value().string_value`.
         return _literal(node.value, declared) if node.attr in _VALUES else ""
-    if _called(node) in ("get_param", "declare_parameter") and len(node.args) > 1:
+    if last_name(node.func) in ("get_param", "declare_parameter") and len(node.args) > 1:
         return _constant(node.args[1])
-    if _called(node) == "get_parameter" and node.args:
+    if last_name(node.func) == "get_parameter" and node.args:
         return declared.get(_constant(node.args[0]), "")
-    if _called(node) == "get_parameter_value" and isinstance(node.func, ast.Attribute):
+    if last_name(node.func) == "get_parameter_value" and isinstance(node.func, ast.Attribute):
         return _literal(node.func.value, declared)
     return ""
 
