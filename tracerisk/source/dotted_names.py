@@ -1,8 +1,9 @@
-"""The names that expressions of Python are written with."""
+"""The names that expressions and imports of Python are written with."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 
 
 def dotted_name(node: ast.AST) -> str:
@@ -18,3 +19,15 @@ def last_name(node: ast.AST | None) -> str:
     if isinstance(node, ast.Attribute):
         return node.attr
     return node.id if isinstance(node, ast.Name) else ""
+
+
+def imports_in(tree: ast.AST | None) -> Iterator[tuple[int, list[str]]]:
+    """Yield what a source imports: the level of a relative import, and the parts of a name."""
+    for node in ast.walk(tree) if tree is not None else ():
+        if isinstance(node, ast.Import):
+            yield from ((0, alias.name.split(".")) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = node.module.split(".") if node.module else []
+            yield node.level, start
+            # A submodule may be named as what is imported: `from control_msgs import action`.
+            yield from ((node.level, [*start, alias.name]) for alias in node.names)

@@ -164,6 +164,15 @@ def parsed(source: bytes | str) -> ast.Module | None:
         return None
 
 
+def texts_in(tree: ast.AST) -> list[str]:
+    """Return the strings of a source, breadth first."""
+    return [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+
+
 def decoded(source: bytes) -> str:
     """Return the text of a source, by the encoding that it states."""
     try:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.source.dotted_names import imports_in
 from tracerisk.source.python_source import parsed
 
 RosVersion = Literal[1, 2]
@@ -65,14 +65,7 @@ def _imported(path: Path) -> Iterator[str]:
     if tree is None:
         yield from _imported_by_lines(text.decode("utf-8", "replace"))
         return
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield "." * node.level + (node.module or "")
-            # A submodule may be named as what is imported: `from control_msgs import action`.
-            base = f"{'.' * node.level}{node.module}." if node.module else "." * node.level
-            yield from (base + alias.name for alias in node.names)
+    yield from ("." * level + ".".join(parts) for level, parts in imports_in(tree))
 
 
 def _imported_by_lines(text: str) -> Iterator[str]:

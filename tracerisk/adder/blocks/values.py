@@ -155,7 +155,6 @@ class FieldKind:
     """How the text of one kind of field is read, and what makes two values the same."""
 
     key: str
-    """In a block; of a component it is the name of the attribute too."""
     read: Callable[[str], Any]
     is_noisy: bool = False
 

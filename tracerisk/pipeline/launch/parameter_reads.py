@@ -9,9 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.pipeline.workspace.own_modules import imports_in
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import parsed
+from tracerisk.source.dotted_names import imports_in, last_name
+from tracerisk.source.python_source import parsed, texts_in
 
 _MOST_MODULES = 60
 
@@ -89,13 +88,8 @@ def asked_of(source: bytes) -> Asked:
                     required.add(name)
         elif called == "declare_parameters":
             names |= set(_declared(call))
-    literals = {
-        node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
     nodes = tuple(_node_names(calls))
-    return Asked(frozenset(names), frozenset(required), frozenset(literals), nodes)
+    return Asked(frozenset(names), frozenset(required), frozenset(texts_in(tree)), nodes)
 
 
 def _text(node: ast.expr) -> str | None:

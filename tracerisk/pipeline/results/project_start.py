@@ -15,6 +15,7 @@ from tracerisk.dependencies import missing_extras
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import searched
+from tracerisk.source.dotted_names import imports_in, last_name
 from tracerisk.source.python_source import parsed
 
 Ci = Literal["github", "gitlab", "none"]
@@ -134,18 +135,9 @@ def _is_controller(path: Path) -> bool:
         return False
     if tree is None:
         return False
-    imported: set[str] = set()
-    begins = False
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            imported |= {each.name.partition(".")[0] for each in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            imported.add(node.module.partition(".")[0])
-        elif isinstance(node, ast.Call):
-            called = node.func
-            begins = begins or (isinstance(called, ast.Attribute) and called.attr in _BEGINS)
-            begins = begins or (isinstance(called, ast.Name) and called.id in _BEGINS)
-    return bool(imported & _CLIENTS) and begins
+    imported = {parts[0] for level, parts in imports_in(tree) if parts and not level}
+    called = {last_name(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    return bool(imported & _CLIENTS) and bool(called & _BEGINS)
 
 
 def _robots(

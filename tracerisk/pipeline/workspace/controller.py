@@ -122,15 +122,10 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
     """
     # Where blocks alone are asked for, no source is parsed.
-    from tracerisk.source.python_source import parse_source, parsed
+    from tracerisk.source.python_source import parse_source, parsed, texts_in
 
     tree = parsed(controller.source)
     if tree is None:
         # It knows how to say what is wrong, and of Python 2.
         tree = parse_source(controller.source, str(controller.path)).tree
-    written = [
-        node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    ]
-    return (*written, *(name for node in ast.walk(tree) for name in counted_names(node)))
+    return (*texts_in(tree), *(name for node in ast.walk(tree) for name in counted_names(node)))

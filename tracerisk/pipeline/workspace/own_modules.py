@@ -10,6 +10,7 @@ from pathlib import Path
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.records import replace
+from tracerisk.source.dotted_names import imports_in
 from tracerisk.source.python_source import decoded, parsed
 
 _MOST_MODULES = 100
@@ -66,17 +67,6 @@ def _imported(tree: ast.Module | None, file: Path, bases: tuple[Path, ...]) -> I
     for level, parts in imports_in(tree):
         above = tuple(file.parents)[:level]
         yield from module_files(parts, above[-1:] if level else bases)
-
-
-def imports_in(tree: ast.Module | None) -> Iterator[tuple[int, list[str]]]:
-    """Yield what a source imports: the level of a relative import, and the parts of a name."""
-    for node in ast.walk(tree) if tree is not None else ():
-        if isinstance(node, ast.Import):
-            yield from ((0, alias.name.split(".")) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            start = node.module.split(".") if node.module else []
-            yield node.level, start
-            yield from ((node.level, [*start, alias.name]) for alias in node.names)
 
 
 def names_in(folder: str) -> frozenset[str]:

@@ -9,6 +9,7 @@ from typing import Literal
 
 from tracerisk.ros.controller.needs import Need, NeedKind
 from tracerisk.source.dotted_names import last_name
+from tracerisk.source.python_source import texts_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +80,7 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     frames: set[str] = set()
     called = {last_name(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     if called & _BROADCASTS:
-        frames = {
-            node.value.strip("/")
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Constant) and isinstance(node.value, str)
-        }
+        frames = {each.strip("/") for each in texts_in(tree)}
     return Provided(frozenset(offers), frozenset(frames - {""}))
 
 
