@@ -72,7 +72,8 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
     if beside is None:
         libraries = Libraries(controller.path, controller.root, settings.states)
         coverage = _coverage(controller, recording, libraries)
-    found = _findings(recording, attribution, collisions(robot, attribution, visits))
+    collided = collisions(robot, attribution, visits)
+    found = _in_time((*recording.findings, *attribution.findings, *collided))
     findings = placed_findings(found, controller)
     verdict, more = run_verdict(ran, findings, coverage, samples, contacts)
     return Trace(
@@ -167,12 +168,6 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
     reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
     able = {ref for ref in reaching if ref.name != MODULE_NAME and ref.file in own} | issuers
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
-
-
-def _findings(
-    recording: Recording, attribution: Attribution, collided: tuple[Finding, ...]
-) -> tuple[Finding, ...]:
-    return _in_time((*recording.findings, *attribution.findings, *collided))
 
 
 def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:

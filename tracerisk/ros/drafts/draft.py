@@ -355,14 +355,13 @@ def _holds_joints(message_class: Any, depth: int) -> bool:
 
 def _call(lack: _Lack) -> _Made:
     need = lack.need
+    entry: dict[str, Any] = {"service": need.name, "type": need.type_name}
     if need.type_name == _TRANSITION:
-        sent = {"transition": _BROUGHT_UP[0]}
-        entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
+        entry |= {"request": {"transition": _BROUGHT_UP[0]}, "wait": True}
         return entry, "as who brings up a lifecycle node: configured, then activated"
     request = service_parts(lack.interfaces, need.type_name)[0]
     sent = lack.values.fields(request, compared_in_callback(lack.place), need.name)
-    entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
-    return entry, "one call, in its turn"
+    return {**entry, "request": sent, "wait": True}, "one call, in its turn"
 
 
 def _sent_goal(lack: _Lack) -> _Made:
