@@ -13,7 +13,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -68,20 +68,11 @@ class Session:
 
     def begin(self, program: Program) -> None:
         """Start the controller."""
-        environment = {
-            **loopback_environment(self._environment, self.master),
-            **program.environment,
-        }
+        asked = asdict(program)
+        environment = loopback_environment(self._environment, self.master)
+        environment = {**environment, **asked.pop("environment")}
         self.controller, self._controller_process = start_linked(
-            "tracerisk.ros.live.controller_process",
-            environment=environment,
-            script=program.script,
-            root=program.root,
-            argv=list(program.argv),
-            entry=program.entry,
-            packages=dict(program.packages),
-            paths=list(program.paths),
-            private=dict(program.private),
+            "tracerisk.ros.live.controller_process", environment=environment, **asked
         )
 
     def settle(self) -> bool:
