@@ -163,38 +163,40 @@ def definitions(tree: ast.Module) -> Iterator[Definition]:
             inner = f"{name}.<locals>."
         elif isinstance(node, ast.ClassDef):
             inner = f"{prefix}{node.name}."
-        children: list[ast.AST] = []
-        for part in ("body", "handlers", "orelse", "finalbody", "cases"):
-            found = getattr(node, part, None)
-            if isinstance(found, list):
-                children += found
-        stack += [(child, inner) for child in reversed(children) if type(child) not in _LEAVES]
+        stack += [(child, inner) for child in reversed(_inner(node))]
+
+
+def _inner(node: ast.AST) -> list[ast.AST]:
+    """Return what stands directly within a node and can hold statements."""
+    children: list[ast.AST] = []
+    for part in ("body", "handlers", "orelse", "finalbody", "cases"):
+        found = getattr(node, part, None)
+        if isinstance(found, list):
+            children += found
+    return [child for child in children if type(child) not in _LEAVES]
 
 
 def function_at(tree: ast.Module, line: int) -> QualifiedName:
     """Return the innermost function around a line; the module's pseudo-function outside all."""
     found, prefix = MODULE, ""
-    node: ast.AST = tree
-    while True:
-        inner = next(
-            (
-                child
-                for child in ast.walk(node)
-                if child is not node
-                and isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
-                and child.lineno <= line <= (child.end_lineno or child.lineno)
-            ),
-            None,
-        )
-        if inner is None:
-            return found
-        prefix += inner.name
-        if isinstance(inner, ast.ClassDef):
-            prefix += "."
-        else:
-            found = QualifiedName(prefix)
-            prefix += ".<locals>."
-        node = inner
+    around: list[ast.AST] = [tree]
+    while around:
+        node = around.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            prefix += node.name
+            if isinstance(node, ast.ClassDef):
+                prefix += "."
+            else:
+                found = QualifiedName(prefix)
+                prefix += ".<locals>."
+            around.clear()
+        # The cases of a `match` have no lines.
+        around += [
+            child
+            for child in reversed(_inner(node))
+            if getattr(child, "lineno", line) <= line <= (getattr(child, "end_lineno", 0) or line)
+        ]
+    return found
 
 
 def header_end(source: PythonSource, definition: Definition) -> int | None:

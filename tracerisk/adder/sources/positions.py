@@ -25,8 +25,15 @@ def function_sites(source: bytes) -> Mapping[tuple[QualifiedName, int], Site] | 
         positions = cast(Mapping[cst.CSTNode, CodeRange], wrapper.resolve(PositionProvider))
         collector = _SiteCollector(positions)
         wrapper.module.visit(collector)
-    except (cst.ParserSyntaxError, RecursionError, KeyError):
-        # Within a function its provider of positions hides a RecursionError behind a KeyError.
+    except (cst.ParserSyntaxError, RecursionError):
+        return None
+    except KeyError as error:
+        # Within a function its provider of positions hides what is raised behind a KeyError.
+        hidden: BaseException | None = error
+        while isinstance(hidden, KeyError):
+            hidden = hidden.__context__
+        if isinstance(hidden, KeyboardInterrupt | SystemExit):
+            raise hidden from None
         return None
     return collector.sites
 
