@@ -255,9 +255,14 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+    ("is_busy", "number", "code"),
+    [
+        (False, signal.SIGINT, 130),
+        (True, signal.SIGINT, 130),
+        (True, signal.SIGTERM, 143),
+        (True, signal.SIGKILL, -9),
+    ],
 )
-@pytest.mark.parametrize("is_busy", [False, True])
 def test_its_end_leaves_no_process(watching, example, quick, number, code, is_busy):
     moves = ["arm.go([0.5, -0.5, 0, -2, 0, 1.5, 0.8])", "arm.go([-1, 0.5, 0, -2, 0, 1.5, 0.8])"]
     path = example.write("a.py", quick())

@@ -423,7 +423,7 @@ def shown_afresh_and_forked(monkeypatch, capfd, settings) -> list[tuple[str, str
 
 @pytest.mark.parametrize(
     ("name", "mode"),
-    [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off"), ("hangs", "off")],
+    [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off")],
 )
 def test_a_run_shows_the_same(tmp_path, monkeypatch, capfd, name, mode):
     code, options = RUNS[name]
