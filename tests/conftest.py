@@ -93,27 +93,6 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Have tests that are new compiled once, each by one of several processes, not all by all."""
-    if hasattr(config, "workerinput") or not config.getoption("numprocesses", None):
-        return
-    new = [
-        str(file)
-        for file in sorted(Path(__file__).parent.rglob("test_*.py"))
-        if not any(file.parent.glob(f"__pycache__/{file.stem}.*-pytest-*.pyc"))
-    ]
-    if len(new) < 100:
-        return
-    collect = [sys.executable, "-m", "pytest", "--collect-only", "-p", "no:cacheprovider"]
-    count = os.cpu_count() or 1
-    compiling = [
-        subprocess.Popen([*collect, *new[n::count]], stdout=subprocess.DEVNULL)
-        for n in range(count)
-    ]
-    for each in compiling:
-        each.wait()
-
-
 def pytest_collection_finish() -> None:
     """Look through no collected test for garbage: there are thousands, and all stay."""
     gc.collect()
