@@ -25,10 +25,9 @@ from contextlib import suppress
 from functools import _lru_cache_wrapper
 from pathlib import Path
 
-_LONGEST_S = 300.0
-# Python and the system's libraries look at these when they start, and never again.
-_READ_AT_START = ("PYTHON", "LC_", "LANG", "TZ", "OMP_", "OPENBLAS_", "MUJOCO_", "LD_")
+from tracerisk.sandbox.fork_server import READ_ONCE, several_come
 
+_LONGEST_S = 300.0
 
 # What a shell starts as `tracerisk`: it asks for a command with its own streams.
 _PROGRAM = """\
@@ -53,7 +52,7 @@ class Commands:
 
         Runs with other variables that are read once have a server of their own.
         """
-        self._at_start = _read_at_start(environment)
+        self._once = _read_once(environment)
         self._folder = tempfile.TemporaryDirectory()
         self._path = str(Path(self._folder.name, "commands"))
         self._life, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -78,7 +77,7 @@ class Commands:
         atexit.register(self.close)
 
     def can_run(self, environment: Mapping[str, str]) -> bool:
-        return _read_at_start(environment) == self._at_start
+        return _read_once(environment) == self._once
 
     def run(
         self, folder: Path, arguments: Sequence[str], environment: Mapping[str, str]
@@ -112,8 +111,8 @@ def _socket() -> socket.socket:
     return socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
 
-def _read_at_start(environment: Mapping[str, str]) -> dict[str, str]:
-    return {name: each for name, each in environment.items() if name.startswith(_READ_AT_START)}
+def _read_once(environment: Mapping[str, str]) -> dict[str, str]:
+    return {name: each for name, each in environment.items() if name.startswith(READ_ONCE)}
 
 
 def _serve(life: socket.socket, listener: socket.socket) -> None:
@@ -196,8 +195,6 @@ def _main() -> None:
     life, listener = (socket.socket(fileno=int(number)) for number in sys.argv[1:3])
     for each in (life, listener):
         os.set_inheritable(each.fileno(), False)
-    from tracerisk.sandbox.fork_server import several_come
-
     several_come()
     # The first run starts the server of runs, which the commands inherit.
     with tempfile.TemporaryDirectory() as folder:

@@ -39,11 +39,14 @@ _INHERITED = frozenset(
     }
 )
 
-# Variables that Python, the C library and libraries of numbers read once, by how they begin.
-_READ_ONCE = (
-    *("PYTHON", "LD_", "LC_", "LANG", "TZ", "MALLOC_", "GLIBC_", "MUJOCO_", "PYOPENGL_", "LIBCST_"),
-    *("BLIS_", "GOMP_", "KMP_", "MKL_", "NPY_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_"),
+OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
+"""How variables begin on which what a library computes depends, to the last digit."""
+READ_ONCE = (
+    *OF_LIBRARIES,
+    *("PYTHON", "LD_", "LANG", "TZ", "MALLOC_", "GLIBC_", "MUJOCO_", "PYOPENGL_", "LIBCST_"),
+    *("GOMP_", "KMP_", "NPY_"),
 )
+"""How variables begin that Python, the C library and other libraries read once."""
 
 Start = Callable[..., "subprocess.Popen[bytes]"]
 """Starts a process afresh with a plan, an environment and descriptors."""
@@ -218,7 +221,7 @@ def forked(
     """
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
-    read_once = [each for each in environment.items() if each[0].startswith(_READ_ONCE)]
+    read_once = [each for each in environment.items() if each[0].startswith(READ_ONCE)]
     of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:

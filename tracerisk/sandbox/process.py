@@ -25,7 +25,7 @@ from typing import Any
 
 from tracerisk.errors import SandboxError
 from tracerisk.limits import Sandbox, is_secret
-from tracerisk.sandbox.fork_server import forked
+from tracerisk.sandbox.fork_server import OF_LIBRARIES, forked
 from tracerisk.sandbox.kernel_features import support
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -48,8 +48,6 @@ _PASSED = frozenset(
     }
 )
 _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
-# What a library computes depends on them, to the last digit.
-_OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 _INSTALLED = ("site-packages", "dist-packages")
 
@@ -105,7 +103,7 @@ def passed_environment(sandbox: Sandbox) -> dict[str, str]:
         name: value
         for name, value in os.environ.items()
         if name in named
-        or name.startswith(_OF_LIBRARIES)
+        or name.startswith(OF_LIBRARIES)
         or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
     }
 
