@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
@@ -14,10 +13,6 @@ from tracerisk.cli.shared.output import (
     print_text,
     write_file,
 )
-
-if TYPE_CHECKING:
-    pass
-
 
 _OVER = """\
 --over NAME=VALUES ...  what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
-from tracerisk.errors import InputError, Location, TooLargeError
+from tracerisk.errors import InputError, Location, Readable, TooLargeError
 from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
@@ -28,13 +28,10 @@ MOST_BYTES = 2**28
 
 def read_file(name: str) -> bytes:
     """Return the bytes of a file; raise InputError when it cannot be read or holds too many."""
-    try:
-        with open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
-            # Its size before its bytes; a device has none, and may have no end.
-            size = os.fstat(file.fileno()).st_size
-            data = file.read(MOST_BYTES + 1) if size <= MOST_BYTES else b""
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
+    with Readable(name), open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
+        # Its size before its bytes; a device has none, and may have no end.
+        size = os.fstat(file.fileno()).st_size
+        data = file.read(MOST_BYTES + 1) if size <= MOST_BYTES else b""
     if max(size, len(data)) > MOST_BYTES:
         raise TooLargeError(
             f"{name}: holds more than {MOST_BYTES // 2**20} MB; no larger file is read"

@@ -17,7 +17,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 def write_hardware(hardware: Hardware) -> str:
     """Return the description as YAML; reading it gives an equal one."""
-    lines = [*head_lines(hardware)]
+    lines = list(head_lines(hardware))
     for component in hardware.components:
         lines += component_lines(component)
     return "\n".join(lines) + "\n"
