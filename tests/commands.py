@@ -23,8 +23,11 @@ import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import _lru_cache_wrapper
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
+from tracerisk import cli
 from tracerisk.sandbox.fork_server import READ_ONCE, several_come
 
 _LONGEST_S = 300.0
@@ -196,13 +199,20 @@ def _main() -> None:
     for each in (life, listener):
         os.set_inheritable(each.fileno(), False)
     several_come()
+    for verb in iter_modules(cli.__path__):
+        import_module(f"{cli.__name__}.{verb.name}")
     # The first run starts the server of runs, which the commands inherit.
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "c.py").write_text(sys.argv[3])
-        for words in (["run", "c.py", "--quiet"], ["report", "c.py", "--output", "r.html"]):
-            code = _ended(folder, words)
+        for line in (
+            "run c.py",
+            "report c.py -o r.html",
+            "hardware init --robot panda -o h.yaml",
+            "hardware show h.yaml",
+        ):
+            code = _ended(folder, line.split())
             if code:
-                sys.exit(f"{words} ended with {code}")
+                sys.exit(f"{line}: ended with {code}")
         os.chdir("/")
     for each in gc.get_objects():
         if isinstance(each, _lru_cache_wrapper):
