@@ -50,20 +50,29 @@ sys.exit(code if code >= 0 else 128 - code)
 class Commands:
     """The process that forks commands, on the side of the tests."""
 
-    def __init__(self, controller: str, environment: Mapping[str, str]) -> None:
-        """Start it; it imports what a run of the controller, and a report on it, import.
+    def __init__(self, path: str, environment: Mapping[str, str]) -> None:
+        """Ask the process that listens at a path, and was started in an environment.
 
         Runs with other variables that are read once have a server of their own.
         """
+        self.path = path
+        self.program = str(Path(path).with_name("tracerisk"))
         self._once = _read_once(environment)
-        self._folder = tempfile.TemporaryDirectory()
-        self._path = str(Path(self._folder.name, "commands"))
-        self._life, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+
+    @classmethod
+    def started(cls, controller: str, environment: Mapping[str, str]) -> Commands:
+        """Start it; it imports what a run of the controller, and a report on it, import.
+
+        It ends with this process. What is asked meanwhile waits until it has begun.
+        """
+        folder = tempfile.TemporaryDirectory()
+        commands = cls(str(Path(folder.name, "commands")), environment)
+        life, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs, _socket() as listener:
-            listener.bind(self._path)
+            listener.bind(commands.path)
             listener.listen()
             numbers = (theirs.fileno(), listener.fileno())
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 [sys.executable, __file__, *map(str, numbers), controller],
                 pass_fds=numbers,
                 stdin=subprocess.DEVNULL,
@@ -71,13 +80,17 @@ class Commands:
                 start_new_session=True,
                 env=environment,
             )
-        program = Path(self._folder.name, "tracerisk")
-        program.write_text(_PROGRAM.format(python=sys.executable, path=self._path))
+        program = Path(commands.program)
+        program.write_text(_PROGRAM.format(python=sys.executable, path=commands.path))
         program.chmod(0o755)
-        self.program = str(program)
-        if self._life.recv(1) != b"+":
-            raise RuntimeError("no command can be run; standard error says why")
-        atexit.register(self.close)
+
+        def end() -> None:
+            life.close()
+            process.wait(60)
+            folder.cleanup()
+
+        atexit.register(end)
+        return commands
 
     def can_run(self, environment: Mapping[str, str]) -> bool:
         return _read_once(environment) == self._once
@@ -96,18 +109,15 @@ class Commands:
         ):
             given.write(asked)
             given.seek(0)
-            server.connect(self._path)
+            server.connect(self.path)
             socket.send_fds(server, [b"."], [each.fileno() for each in (given, nothing, out, err)])
             server.settimeout(_LONGEST_S)
-            code = int(server.recv(16))
+            code = server.recv(16)
+            if not code:
+                raise RuntimeError("no command can be run; standard error says why")
             out.seek(0)
             err.seek(0)
-            return code, out.read(), err.read()
-
-    def close(self) -> None:
-        self._life.close()
-        self._process.wait(60)
-        self._folder.cleanup()
+            return int(code), out.read(), err.read()
 
 
 def _socket() -> socket.socket:
@@ -220,7 +230,6 @@ def _main() -> None:
     tempfile.tempdir = None
     gc.collect()
     gc.freeze()
-    life.send(b"+")
     _serve(life, listener)
     os._exit(0)
 

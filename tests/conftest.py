@@ -105,9 +105,26 @@ def pytest_sessionfinish() -> None:
     gc.freeze()
 
 
+_SERVED_AT: list[str] = []
+"""Where this worker's commands are run, with those of the other workers."""
+
+
 @lru_cache(maxsize=1)
 def _commands() -> Commands:
-    return Commands(quick_controller(), AT_START)
+    if _SERVED_AT:
+        return Commands(_SERVED_AT[0], AT_START)
+    return Commands.started(quick_controller(), AT_START)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Run the commands of all workers by one process, that of the process that starts them."""
+    if sys.platform == "linux":
+        node.workerinput["commands"] = [_commands().path]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    _SERVED_AT.extend(getattr(config, "workerinput", {}).get("commands", ()))
 
 
 def _are_quick_in(environment: Mapping[str, str]) -> bool:
