@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 from lossless import insert_everywhere
 
+from tests.slow import slow_but_every
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import (
     computed_count,
@@ -90,7 +91,7 @@ def same_code(one: object, other: object) -> bool:
     )
 
 
-@pytest.mark.parametrize("path", sample(), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", slow_but_every(6, sample()), ids=lambda path: path.stem)
 def test_the_laws_hold_on_a_sample_of_the_standard_library(path: Path) -> None:
     check_laws(path.read_bytes(), str(path))
 
@@ -145,7 +146,7 @@ def definitions_text(draw, depth: int = 0):
     return header.format(name) + "\n" + "".join(lines)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     st.lists(definitions_text(), min_size=1, max_size=3),
     newlines,
@@ -308,7 +309,7 @@ def hard_sources(draw) -> bytes:
     return with_line_ends(draw, known).encode(encoding)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(hard_sources())
 def test_the_laws_hold_on_hard_sources(source: bytes) -> None:
     try:

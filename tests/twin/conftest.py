@@ -135,6 +135,12 @@ def errand(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFac
 
 
 @pytest.fixture(scope="session")
+def two_tubes(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFactory) -> Errand:
+    """The errand with the first two tubes alone."""
+    return _run_errand(panda, tube_racks, tmp_path_factory.mktemp("two_tubes"), range(1, 3))
+
+
+@pytest.fixture(scope="session")
 def run_errand() -> Callable[[Robot, Scene, Path, range], Errand]:
     return _run_errand
 

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.slow import slow_but
 from tests.twin.test_robots import (
     FLAT,
     GRIPPERS,
     NOWHERE,
+    SOME,
     finger_ends,
     finish,
     measured,
@@ -90,7 +92,7 @@ def test_a_jammed_joint_does_not_move_while_the_others_do(name: str):
         assert joint.name in motion.message
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", slow_but(SOME, robot_names()))
 def test_an_arm_without_power_stays_on_its_brakes(name: str):
     twin = Twin.build(load_robot(name), NOWHERE)
     settle(twin, 0.2)
@@ -129,20 +131,20 @@ def test_an_encoder_with_an_offset_shifts_reading_and_joint(name: str, tmp_path:
     assert reported == pytest.approx(before, abs=1e-3), "the servo regulates what the encoder reads"
 
 
-def test_every_encoder_of_every_robot_reads_exactly_its_offset_too_much():
-    for name in robot_names():
-        robot = load_robot(name)
-        twin, sound = Twin.build(robot, NOWHERE), Twin.build(robot, NOWHERE)
-        for sensor in robot.sensors:
-            if sensor.kind == "encoder":
-                twin.arm(Fault(sensor.name, "offset", 0.0))
-        # A fault begins with its step, and this one moves the joints only by the next.
-        settle(twin, 0.002)
-        settle(sound, 0.002)
-        for joint in robot.arm_joints:
-            if joint.name not in robot.without_encoder:
-                shift = measured(twin)[joint.name] - measured(sound)[joint.name]
-                assert shift == pytest.approx(encoder_offset(joint.type), abs=0.01), joint.name
+@pytest.mark.parametrize("name", slow_but(SOME, robot_names()))
+def test_every_encoder_of_every_robot_reads_exactly_its_offset_too_much(name: str):
+    robot = load_robot(name)
+    twin, sound = Twin.build(robot, NOWHERE), Twin.build(robot, NOWHERE)
+    for sensor in robot.sensors:
+        if sensor.kind == "encoder":
+            twin.arm(Fault(sensor.name, "offset", 0.0))
+    # A fault begins with its step, and this one moves the joints only by the next.
+    settle(twin, 0.002)
+    settle(sound, 0.002)
+    for joint in robot.arm_joints:
+        if joint.name not in robot.without_encoder:
+            shift = measured(twin)[joint.name] - measured(sound)[joint.name]
+            assert shift == pytest.approx(encoder_offset(joint.type), abs=0.01), joint.name
 
 
 @pytest.mark.parametrize("mode", ["frozen", "absent"])
@@ -237,7 +239,11 @@ def picked(name: str, index: int) -> tuple[Twin, float, tuple[float, float]]:
     return twin, twin.object_pose("thing").position[2], (closed, wide)
 
 
-@pytest.mark.parametrize(("name", "index"), GRIPPERS)
+ONE_OF_EACH = [("panda", 0), ("gen3", 0), ("j2n6s300", 0), ("so100", 0)]
+"""Grippers that slide, and that turn on four hinges, with three fingers and with one."""
+
+
+@pytest.mark.parametrize(("name", "index"), slow_but(ONE_OF_EACH, GRIPPERS))
 def test_a_gripper_that_is_stuck_holds_and_one_without_force_drops(name: str, index: int):
     twin, height, (closed, wide) = picked(name, index)
     gripper = twin.robot.grippers[index]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.errors import RobotError
 from tracerisk.geometry.shapes import Shape
 from tracerisk.hardware.binding import bind
@@ -30,7 +31,10 @@ from tracerisk.twin.simulation.twin import Twin
 import mujoco  # isort: skip
 
 NAMES = robot_names()
+SOME = ("panda", "baxter", "fetch", "gen3", "j2n6s300", "mycobot_280", "px100", "so100", "ur5e")
+"""Arms of four to seven joints, one with two arms, and with and without every kind of gripper."""
 GRIPPERS = [(each.name, i) for each in shipped_names() for i in range(len(each.grippers))]
+SOME_GRIPPERS = [(name, i) for name, i in GRIPPERS if name in SOME and (name, i) != ("baxter", 0)]
 FLAT = (0.0, 0.0, 0.0)
 NOWHERE = Scene("nowhere", "nothing", FLAT, FLAT, (), (), (), "nowhere.yaml")
 GRAVITY = 9.81
@@ -151,7 +155,7 @@ def test_its_hardware_fits_and_says_what_is_assumed(name: str):
     assert (name == "panda") == (not (hardware.source or "").startswith("assumed"))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", slow_but(SOME, NAMES))
 def test_it_stands_still_at_its_named_states(name: str):
     robot = load_robot(name)
     fingers = {joint for gripper in robot.grippers for joint in gripper.joints}
@@ -192,7 +196,7 @@ def check_torques(robot: Robot, twin: Twin) -> None:
 
 
 @pytest.mark.parametrize("count", [10, pytest.param(100, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", slow_but(SOME, NAMES))
 def test_inverse_kinematics_reach_what_the_arm_reaches(name: str, count: int):
     robot = load_robot(name)
     kinematics = Kinematics(robot)
@@ -216,7 +220,7 @@ def test_inverse_kinematics_reach_what_the_arm_reaches(name: str, count: int):
         assert reached >= 0.95 * count, group
 
 
-@pytest.mark.parametrize(("name", "index"), GRIPPERS)
+@pytest.mark.parametrize(("name", "index"), slow_but(SOME_GRIPPERS, GRIPPERS))
 def test_its_gripper_picks_a_light_object_up(name: str, index: int, tmp_path: Path):
     robot = load_robot(name)
     gripper = robot.grippers[index]
