@@ -3,7 +3,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
@@ -250,6 +250,7 @@ def blocks(draw):
     )
 
 
+@settings(max_examples=40)
 @given(blocks(), st.integers(20, 120))
 def test_a_printed_block_parsed_again_is_the_same_block(block: RiskBlock, width: int) -> None:
     lines = print_block(block, width)

@@ -81,7 +81,7 @@ def relative_error(found, expected):
     return float(abs(Fraction(found) / expected - 1))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(groups())
 @example(([[1e-20, 0.9, 1e-20, 0.9]] * 3, Redundancy(True, 1)))
 @example(([[1e-20, 0.9, 1e-20, 1e-8]] * 2, Redundancy(True, 2, 0.1)))
@@ -129,7 +129,7 @@ def spares_over_visits(visits, redundancy):
     return 1 - alive
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(groups(spares=True))
 @example(([[1e-20, 0.9, 1e-12]], Redundancy(True, 1, 0.0, 0.0)))
 @example(([[1e-20, 1e-18], [1e-12, 0.9]], Redundancy(True, 1, 0.0, 0.2, 0.1)))
@@ -212,7 +212,7 @@ def test_functions_share_a_hidden_groups_hazard_by_what_each_adds_to_it():
     assert (a + b) ** 2 == pytest.approx(1e-21, rel=1e-8)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.lists(groups(), min_size=1, max_size=3), st.lists(st.integers(1, 9), min_size=3))
 def test_functions_share_the_hazard_of_a_hidden_group_over_the_mission(drawn, times):
     units = min(len(visits[0]) for visits, _ in drawn)

@@ -165,7 +165,7 @@ FIGURES = {
 runs = st.lists(st.lists(stretches, min_size=1, max_size=3), min_size=1, max_size=4)
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(sorted(FIGURES)),
     run=runs,
@@ -188,7 +188,7 @@ def test_cutting_visits_leaves_the_missions_figure(name, run, load_law, modes, a
     assert p[2] == pytest.approx(p[0], rel=1e-12, abs=nothing)
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(sorted(FIGURES)),
     run=runs,

@@ -58,7 +58,7 @@ def places(node):
             yield from places(value)
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(
     hardware=hardware_descriptions(),
     strange=st.sampled_from(STRANGE),

@@ -31,7 +31,7 @@ def test_the_schema_is_one_of_its_draft():
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(hardware=hardware_descriptions())
 def test_it_takes_whatever_the_reader_takes(hardware):
     data = description_data(hardware)

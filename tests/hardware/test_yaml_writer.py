@@ -21,7 +21,7 @@ def file(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("written") / "hardware.yaml"
 
 
-@settings(deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(hardware=hardware_descriptions())
 def test_what_is_written_reads_back_as_the_same_description(file, hardware):
     text = write_hardware(hardware)

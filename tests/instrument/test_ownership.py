@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import Location
@@ -270,6 +270,7 @@ def cut_into_functions(
     )
 
 
+@settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_every_step_of_every_element_belongs_to_exactly_one_visit(
     mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut
@@ -285,6 +286,7 @@ def test_every_step_of_every_element_belongs_to_exactly_one_visit(
     assert starts == sorted(starts)
 
 
+@settings(max_examples=40)
 @given(mission=missions(), cut=cuts(), other=cuts())
 def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
     mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut, other: Cut
@@ -312,6 +314,7 @@ def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
             assert gathered[command].tolist() == found.assign(element, N_STEPS, STEP).tolist()
 
 
+@settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_renaming_functions_renames_owners_and_nothing_else(
     mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut

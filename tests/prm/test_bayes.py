@@ -105,7 +105,7 @@ def states_of(condition):
     )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(network=networks(), kind=st.sampled_from([GateKind.OR, GateKind.AND]))
 def test_top_and_posteriors_equal_exact_enumeration(network, kind):
     inference_of(network)

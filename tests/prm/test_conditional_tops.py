@@ -87,7 +87,7 @@ def happens(tree, outcome):
 probabilities = st.one_of(st.sampled_from([0.0, 1.0, 1e-20, 1.0 - 2.0**-53]), st.floats(1e-25, 1.0))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(tree=trees(), data=st.data())
 def test_the_top_given_each_event_equals_exact_enumeration(tree, data):
     names = [event.name for event in tree.events]

@@ -124,7 +124,7 @@ def happens(tree, name, events):
     return any(inputs) if kind is OR else all(inputs)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(drawn=shared_event_trees(), data=st.data())
 def test_sequences_over_shared_events_equal_exact_enumeration(drawn, data):
     tree, trees, rows = drawn

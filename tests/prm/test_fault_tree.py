@@ -61,7 +61,7 @@ probabilities = st.one_of(
 values = st.fixed_dictionaries(dict.fromkeys("abc", probabilities))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(tree=trees(), values=values)
 def test_probability_and_its_complement_equal_exact_enumeration(exact, tree, values):
     expected = exact.top(tree, {name: Fraction(p) for name, p in values.items()})

@@ -19,7 +19,7 @@ def importance_of(model, name):
     return next(each for each in solve(model).components if each.name == name)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(data=st.data())
 def test_every_measure_equals_differences_of_missions_in_250_digits(
     in_many_digits, small_models, data

@@ -53,7 +53,7 @@ def chains(draw):
     return MarkovChain(rows, ("failed", "done"))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(chain=chains())
 def test_random_chains_equal_exact_rationals(exact, chain):
     check_against_rationals(exact, chain, "s0")

@@ -58,7 +58,7 @@ def versions(draw):
     return RiskVersion.of_blocks(blocks, "c.py")
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(versions(), versions())
 def test_all_changes_together_make_the_later_model(before, after):
     flows, _ = flow_items(before, after)
@@ -79,7 +79,7 @@ def test_all_changes_together_make_the_later_model(before, after):
     assert solve(made).mission.failure_probability == pytest.approx(expected, rel=1e-12, abs=1e-30)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(versions())
 def test_figures_are_those_of_the_whole_solution(version):
     whole = solve(version.model)

@@ -40,7 +40,7 @@ def joint_by_differences(exact, model, first, second):
     return corners / (4 * step**2) / thetas[first] / thetas[second]
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(data=st.data())
 def test_pairs_equal_mixed_differences_in_250_digits(in_many_digits, small_models, data):
     model = data.draw(small_models(functions=2, parts_each=2, rare=True))

@@ -280,7 +280,7 @@ def test_a_state_may_have_a_tree_that_shares_an_event():
     assert assessment.mission.failure_probability == close(Fraction(3, 8))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(data=st.data())
 def test_random_models_equal_exact_rationals(exact, block, component, data):
     size = data.draw(st.integers(1, 4))

@@ -113,6 +113,7 @@ def test_the_messages_that_are_written_are_those_of_ros_2(name):
     assert definition(name) == theirs.generate_msgdef(name, ros_version=2)[0]
 
 
+@settings(max_examples=30)
 @given(time_ns=st.integers(0, 2**60), texts=st.tuples(*[st.text(max_size=9)] * 4))
 def test_a_finding_is_read_back(time_ns, texts):
     data = log_message(time_ns, 30, *texts, line=7)

@@ -90,7 +90,7 @@ def test_bounds_of_a_sliding_joint_are_a_tenth():
     assert len(found(value, value, LEVER_M)) == 1
 
 
-@settings(deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0.1, 3.0), st.floats(-0.5, 0.5)), min_size=1, max_size=5),
     st.integers(0, 400),

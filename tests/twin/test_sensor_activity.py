@@ -50,7 +50,7 @@ def cases(draw):
     return moving, [(start, start + length) for start, length in spans], owned
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(cases(), st.sampled_from([ENCODER, CAMERA]))
 def test_a_sensor_is_counted_as_a_joint_with_the_same_flags_is(case, element):
     moving, spans, owners = case

@@ -79,7 +79,7 @@ JUNK = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_a_changed_description_is_read_or_reported_with_its_line(tmp_path_factory, data):
     changed = copy.deepcopy(data.draw(st.sampled_from(BASES)))

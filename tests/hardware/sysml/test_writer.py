@@ -10,7 +10,7 @@ from tracerisk.hardware.sysml.writer import write_sysml
 
 
 @given(hardware_descriptions())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_what_is_written_reads_back_as_the_same(tmp_path_factory, hardware):
     path = tmp_path_factory.getbasetemp() / "written.sysml"
     path.write_text(write_sysml(hardware), encoding="utf-8", newline="")

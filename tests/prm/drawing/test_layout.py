@@ -11,7 +11,7 @@ names = [f"n{index}" for index in range(10)]
 graphs = st.lists(st.tuples(st.sampled_from(names), st.sampled_from(names)), max_size=25)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(edges=graphs, widths=st.lists(st.floats(10, 200), min_size=10, max_size=10))
 def test_nodes_never_overlap_and_every_edge_has_a_way(edges, widths):
     sizes = {name: Size(width, 30.0) for name, width in zip(names, widths, strict=True)}

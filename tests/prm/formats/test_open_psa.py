@@ -120,7 +120,7 @@ def test_names_that_look_escaped_come_back(name):
     assert "." not in written_name(name)
 
 
-@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=50, deadline=None)
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=20, deadline=None)
 @given(logic_models())
 def test_a_model_comes_back_as_it_was(model):
     text = dumps_open_psa(model)
@@ -129,7 +129,7 @@ def test_a_model_comes_back_as_it_was(model):
     assert dumps_open_psa(again) == text
 
 
-@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=8, deadline=None)
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=4, deadline=None)
 @given(model=logic_models(figures=st.floats(0.0, 1.0).map(Number)))
 def test_scram_accepts_what_is_written(model, scram, tmp_path_factory):
     path = tmp_path_factory.mktemp("written") / "model.xml"

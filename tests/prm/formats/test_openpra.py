@@ -159,7 +159,7 @@ def test_a_model_comes_back_as_it_was(more):
     assert ordered(across) == ordered(model)
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @given(logic_models(figures=st.floats(0.0, 1.0).map(Number), plain_names=True))
 def test_a_random_model_keeps_its_figures(model):
     """Gates may be written otherwise; what their tops come to may not change."""

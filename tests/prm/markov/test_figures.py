@@ -89,7 +89,7 @@ def exact_distribution(chain, entry, steps):
     return now
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     weights=st.lists(
         st.lists(st.sampled_from([0.0, 1e-20, 1e-7, 0.3, 1.0]), min_size=5, max_size=5),

@@ -74,7 +74,7 @@ def exact_rows(matrix):
     return {i: {j: Fraction(p) for j, p in enumerate(matrix[i]) if p} for i in range(size)}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(matrix=matrices())
 def test_random_matrices_equal_exact_rationals(exact, matrix):
     size = len(matrix) - 2

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.ros.homogeneous import arcball, matrices, parts, turns, vectors
@@ -104,6 +104,7 @@ def test_random_turns_are_units():
     assert np.allclose(turn @ turn.T, np.identity(4))
 
 
+@settings(max_examples=40)
 @given(st.floats(-3.1, 3.1).filter(lambda a: abs(a) > 0.01), directions, points)
 def test_a_rotation_keeps_its_axis_and_gives_back_what_made_it(angle, direction, point):
     matrix = matrices.rotation_matrix(angle, direction, point)
