@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
 from tests.adder.test_computed import compute as compute
 from tests.adder.test_computed import moved, ref, trace_of
+from tests.slow import slow_but_every
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.prm import build_model
 from tracerisk.prm.hybrid.solve import solve_figures
@@ -37,6 +39,11 @@ GROUPS = {
     "tested rarely": ("redundancy: true", _RARELY),
     "cold, tested rarely": ("spare: cold", _RARELY),
 }
+
+_PAIRS = list(product(FIGURES, GROUPS))
+EVERY = slow_but_every(5, _PAIRS)
+"""Every figure and every group; the slow run has each figure with each group."""
+assert {pair[0] for pair in _PAIRS[::5]} == set(FIGURES)
 
 
 def used(seconds: float, starts: int):
@@ -75,8 +82,7 @@ def mission(compute):
     return make
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize(("figure", "group"), EVERY)
 def test_units_alike(mission, figure, group):
     joints = {"j1": 300.0, "j2": 300.0, "j3": 300.0}
     whole = mission(pieces_of(1, **joints), figure, group)
@@ -85,8 +91,7 @@ def test_units_alike(mission, figure, group):
         assert mission(pieces_of(count, **joints), figure, group) == pytest.approx(whole, rel=0.01)
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize(("figure", "group"), EVERY)
 def test_units_that_differ(mission, figure, group):
     joints = {"j1": 500.0, "j2": 100.0, "j3": 300.0}
     whole = mission(pieces_of(1, **joints), figure, group)
@@ -94,8 +99,7 @@ def test_units_that_differ(mission, figure, group):
         assert mission(pieces_of(count, **joints), figure, group) == pytest.approx(whole, rel=0.01)
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize(("figure", "group"), EVERY)
 def test_units_in_a_loop(compute, figure, group):
     lines = (*FIGURES[figure], *GROUPS[group], 'twin: {joints: "*"}')
 

@@ -11,6 +11,7 @@ from textwrap import dedent
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 
@@ -254,7 +255,13 @@ FORMATTERS = {
 }
 
 
-@pytest.mark.parametrize("tool", FORMATTERS)
+@pytest.mark.parametrize(
+    "tool",
+    slow_but(
+        ["ruff, narrow", "ruff, import order", "ruff, fixes", "black", "eradicate"],
+        list(FORMATTERS),
+    ),
+)
 def test_what_a_tool_would_leave_it_leaves_with_blocks_too(
     tool: str, tmp_path: Path, read_block
 ) -> None:

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from tests.prm.formats.models import solved_tops
+from tests.slow import slow_but
 from tracerisk.errors import ModelError
 from tracerisk.prm import minimal_cut_sets, prime_implicants
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa, read_open_psa
@@ -50,6 +51,18 @@ ONE_TREE = (
 )
 """Those of one fault tree, whose parts SCRAM tells all of in little time."""
 
+SMALL = (("BSCU/BSCU.xml",), ("HIPPS/HIPPS.xml",), ("Lift/lift.xml",), ("TwoTrain/two_train.xml",))
+SOME = (
+    ("Chinese/chinese.xml", "Chinese/chinese-basic-events.xml"),
+    ("EventTrees/attack.xml",),
+    ("EventTrees/gas_leak/gas_leak.xml", "EventTrees/gas_leak/gas_leak_reactive.xml"),
+    ("HIPPS/HIPPS.xml",),
+    ("TwoTrain/two_train.xml", "TwoTrain/event_tree.xml"),
+    ("TwoTrain/common_cause.xml",),
+    ("TwoTrain/substitutions.xml",),
+)
+"""One of each kind."""
+
 
 def same_digits(found: float, printed: float) -> bool:
     """Whether a figure is the one that SCRAM prints to six digits."""
@@ -72,7 +85,7 @@ def assert_as_scram(model, report, *, common_cause=False):
         assert same_digits(sequences[sequence], printed), sequence
 
 
-@pytest.mark.parametrize("files", SHIPPED, ids=lambda files: files[-1])
+@pytest.mark.parametrize("files", slow_but(SOME, SHIPPED, of_one=True), ids=lambda files: files[-1])
 def test_a_shipped_model_comes_out_as_in_scram(files, scram, scram_inputs, tmp_path):
     paths = [scram_inputs / file for file in files]
     model = read_open_psa(*paths)
@@ -137,7 +150,9 @@ def test_every_common_cause_law_comes_out_as_in_scram(law, scram, tmp_path):
     assert_as_scram(model, scram(exported, options=("--ccf", "true")), common_cause=True)
 
 
-@pytest.mark.parametrize("files", ONE_TREE, ids=lambda files: files[-1])
+@pytest.mark.parametrize(
+    "files", slow_but(SMALL, ONE_TREE, of_one=True), ids=lambda files: files[-1]
+)
 def test_importances_come_out_as_in_scram(files, scram, scram_inputs):
     # Where the top is not coherent, SCRAM 0.16.2 gives every figure the opposite sign.
     paths = [scram_inputs / file for file in files]
@@ -183,7 +198,9 @@ def test_replacements_in_cut_sets_have_no_exact_probability(scram_inputs):
     assert str(caught.value).startswith(str(scram_inputs))
 
 
-@pytest.mark.parametrize("files", ONE_TREE, ids=lambda files: files[-1])
+@pytest.mark.parametrize(
+    "files", slow_but(SMALL, ONE_TREE, of_one=True), ids=lambda files: files[-1]
+)
 def test_minimal_cut_sets_are_those_of_scram(files, scram, scram_inputs):
     paths = [scram_inputs / file for file in files]
     model = read_open_psa(*paths)
