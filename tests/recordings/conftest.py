@@ -27,7 +27,7 @@ Message = tuple[int, str, str, Any]
 class Mission:
     """Joint 1 moves by 1 rad from 2 to 4 s and back from 6 to 8 s; joint 2 bears a load."""
 
-    rate_hz: float = 50.0
+    rate_hz: float = 25.0
     seconds: float = 9.0
     joints: tuple[str, ...] = ARM
     load: float = 30.0
