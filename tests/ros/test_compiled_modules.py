@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 SEARCH = """\
@@ -51,21 +53,24 @@ def run(example):
 
 
 def test_a_controller_that_imports_one_is_run_and_the_run_is_partial(run):
-    outcome = run("print(planning.Grid, planning.steps_of)")
+    outcome = run(
+        "print(planning.Grid, planning.steps_of)\n"
+        "    try:\n"
+        "        planning._cost(1.0)\n"
+        "    except AttributeError as error:\n"
+        "        print('caught:', error)"
+    )
     assert len(outcome.json["trace"]["functions"]) == 1
     verdict = outcome.json["verdict"]
     assert verdict["kind"] == "partial"
     (reason,) = [each for each in verdict["reasons"] if each["code"] == "unmet-need"]
     assert reason["object"] == "planner.search"
     assert "compiled from search.pyx, and it is not built here" in reason["words"]
+    # What it does not define is not there.
+    assert re.search(r"caught: .* has no attribute '_cost'", outcome.out + outcome.err)
 
 
 def test_what_it_defines_raises_where_it_is_called(run):
     outcome = run("planning.cheapest(1, 2)")
     assert outcome.json["verdict"]["kind"] == "faulted"
     assert "cheapest cannot be called; build it in place" in outcome.err
-
-
-def test_what_it_does_not_define_is_not_there(run):
-    outcome = run("planning._cost(1.0)")
-    assert "has no attribute '_cost'" in outcome.err

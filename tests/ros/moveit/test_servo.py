@@ -73,9 +73,10 @@ if __name__ == "__main__":
 """
 
 
-@pytest.fixture
-def jogged(example):
+@pytest.fixture(scope="module")
+def jogged(example_in, tmp_path_factory):
     def run(*statements, settings=None):
+        example = example_in(tmp_path_factory.mktemp("jogged"))
         example.write("jogger/package.xml", "<package><name>jogger</name></package>")
         example.write("jogger/jogger.py", PROGRAM.replace("MAIN", "\n    ".join(statements)))
         if settings is not None:
@@ -93,17 +94,50 @@ def printed(outcome, word):
 
 
 MOVED = ("before = node.place()", "{}", "after = node.place()",
-         "print('moved', [round(b - a, 3) for a, b in zip(before, after)])")  # fmt: skip
+         "print('{}', [round(b - a, 3) for a, b in zip(before, after)])")  # fmt: skip
 
 
-def moved(jogged, statement, settings=None):
-    outcome = jogged(*(each.format(statement) for each in MOVED), settings=settings)
+def moves(**statements):
+    """Statements, each with a line that says under its name how far the tool has moved."""
+    for name, statement in statements.items():
+        yield from (MOVED[0], statement, MOVED[2], MOVED[3].format(name))
+
+
+def moved(jogged, statement, settings):
+    outcome = jogged(*moves(moved=statement), settings=settings)
     return printed(outcome, "moved"), outcome
 
 
-def test_the_tool_goes_at_a_share_of_the_scale_and_rests_after_the_last_message(jogged):
-    way, outcome = moved(jogged, "node.twist('z', -0.25, 'panda_link0')")
-    assert way == pytest.approx([0.0, 0.0, -0.1], abs=0.012)
+@pytest.fixture(scope="module")
+def one_after_the_other(jogged):
+    """One run: the tool down, forward in its own axes, and two joints."""
+    return jogged(
+        *moves(
+            down="node.twist('z', -0.25, 'panda_link0')",
+            forward="node.twist('z', 0.2, 'panda_link8')",
+            last_joint="node.jog('panda_joint7', 0.4)",
+            first_joint="node.jog('panda_joint1', 0.4)",
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def astray(jogged):
+    """One run: what cannot be followed, and the tool to where the arm is stretched."""
+    return jogged(
+        "node.jog('panda_joint7', 0.4)",
+        "node.twist('z', 0.1, 'elbow', 0.1)",
+        "node.twist('z', float('nan'), '', 0.1)",
+        "node.jog('elbow', 0.1)",
+        "node.twist('x', 1.0, 'panda_link0', 4.0)",
+    )
+
+
+def test_the_tool_goes_at_a_share_of_the_scale_and_rests_after_the_last_message(
+    one_after_the_other,
+):
+    outcome = one_after_the_other
+    assert printed(outcome, "down") == pytest.approx([0.0, 0.0, -0.1], abs=0.012)
     assert "a share of 1 is taken for 0.4 m/s" in outcome.out
     assert outcome.out.startswith("partial: no file of the workspace gives servo its scales")
     assert printed(outcome, "codes") == [0]
@@ -119,18 +153,16 @@ def test_the_scales_and_units_of_a_file_count(jogged):
     assert way == pytest.approx([0.0, 0.0, -0.05], abs=0.006)
 
 
-def test_a_velocity_is_in_the_axes_of_its_frame(jogged):
+def test_a_velocity_is_in_the_axes_of_its_frame(one_after_the_other):
     # The tool of the Panda looks down: its own way forward is the base's way down.
-    way, _ = moved(jogged, "node.twist('z', 0.2, 'panda_link8')")
-    assert way[2] == pytest.approx(-0.08, abs=0.01)
+    assert printed(one_after_the_other, "forward")[2] == pytest.approx(-0.08, abs=0.01)
 
 
-def test_a_joint_is_jogged_and_the_others_rest(jogged):
-    way, outcome = moved(jogged, "node.jog('panda_joint7', 0.4)")
-    assert way == pytest.approx([0.0, 0.0, 0.0], abs=0.001)
-    assert "panda_joint7" in outcome.out
-    way, _ = moved(jogged, "node.jog('panda_joint1', 0.4)")
-    assert way[1] > 0.05
+def test_a_joint_is_jogged_and_the_others_rest(one_after_the_other):
+    still = pytest.approx([0.0, 0.0, 0.0], abs=0.001)
+    assert printed(one_after_the_other, "last_joint") == still
+    assert "panda_joint7" in one_after_the_other.out
+    assert printed(one_after_the_other, "first_joint")[1] > 0.05
 
 
 def test_a_servo_that_is_stopped_moves_nothing_until_it_is_started(jogged):
@@ -140,24 +172,19 @@ def test_a_servo_that_is_stopped_moves_nothing_until_it_is_started(jogged):
         "node.twist('z', -0.25, 'panda_link0', 0.2); "
         "assert node.ask(SetBool, '/servo_node/pause_servo', SetBool.Request(data=False)); "
         "node.twist('z', -0.25, 'panda_link0', 0.5)",
+        settings=None,
     )
     assert way[2] == pytest.approx(-0.05, abs=0.01)
     assert "servo is stopped" in outcome.out
 
 
 @pytest.mark.parametrize(
-    ("statement", "words"),
-    [
-        ("node.twist('z', 0.1, 'elbow', 0.1)", "there is no frame 'elbow'"),
-        ("node.twist('z', float('nan'), '', 0.1)", "a velocity is not finite"),
-        ("node.jog('elbow', 0.1)", "the arm has no joint 'elbow'"),
-    ],
+    "words",
+    ["there is no frame 'elbow'", "a velocity is not finite", "the arm has no joint 'elbow'"],
 )
-def test_what_cannot_be_followed_is_a_finding(jogged, statement, words):
-    outcome = jogged("node.jog('panda_joint7', 0.4)", statement)
-    assert words in outcome.out + outcome.err
+def test_what_cannot_be_followed_is_a_finding(astray, words):
+    assert words in astray.out + astray.err
 
 
-def test_near_a_singularity_the_tool_slows_down_and_a_finding_says_so(jogged):
-    outcome = jogged("node.jog('panda_joint7', 0.4)", "node.twist('x', 1.0, 'panda_link0', 4.0)")
-    assert "servo slows the tool at a singularity" in outcome.out + outcome.err
+def test_near_a_singularity_the_tool_slows_down_and_a_finding_says_so(astray):
+    assert "servo slows the tool at a singularity" in astray.out + astray.err
