@@ -11,10 +11,18 @@ from tracerisk import pipeline
 from tracerisk.trace import Trace
 
 PROGRAMS = Path(__file__).parent / "programs"
-QUICK = frozenset({"follow_goals", "services", "feedback"})
+QUICK = frozenset({"goals_and_services"})
 """What is run wherever rospy is; all others are marked slow."""
 ON_THE_WALL_CLOCK = frozenset(
-    {"services", "wait_for_message", "shutdown", "preempt", "latched", "listeners"}
+    {
+        "goals_and_services",
+        "services",
+        "wait_for_message",
+        "shutdown",
+        "preempt",
+        "latched",
+        "listeners",
+    }
 )
 """In these rospy itself waits on the wall clock, which must be no faster than simulated time."""
 CUT_SHORT = frozenset({"preempt", "replaced_goal"})

@@ -32,7 +32,7 @@ def move(client, angle):
     goal = FollowJointTrajectoryGoal()
     goal.trajectory.joint_names = JOINTS
     goal.trajectory.points = [
-        JointTrajectoryPoint(positions=[angle, *HOME[1:]], time_from_start=rospy.Duration(1.0))
+        JointTrajectoryPoint(positions=[angle, *HOME[1:]], time_from_start=rospy.Duration(0.5))
     ]
     client.send_goal(goal)
     client.wait_for_result()
@@ -40,12 +40,12 @@ def move(client, angle):
 
 def init(client):
     move(client, 0.0)
-    rospy.sleep(0.2)
+    rospy.sleep(0.1)
 
 
 def reach(client):
     move(client, 0.4)
-    rospy.sleep(0.2)
+    rospy.sleep(0.1)
 
 
 def main():
