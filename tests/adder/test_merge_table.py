@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import pytest
@@ -20,10 +21,12 @@ from tracerisk.adder.annotate import (
     Unchanged,
     annotate_sources,
 )
+from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError
 
@@ -106,10 +109,15 @@ def file_of(**blocks: str) -> bytes:
     return text.encode()
 
 
+@cache
+def _blocks_of(source: bytes) -> tuple[PlacedBlock, ...]:
+    return tuple(read_blocks(source, "c.py"))
+
+
 def computed(*, absent: tuple[str, ...] = (), **blocks: str) -> dict:
     """Return the blocks that the tool computes, given as texts."""
     texts = {"init": plain("init", 1), "place": block({}), **blocks}
-    found = read_blocks(file_of(**texts), "c.py")
+    found = _blocks_of(file_of(**texts))
     return {each.function: each.block for each in found if each.function not in absent}
 
 
@@ -125,7 +133,12 @@ def annotate(source: bytes, blocks: dict, lock: Lock, edits: str = "stop"):
 
 
 def lock_after(blocks: dict) -> Lock:
-    outcome = annotate(SOURCE, blocks, Lock())
+    return _lock_after(tuple(blocks.items()))
+
+
+@cache
+def _lock_after(blocks: tuple[tuple[str, RiskBlock], ...]) -> Lock:
+    outcome = annotate(SOURCE, dict(blocks), Lock())
     assert isinstance(outcome, Changed)
     return outcome.lock
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from tests.slow import slow_but
 from tracerisk.twin.motion.timing import PATH_TOLERANCE, along_path, resample
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
@@ -50,7 +51,7 @@ def independent():
     del sys.modules[spec.name]
 
 
-@pytest.mark.parametrize("name", ["panda", "ur5e", "iiwa14", "gen3"])
+@pytest.mark.parametrize("name", slow_but(["panda", "ur5e"], ["panda", "ur5e", "iiwa14", "gen3"]))
 def test_random_motions_last_as_long_as_the_optimal_ones(independent, name: str):
     for motion in independent.motions_of(load_robot(name), 12, seed=3):
         time, _, _ = along_path(motion.waypoints, motion.velocity, motion.acceleration)

@@ -158,7 +158,7 @@ def test_a_robot_of_ros_2_is_heard_by_readers_alone(robot, tmp_path, example_in)
     ("said", "leaves"),
     [
         ({"ROS_LOCALHOST_ONLY": "1"}, False),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, False),
+        pytest.param({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, False, marks=pytest.mark.slow),
         ({}, True),  # else this test could not see what leaves
     ],
 )
