@@ -330,7 +330,9 @@ def test_the_laws_hold_on_many_hard_sources(source: bytes) -> None:
     check_laws(source, "c.py")
 
 
-@pytest.mark.parametrize("newline", [b"\n", b"\r\n"], ids=["LF", "CRLF"])
+@pytest.mark.parametrize(
+    "newline", [b"\n", pytest.param(b"\r\n", marks=pytest.mark.slow)], ids=["LF", "CRLF"]
+)
 @pytest.mark.parametrize(
     "first",
     [

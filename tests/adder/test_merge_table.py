@@ -14,6 +14,7 @@ from typing import Literal
 
 import pytest
 
+from tests.slow import slow_but_every
 from tracerisk.adder.annotate import (
     Changed,
     EditsInTheWay,
@@ -203,10 +204,10 @@ def same(field: str, one: str, other: str) -> bool:
     return set(one.split(", ")) == set(other.split(", "))
 
 
-@pytest.mark.parametrize("lock_kind", LOCKS)
-@pytest.mark.parametrize("content", CONTENTS)
-@pytest.mark.parametrize("tool", ["unchanged", "changed"])
-@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize(
+    ("field", "tool", "content", "lock_kind"),
+    slow_but_every(3, list(itertools.product(FIELDS, ["unchanged", "changed"], CONTENTS, LOCKS))),
+)
 def test_a_value(field: str, tool: str, content: str, lock_kind: LockKind) -> None:
     texts = FIELDS[field]
     now = texts.before if tool == "unchanged" else texts.now

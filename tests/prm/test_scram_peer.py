@@ -94,7 +94,7 @@ def test_the_benchmark_says_seconds_memory_and_errors():
     if shutil.which("scram"):
         run += ["--peer", "scram"]
     done = subprocess.run(
-        [*run, "--models-only", "chinese,das9209"],
+        [*run, "--models-only", "chinese"],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -102,7 +102,7 @@ def test_the_benchmark_says_seconds_memory_and_errors():
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0.0011705818107586692" in done.stdout
-    assert "solved 2 of 2" in done.stdout
+    assert "solved 1 of 1" in done.stdout
     if shutil.which("scram"):
         for kind in ("cold", "warm"):
             assert f"{kind}: the peer takes " in done.stdout

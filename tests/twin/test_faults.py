@@ -336,7 +336,7 @@ def test_every_unit_of_both_arms_can_fail():
     assert modes["control"] == ("frozen",)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", slow_but(SOME, robot_names()))
 def test_every_fault_of_every_robot_can_begin(name: str):
     robot = load_robot(name)
     twin = Twin.build(robot, NOWHERE)
