@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but_every
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, build_model
 from tracerisk.prm.dynamic import (
@@ -436,7 +437,7 @@ def drawn_tree_of_parts(seed):
 
 
 @pytest.mark.parametrize("draw", [drawn_tree, drawn_tree_of_parts])
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", slow_but_every(3, range(30)))
 def test_storm_finds_the_same_unreliability(tmp_path, draw, seed):
     made = draw(seed)
     path = tmp_path / "tree.dft"
