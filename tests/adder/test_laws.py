@@ -309,7 +309,7 @@ def hard_sources(draw) -> bytes:
     return with_line_ends(draw, known).encode(encoding)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(hard_sources())
 def test_the_laws_hold_on_hard_sources(source: bytes) -> None:
     try:

@@ -129,7 +129,7 @@ def spares_over_visits(visits, redundancy):
     return 1 - alive
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(groups(spares=True))
 @example(([[1e-20, 0.9, 1e-12]], Redundancy(True, 1, 0.0, 0.0)))
 @example(([[1e-20, 1e-18], [1e-12, 0.9]], Redundancy(True, 1, 0.0, 0.2, 0.1)))

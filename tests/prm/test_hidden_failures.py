@@ -448,7 +448,7 @@ def test_the_chain_written_out_names_what_has_failed(block, component):
     ("redundancy", "most", "solved"),
     [
         ("required 2", 500, 200),
-        ("true, spare warm 0.5, switch 0.1", 250, 100),
+        ("true, spare warm 0.5, switch 0.1", 250, 60),
         pytest.param("required 2", 500, 502, marks=pytest.mark.slow),
         pytest.param("true, spare warm 0.5, switch 0.1", 250, 251, marks=pytest.mark.slow),
     ],

@@ -34,7 +34,7 @@ def test_reaches_poses_of_its_own_joint_space(
 ):
     generator = np.random.default_rng(7)
     reached = 0
-    for _ in range(100):
+    for _ in range(40):
         q = {joint.name: generator.uniform(joint.lower, joint.upper) for joint in panda.arm_joints}
         pose = kinematics.forward(q, "panda_link8")
         try:
@@ -47,7 +47,7 @@ def test_reaches_poses_of_its_own_joint_space(
         for joint in panda.arm_joints:
             assert joint.lower <= found[joint.name] <= joint.upper
         reached += 1
-    assert reached >= 95
+    assert reached >= 38
 
 
 def test_a_pose_out_of_reach_is_a_planning_failure(kinematics: Kinematics):
