@@ -1,4 +1,7 @@
-"""The same program under real rospy, with a real master, and under the stand-ins."""
+"""The same program under real rospy, with a real master, and under the stand-ins.
+
+`test_live_run.py` compares `goals_and_services` on each run, these are for the slow one.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,6 @@ from tracerisk import pipeline
 from tracerisk.trace import Trace
 
 PROGRAMS = Path(__file__).parent / "programs"
-QUICK = frozenset({"goals_and_services"})
-"""What is run wherever rospy is; all others are marked slow."""
 ON_THE_WALL_CLOCK = frozenset(
     {
         "goals_and_services",
@@ -36,15 +37,8 @@ goal before it notes the handle, and a status that arrives in between is dropped
 MOST_RACES = 4
 
 
-def _programs() -> list[object]:
-    names = sorted(each.stem for each in PROGRAMS.glob("*.py"))
-    return [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow, id=name)
-        for name in names
-    ]
-
-
-@pytest.mark.parametrize("name", _programs())
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(each.stem for each in PROGRAMS.glob("*.py")))
 def test_a_program_does_the_same_under_real_rospy(
     name: str, real_ros: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -54,12 +48,17 @@ def test_a_program_does_the_same_under_real_rospy(
 
     live, live_log = _without_race(script, capfd, 1.0 if name in ON_THE_WALL_CLOCK else SPEED)
     twin, printed = _traced(script, capfd, live_speed=None)
-    twin_log = _logged(printed)
+    twin_log = logged(printed)
 
-    assert live.is_measured
-    assert not twin.is_measured
     assert twin_log, "the program printed nothing to compare"
     assert live_log == twin_log
+    assert_same(live, twin, near=0.01 if name in CUT_SHORT else 1e-3)
+
+
+def assert_same(live: Trace, twin: Trace, *, near: float = 1e-3) -> None:
+    """The same visits and moves, under real rospy and under the stand-ins."""
+    assert live.is_measured
+    assert not twin.is_measured
     assert live.end.cause == twin.end.cause, live.end.message
     assert _steps(live) == _steps(twin)
     # What is asked for in vain, or raises within rospy, is followed by stand-ins alone.
@@ -72,7 +71,6 @@ def test_a_program_does_the_same_under_real_rospy(
         # What begins or ends between two samples of the twin is a sample longer or shorter.
         step_s = 2.01 * STEP_S * max(ours.starts, 1)
         assert theirs.moving_s == pytest.approx(ours.moving_s, rel=1e-3, abs=step_s), element
-        near = 0.01 if name in CUT_SHORT else 1e-3
         assert theirs.torque_cubic == pytest.approx(ours.torque_cubic, rel=near, abs=1e-4), element
         if "/" in element or ours.borderline or theirs.borderline:
             continue  # a sensor; or whether it holds lies within a factor of two of the threshold
@@ -90,10 +88,10 @@ def _without_race(
         trace, printed = _traced(script, capfd, live_speed)
         if LOST_TRANSITION not in printed:
             break
-    return trace, _logged(printed)
+    return trace, logged(printed)
 
 
-def _logged(printed: str) -> list[str]:
+def logged(printed: str) -> list[str]:
     return re.findall(r"^> .*$", printed, re.MULTILINE)
 
 

@@ -5,63 +5,34 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
-PROGRAM = """import os
-import socket
+from tests.ros.live.test_differential import assert_same, logged
+from tracerisk import trace_json
 
-import actionlib
-import rospy
-from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
-from trajectory_msgs.msg import JointTrajectoryPoint
-
-JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
-HOME = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
-
-
+CALL_OUT = """\
 def call_out():
+    import os
+    import socket
+
+    print("- master", os.environ.get("ROS_MASTER_URI", "none"))
     try:
         socket.create_connection(("192.0.2.1", 11311), timeout=1.0)
-        print("> reached")
+        print("- reached")
     except OSError as error:
-        print("> refused", error.errno)
-
-
-def move(client, angle):
-    goal = FollowJointTrajectoryGoal()
-    goal.trajectory.joint_names = JOINTS
-    goal.trajectory.points = [
-        JointTrajectoryPoint(positions=[angle, *HOME[1:]], time_from_start=rospy.Duration(0.5))
-    ]
-    client.send_goal(goal)
-    client.wait_for_result()
-
-
-def init(client):
-    move(client, 0.0)
-    rospy.sleep(0.1)
-
-
-def reach(client):
-    move(client, 0.4)
-    rospy.sleep(0.1)
+        print("- refused", error.errno)
 
 
 def main():
-    rospy.init_node("steps")
     call_out()
-    print("> master", os.environ.get("ROS_MASTER_URI", "none"))
-    name = "/arm_controller/follow_joint_trajectory"
-    client = actionlib.SimpleActionClient(name, FollowJointTrajectoryAction)
-    client.wait_for_server()
-    init(client)
-    reach(client)
-
-
-if __name__ == "__main__":
-    main()
 """
+PROGRAM = (
+    (Path(__file__).parent / "programs" / "goals_and_services.py")
+    .read_text(encoding="utf-8")
+    .replace("def main():\n", CALL_OUT)
+)
 NETWORK_UNREACHABLE = 101
 
 
@@ -93,10 +64,10 @@ def lived(tmp_path_factory, example_in, real_ros):
 
 def test_the_run_has_its_own_master_and_no_way_out(lived):
     printed = lived.read("printed.txt").decode()
-    assert "> master http://127.0.0.1:" in printed
-    assert "> reached" not in printed
+    assert "- master http://127.0.0.1:" in printed
+    assert "- reached" not in printed
     if _has_a_network_of_its_own():
-        assert f"> refused {NETWORK_UNREACHABLE}" in printed
+        assert f"- refused {NETWORK_UNREACHABLE}" in printed
 
 
 def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):
@@ -107,11 +78,31 @@ def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):
     assert trace["end"]["cause"] == "ended"
 
 
-def test_the_published_log_is_that_of_the_stand_ins(lived):
-    done = lived.run("trace", "steps.py", "--robot", "panda", "--log", "twin.log")
+@pytest.fixture(scope="module")
+def simulated(lived):
+    """What the same controller prints under the stand-ins."""
+    done = lived.run(
+        *("trace", "steps.py", "--robot", "panda", "--no-draft"),
+        *("-o", "twin.json", "--log", "twin.log"),
+    )
     assert done.code == 0, done.err
+    return done.out + done.err
+
+
+def test_the_published_log_is_that_of_the_stand_ins(lived, simulated):
+    del simulated
     assert lived.read("live.log").decode() == lived.read("twin.log").decode()
-    assert "CallSequence:init(),reach()" in lived.read("live.log").decode()
+    assert "CallSequence:reach(),back()" in lived.read("live.log").decode()
+
+
+def test_goals_feedback_and_services_do_the_same_under_real_rospy(lived, simulated):
+    printed = logged(simulated)
+    assert printed, "the program printed nothing to compare"
+    assert logged(lived.read("printed.txt").decode()) == printed
+    live, twin = (
+        trace_json.loads(lived.read(name).decode(), name) for name in ("live.json", "twin.json")
+    )
+    assert_same(live, twin)
 
 
 def test_the_published_block_is_written_and_never_fresh(lived):
