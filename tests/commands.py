@@ -1,8 +1,9 @@
 """Run commands of tests as a user's shell would, without importing everything anew for each.
 
 One process imports what commands import. It forks one process a command, which gets a folder,
-arguments, an environment and three streams, and ends as `python -m tracerisk` would. A program in a
-shell can ask for one too. The commands' runs of controllers are forked by one server in turn
+arguments, an environment and three streams, and ends as `python -m tracerisk` would, or at the
+latest with whoever asked for it. A program in a shell can ask for one too, and hands on the signals
+that it gets. The commands' runs of controllers are forked by one server in turn
 (`tracerisk.sandbox.fork_server`).
 """
 
@@ -35,13 +36,16 @@ _LONGEST_S = 300.0
 # What a shell starts as `tracerisk`: it asks for a command with its own streams.
 _PROGRAM = """\
 #!{python} -IS
-import json, os, socket, sys
+import json, os, signal, socket, sys
 given = os.memfd_create("given")
 os.write(given, json.dumps([os.getcwd(), sys.argv[1:], dict(os.environ)]).encode())
 os.lseek(given, 0, os.SEEK_SET)
 with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
     server.connect({path!r})
     socket.send_fds(server, [b"."], [given, 0, 1, 2])
+    command = int(server.recv(16))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _: os.kill(command, number))
     code = int(server.recv(16))
 sys.exit(code if code >= 0 else 128 - code)
 """
@@ -112,12 +116,12 @@ class Commands:
             server.connect(self.path)
             socket.send_fds(server, [b"."], [each.fileno() for each in (given, nothing, out, err)])
             server.settimeout(_LONGEST_S)
-            code = server.recv(16)
-            if not code:
+            if not server.recv(16):  # its process number
                 raise RuntimeError("no command can be run; standard error says why")
+            code = int(server.recv(16))
             out.seek(0)
             err.seek(0)
-            return int(code), out.read(), err.read()
+            return code, out.read(), err.read()
 
 
 def _socket() -> socket.socket:
@@ -132,37 +136,51 @@ def _serve(life: socket.socket, listener: socket.socket) -> None:
     """Fork commands until nobody can ask for one."""
     # Of each command by the number of its process's descriptor: its process, and who has asked.
     running: dict[int, tuple[int, socket.socket]] = {}
+    # The descriptor of a command's process by that of who has asked.
+    asked: dict[int, int] = {}
     poll = select.poll()
     for each in (life, listener):
         poll.register(each, select.POLLIN)
     while True:
-        for ready, _ in poll.poll():
-            if ready == life.fileno():
-                for process in running:
-                    signal.pidfd_send_signal(process, signal.SIGKILL)
-                return
-            if ready in running:
-                poll.unregister(ready)
-                number, asking = running.pop(ready)
-                code = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
-                with asking, suppress(OSError):
-                    asking.send(str(code).encode())
-                os.close(ready)
-                continue
-            asking = listener.accept()[0]
-            _, found, _, _ = socket.recv_fds(asking, 1, 4)
-            number = os.fork()
-            if number == 0:
-                for other in (life, listener, asking, *(each for _, each in running.values())):
-                    other.close()
-                for process in running:
-                    os.close(process)
-                _command(*found)
-            for given in found:
-                os.close(given)
-            process = os.pidfd_open(number)
-            running[process] = (number, asking)
-            poll.register(process, select.POLLIN)
+        # One at a time: what ends one may give its number to another.
+        ready, _ = poll.poll()[0]
+        if ready == life.fileno():
+            for process in running:
+                signal.pidfd_send_signal(process, signal.SIGKILL)
+            return
+        if ready in running:
+            poll.unregister(ready)
+            number, asking = running.pop(ready)
+            if asked.pop(asking.fileno(), None):
+                poll.unregister(asking)
+            code = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+            with asking, suppress(OSError):
+                asking.send(str(code).encode())
+            os.close(ready)
+            continue
+        if ready in asked:
+            poll.unregister(ready)
+            signal.pidfd_send_signal(asked.pop(ready), signal.SIGKILL)
+            continue
+        asking = listener.accept()[0]
+        _, found, _, _ = socket.recv_fds(asking, 1, 4)
+        number = os.fork()
+        if number == 0:
+            for other in (life, listener, asking, *(each for _, each in running.values())):
+                other.close()
+            for process in running:
+                os.close(process)
+            _command(*found)
+        for given in found:
+            os.close(given)
+        process = os.pidfd_open(number)
+        running[process] = (number, asking)
+        asked[asking.fileno()] = process
+        poll.register(process, select.POLLIN)
+        # No event but that it has gone.
+        poll.register(asking, 0)
+        with suppress(OSError):
+            asking.send(str(number).encode())
 
 
 def _command(given: int, *streams: int) -> None:

@@ -11,7 +11,6 @@ import select
 import signal
 import struct
 import subprocess
-import sys
 import termios
 import time
 from dataclasses import dataclass
@@ -66,12 +65,10 @@ def at_terminal(
     """Run the command at a pseudo-terminal; press Ctrl-C once a text has appeared."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, width, 0, 0))
-    inherited = {key: os.environ[key] for key in os.environ.keys() - WIDTH_OF_THE_SETTING}
+    inherited = {key: each for key, each in os.environ.items() if key not in WIDTH_OF_THE_SETTING}
     around = {**inherited, "TERM": "xterm-256color", **(environment or {})}
-    # What is interrupted is a process of its own.
-    words = [sys.executable, "-m", "tracerisk"] if interrupt_at else program(around)
     process: subprocess.Popen[Any] = subprocess.Popen(
-        [*words, *arguments],
+        [*program(around), *arguments],
         cwd=example.folder,
         stdin=theirs,
         stdout=theirs if out_is_terminal else subprocess.PIPE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import signal
 import subprocess
@@ -13,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import program
+
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks at processes by /proc")
 
 LONGEST_S = 90.0
@@ -21,11 +24,11 @@ LONGEST_S = 90.0
 class Watching:
     """A `run --watch` in a folder, and the lines that it prints."""
 
-    def __init__(self, folder: Path, *arguments: str, verb: str = "run") -> None:
+    def __init__(self, folder: Path, command: list[str], *arguments: str) -> None:
         self.folder = folder
         self.lines: list[str] = []
         self.process = subprocess.Popen(
-            [sys.executable, "-u", "-m", "tracerisk", verb, *arguments, "--watch"],
+            [*command, *arguments, "--watch"],
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -126,8 +129,9 @@ def _state(process: int) -> str:
 def watching(tmp_path):
     started = []
 
-    def start(*arguments: str, verb: str = "run") -> Watching:
-        started.append(Watching(tmp_path, *arguments, verb=verb))
+    def start(*arguments: str, verb: str = "run", command: list[str] | None = None) -> Watching:
+        command = command or program(os.environ)
+        started.append(Watching(tmp_path, command, verb, *arguments))
         return started[-1]
 
     yield start
@@ -257,22 +261,27 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
 @pytest.mark.parametrize(
     ("is_busy", "number", "code"),
     [
-        (False, signal.SIGINT, 130),
+        pytest.param(False, signal.SIGINT, 130, marks=pytest.mark.slow),
         (True, signal.SIGINT, 130),
         (True, signal.SIGTERM, 143),
         (True, signal.SIGKILL, -9),
     ],
 )
 def test_its_end_leaves_no_process(watching, example, quick, number, code, is_busy):
-    moves = ["arm.go([0.5, -0.5, 0, -2, 0, 1.5, 0.8])", "arm.go([-1, 0.5, 0, -2, 0, 1.5, 0.8])"]
+    to = "arm.go([{}, 0.5, 0, -2, 0, 1.5, 0.8])".format
+    moves = f"for _ in range(300): {to(0.5)}; {to(-1)}"
     path = example.write("a.py", quick())
-    watched = watching("a.py")
+    # Its processes are its own where it is started afresh.
+    watched = watching("a.py", command=[sys.executable, "-m", "tracerisk"])
     watched.settled()
-    if is_busy:
-        path.write_text(quick(*(moves * 300)))
-        watched.until("a.py changed")
-        time.sleep(1.0)
     below = watched.descendants()
+    if is_busy:
+        before = below
+        path.write_text(quick(moves))
+        watched.until("a.py changed")
+        while not (below := watched.descendants()) - before:
+            assert watched.process.poll() is None
+            time.sleep(0.01)
     assert below
     assert watched.end(number) == code
     assert gone(below)
