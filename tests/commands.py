@@ -4,7 +4,7 @@ One process imports what commands import. It forks one process a command, which 
 arguments, an environment and three streams, and ends as `python -m tracerisk` would, or at the
 latest with whoever asked for it. A program in a shell can ask for one too, and hands on the signals
 that it gets. The commands' runs of controllers are forked by one server in turn
-(`tracerisk.sandbox.fork_server`).
+(`tracerisk.sandbox.fork_server`), and their workers by themselves.
 """
 
 from __future__ import annotations
@@ -21,14 +21,18 @@ import subprocess
 import sys
 import tempfile
 import threading
+import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import _lru_cache_wrapper
 from importlib import import_module
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkContext, ForkProcess
 from pathlib import Path
 from pkgutil import iter_modules
 
 from tracerisk import cli
+from tracerisk.pipeline.evidence import workers
 from tracerisk.sandbox.fork_server import READ_ONCE, several_come
 
 _LONGEST_S = 300.0
@@ -222,6 +226,36 @@ def _ended(folder: str, arguments: Sequence[str]) -> int:
     return 0
 
 
+class _Worker(ForkProcess):
+    """A process of a pool that is forked, and has nothing of the command's but what it is given."""
+
+    def _bootstrap(self, parent_sentinel: int | None = None) -> int:
+        atexit._clear()
+        weakref.finalize._registry.clear()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        given = [each for part in self._args if isinstance(part, tuple) for each in part]
+        for each in given:
+            if isinstance(each, Connection):
+                _close_the_other_end(each.fileno())
+        return super()._bootstrap(parent_sentinel=parent_sentinel)
+
+
+class ForkedWorkers(ForkContext):
+    """Starts the workers of a pool without importing everything anew for each."""
+
+    Process = _Worker
+
+
+def _close_the_other_end(kept: int) -> None:
+    """Close the end of a pipe that is the parent's: with the parent it is to be gone."""
+    pipe = os.stat(kept)
+    for number in map(int, os.listdir("/proc/self/fd")):
+        with suppress(OSError):
+            if number != kept and os.path.samestat(os.fstat(number), pipe):
+                os.close(number)
+
+
 def _main() -> None:
     life, listener = (socket.socket(fileno=int(number)) for number in sys.argv[1:3])
     for each in (life, listener):
@@ -242,6 +276,7 @@ def _main() -> None:
             if code:
                 sys.exit(f"{line}: ended with {code}")
         os.chdir("/")
+    workers._CONTEXT = ForkedWorkers()
     for each in gc.get_objects():
         if isinstance(each, _lru_cache_wrapper):
             each.cache_clear()

@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import ForkedWorkers
+from tests.conftest import program
 from tracerisk import api
 from tracerisk.errors import ScenarioError
 from tracerisk.evidence.cells import Cell, Evidence
@@ -140,7 +142,7 @@ def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
 ):
     whole, _ = gathered
     folder = settled(example_in(tmp_path / "two"))
-    from tracerisk.pipeline.evidence import campaign
+    from tracerisk.pipeline.evidence import campaign, workers
 
     def with_one_taken(**named):
         """Return a folder of claims in which one is that of a worker which died."""
@@ -152,6 +154,7 @@ def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
         mkdtemp = staticmethod(with_one_taken)
 
     monkeypatch.setattr(campaign, "tempfile", Folders)
+    monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
     api.gather_evidence(folder.folder / "controller.py", cells=6, jobs=2)
     assert folder.read("tracerisk.evidence") == whole.read("tracerisk.evidence")
 
@@ -422,10 +425,17 @@ def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, 
 
 
 @pytest.mark.parametrize(
-    ("number", "left"), [(signal.SIGKILL, 1), (signal.SIGTERM, 0), (signal.SIGINT, 0)]
+    ("number", "is_afresh", "left"),
+    [
+        (signal.SIGKILL, True, 1),
+        (signal.SIGTERM, False, 0),
+        (signal.SIGINT, False, 0),
+        pytest.param(signal.SIGTERM, True, 0, marks=pytest.mark.slow),
+        pytest.param(signal.SIGINT, True, 0, marks=pytest.mark.slow),
+    ],
 )
 def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
-    number, left, example, quick, tmp_path_factory
+    number, is_afresh, left, example, quick, tmp_path_factory
 ):
     kept = tmp_path_factory.mktemp("kept")
     example.write("controller.py", quick())
@@ -434,18 +444,20 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
 
     def ours() -> set[str]:
         found = set()
-        for each in Path("/proc").glob("[0-9]*/environ"):
+        for each in Path("/proc").glob("[0-9]*/cwd"):
             try:
-                if b"TRACERISK_TEST_MARK=killed" in each.read_bytes():
+                if each.readlink() == example.folder:
                     found.add(each.parent.name)
             except OSError:
                 continue
         return found
 
+    environment = {**os.environ, "TMPDIR": str(kept)}
+    command = [sys.executable, "-m", "tracerisk"] if is_afresh else program(environment)
     begun = subprocess.Popen(
-        [sys.executable, "-m", "tracerisk", "evidence", "controller.py", "-j", "2", "-q"],
+        [*command, "evidence", "controller.py", "-j", "2", "-q"],
         cwd=example.folder,
-        env={**os.environ, "TRACERISK_TEST_MARK": "killed", "TMPDIR": str(kept)},
+        env=environment,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
