@@ -250,7 +250,7 @@ class ForkedWorkers(ForkContext):
 def _close_the_other_end(kept: int) -> None:
     """Close the end of a pipe that is the parent's: with the parent it is to be gone."""
     pipe = os.stat(kept)
-    for number in map(int, os.listdir("/proc/self/fd")):
+    for number in [int(each.name) for each in Path("/proc/self/fd").iterdir()]:
         with suppress(OSError):
             if number != kept and os.path.samestat(os.fstat(number), pipe):
                 os.close(number)

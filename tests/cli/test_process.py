@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import program
 from tests.machine_load import descendants
 
 LONG = """\
@@ -38,14 +39,16 @@ def is_alive(process: int) -> bool:
 
 
 @contextlib.contextmanager
-def started(example, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+def started(example, *arguments: str, is_afresh: bool = False) -> Iterator[subprocess.Popen[bytes]]:
     """The command in a process group of its own."""
+    environment = {**os.environ, "TMPDIR": str(example.folder / "tmp")}
+    words = [sys.executable, "-m", "tracerisk"] if is_afresh else program(environment)
     process = subprocess.Popen(
-        [sys.executable, "-m", "tracerisk", *arguments],
+        [*words, *arguments],
         cwd=example.folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env={**os.environ, "TMPDIR": str(example.folder / "tmp")},
+        env=environment,
         start_new_session=True,
         # A shell that runs the tests in the background has them ignore Ctrl-C.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -67,7 +70,8 @@ def simulating(example, quick, tmp_path_factory):
     example.write("controller.py", source)
     before = example.files()
     (example.folder / "tmp").mkdir()
-    with started(example, "run", "controller.py", "--duration", "100000") as process:
+    arguments = ("run", "controller.py", "--duration", "100000")
+    with started(example, *arguments, is_afresh=True) as process:
         until(lambda: mark.exists() and mark.read_text() != "")
         controller = int(mark.read_text())
         theirs = descendants(process.pid)

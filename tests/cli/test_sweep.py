@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
+from tests.commands import ForkedWorkers
 from tracerisk import api
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence.sweep import Factor, SweepPoint, parse_factor
@@ -84,11 +85,14 @@ def test_a_changed_source_is_run_again(swept, tmp_path, example_in):
     assert calls
 
 
-def test_the_scenario_and_parameters_are_varied(swept):
+def test_the_scenario_and_parameters_are_varied(swept, monkeypatch):
     folder, _, _ = swept
+    from tracerisk.pipeline.evidence import workers
+
     over = ["scenario:objects.cup.xyz=0", "param:/speed=0.5"]
     with pytest.raises(InputError, match=r"scenario:objects.mug"):
         api.sweep(folder.folder / "controller.py", ["scenario:objects.mug.mass=1"])
+    monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
     (point,) = api.sweep(folder.folder / "controller.py", over, jobs=1)
     # The scenario of the point is refused by its own reader.
     assert "xyz" in point.error
