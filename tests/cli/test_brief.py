@@ -6,10 +6,10 @@ import os
 import pty
 import re
 import subprocess
-import sys
 
 import pytest
 
+from tests.conftest import program
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
 from tracerisk.text.paper import Paper
@@ -66,12 +66,13 @@ def test_its_figures_are_those_of_the_whole(assessed):
 
 def on_a_terminal(folder, *words, codes=(0,), width=80):
     ours, theirs = pty.openpty()
+    environment = {**os.environ, "COLUMNS": str(width), "TERM": "xterm"}
     process = subprocess.Popen(
-        [sys.executable, "-m", "tracerisk", *words],
+        [*program(environment), *words],
         cwd=folder,
         stdout=theirs,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, "COLUMNS": str(width), "TERM": "xterm"},
+        env=environment,
     )
     os.close(theirs)
     parts = []

@@ -221,7 +221,7 @@ def forked(
     """
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
-    read_once = [each for each in environment.items() if each[0].startswith(READ_ONCE)]
+    read_once = sorted(each for each in environment.items() if each[0].startswith(READ_ONCE))
     of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:

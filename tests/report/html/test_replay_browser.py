@@ -34,10 +34,12 @@ _FLAGS = (
     "--no-sandbox",
     "--disable-dev-shm-usage",
     "--window-size=1400,1000",
+    # WebGL 2 in software, and a quarter of the pixels for it.
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--force-device-scale-factor=0.5",
 )
-_WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-"""WebGL 2 in software."""
-
 _SERIOUS = ("serious", "critical")
 TIMES = (0.0, 3.32, 7.88, 20.04, 33.2)
 N_VISITS = 15
@@ -59,13 +61,13 @@ const gl = canvas.getContext("webgl2");
 const bytes = new Uint8Array(canvas.width * canvas.height * 4);
 gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
 const seen = [];
-for (let y = 0; y < canvas.height; y += 4) {
-  for (let x = 0; x < canvas.width; x += 4) {
+for (let y = 0; y < canvas.height; y += 2) {
+  for (let x = 0; x < canvas.width; x += 2) {
     const at = 4 * (y * canvas.width + x);
     seen.push(bytes[at], bytes[at + 1], bytes[at + 2]);
   }
 }
-return [Math.ceil(canvas.height / 4), Math.ceil(canvas.width / 4), seen];
+return [Math.ceil(canvas.height / 2), Math.ceil(canvas.width / 2), seen];
 """
 _CHART = """
 const chart = document.querySelector(".timeline-chart");
@@ -97,8 +99,8 @@ look();
 
 
 @pytest.fixture(scope="session")
-def start_browser() -> Callable[..., Any]:
-    """Starts a headless Chromium with further flags."""
+def chromium() -> Iterator[Any]:
+    """A headless Chromium."""
     pytest.importorskip("selenium", reason="selenium is not installed")
     from selenium import webdriver
     from selenium.webdriver.chrome.options import Options
@@ -107,23 +109,13 @@ def start_browser() -> Callable[..., Any]:
     chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
     if chromium is None or driver is None:
         pytest.skip("Chromium and its driver are not installed")
-
-    def start(*flags: str) -> Any:
-        options = Options()
-        options.binary_location = chromium
-        for flag in (*_FLAGS, *flags):
-            options.add_argument(flag)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        started = webdriver.Chrome(options=options, service=Service(driver))
-        started.set_script_timeout(60)
-        return started
-
-    return start
-
-
-@pytest.fixture(scope="session")
-def chromium(start_browser: Callable[..., Any]) -> Iterator[Any]:
-    started = start_browser(*_WEBGL)
+    options = Options()
+    options.binary_location = chromium
+    for flag in _FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    started = webdriver.Chrome(options=options, service=Service(driver))
+    started.set_script_timeout(60)
     yield started
     started.quit()
 
@@ -189,8 +181,27 @@ def shown_run(
     return ShownRun(trace, components, run, replay, page_of(section, "run.html"))
 
 
+@dataclass(frozen=True)
+class Opened:
+    """What a page did before anybody touched it."""
+
+    n_requests: int
+    complaints: list[Any]
+    time_after_frames: float
+
+
+@pytest.fixture(scope="session")
+def as_opened(shown_run: ShownRun, open_page: Callable[[Path], Any]) -> Opened:
+    page = open_page(shown_run.page)
+    return Opened(
+        page.execute_script("return performance.getEntriesByType('resource').length"),
+        [each for each in page.get_log("browser") if each["level"] != "INFO"],
+        page.execute_async_script(_AFTER_FRAMES),
+    )
+
+
 @pytest.fixture
-def page(shown_run, open_page, chromium):
+def page(shown_run, as_opened, open_page, chromium):
     """The page of the run as it is when it was opened."""
     if chromium.current_url != shown_run.page.as_uri():
         return open_page(shown_run.page)
@@ -199,7 +210,7 @@ def page(shown_run, open_page, chromium):
 
 
 def pixels(page):
-    """Every fourth pixel of the picture, (height, width, 3), from below."""
+    """Every second pixel of the picture, (height, width, 3), from below."""
     height, width, values = page.execute_script(_PIXELS)
     return np.array(values).reshape(height, width, 3)
 
@@ -217,6 +228,18 @@ def keys(page, *pressed):
     from selenium.webdriver import ActionChains
 
     ActionChains(page).send_keys(*pressed).perform()
+
+
+# The page as it is when it was opened
+
+
+def test_a_page_opens_from_a_file_with_no_request_and_no_complaint(as_opened):
+    assert as_opened.n_requests == 0
+    assert as_opened.complaints == []
+
+
+def test_nothing_plays_by_itself(as_opened):
+    assert as_opened.time_after_frames == 0
 
 
 # The replay
@@ -238,13 +261,14 @@ def test_bodies_are_where_the_physics_engine_has_them(page, shown_run):
         assert np.abs(np.array(found) - data.xpos[1:]).max() < 1e-3
 
 
-def test_the_kinematics_of_every_shipped_robot_are_those_of_the_physics_engine(page):
+@pytest.mark.parametrize("step", [4, pytest.param(1, marks=pytest.mark.slow)])
+def test_the_kinematics_of_shipped_robots_are_those_of_the_physics_engine(page, step):
     import mujoco
 
     from tracerisk.twin.physics.builder import compile_model
 
     generator = np.random.default_rng(7)
-    for name in robot_names():
+    for name in robot_names()[::step]:
         robot, scene = load_robot(name), load_scene("pedestal")
         compiled = compile_model(robot, scene)
         data = mujoco.MjData(compiled)
@@ -351,19 +375,6 @@ def test_dragging_turns_the_view_and_a_click_chooses_a_component(page):
     assert page.execute_script("return tracerisk.selected.component") == "electric_motor"
 
 
-def test_a_touch_that_nobody_wants_has_a_mark_with_its_force(open_page, shown_run, page_of):
-    first, *rest = shown_run.trace.visits
-    touch = Contact("panda_link5", "table", 0.5, 1.0, 42.0, expected=False)
-    trace = replace(shown_run.trace, visits=(replace(first, contacts=(touch,)), *rest))
-    section = timeline_section(trace, shown_run.components, replay=shown_run.replay)
-    page = open_page(page_of(section, "touch.html"))
-    go_to(page, 0.7)
-    (label,) = page.find_elements("css selector", ".replay-label.is-fail")
-    assert label.text == "panda_link5 \N{EN DASH} table, up to 42.0 N"
-    go_to(page, 1.8)
-    assert not page.find_elements("css selector", ".replay-label")
-
-
 def test_a_mark_is_where_two_bodies_are_nearest(page):
     """A ball of 0.1 m beside a box, a capsule above it: by hand."""
     point = page.execute_script(
@@ -377,62 +388,6 @@ def test_a_mark_is_where_two_bodies_are_nearest(page):
     )
     assert point[0] == pytest.approx([0.55, 0.2, 0.0], abs=1e-5)
     assert point[1] == pytest.approx([0.1, 0.1, 0.55], abs=1e-4)
-
-
-def test_without_webgl_a_sentence_says_so_and_the_timeline_works(start_browser, shown_run):
-    page = start_browser("--disable-3d-apis")
-    try:
-        page.get(shown_run.page.as_uri())
-        page.execute_async_script("tracerisk.replay.ready.then(arguments[0], arguments[0])")
-        message = page.find_element("css selector", ".replay-message")
-        assert message.is_displayed()
-        assert "WebGL 2 is missing" in message.text
-        assert page.execute_script(_CHART)["visits"] == N_VISITS
-    finally:
-        page.quit()
-
-
-@pytest.mark.parametrize(
-    ("broken", "said"),
-    [
-        ("delete window.DecompressionStream;", "too old for the replay"),
-        ("window.DecompressionStream = class { constructor() { throw Error('no'); } };", "no. The"),
-    ],
-)
-def test_without_the_frames_a_sentence_says_so_and_the_timeline_works(
-    chromium, shown_run, broken, said
-):
-    begun = chromium.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": broken})
-    try:
-        chromium.get("about:blank")
-        chromium.get(shown_run.page.as_uri())
-        script = "const done = arguments[0]; tracerisk.replay.ready.then(done, () => done());"
-        chromium.execute_async_script(script)
-        message = chromium.find_element("css selector", ".replay-message")
-        assert message.is_displayed()
-        assert said in message.text
-        assert chromium.execute_script(_CHART)["visits"] == N_VISITS
-    finally:
-        chromium.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", begun)
-        chromium.get("about:blank")
-
-
-def test_of_very_many_visits_those_that_can_be_seen_are_drawn_and_each_can_be_reached(
-    chromium, shown_run, page_of
-):
-    first = shown_run.trace.visits[0]
-    many = tuple(replace(first, start_s=i * 1e-3, duration_s=1e-3) for i in range(20_000))
-    end = replace(shown_run.trace.end, simulated_s=20.0)
-    trace = replace(shown_run.trace, visits=many, end=end)
-    path = page_of(timeline_section(trace, shown_run.components), "many.html")
-    chromium.get(path.as_uri())
-    drawn = chromium.execute_script(_CHART)["visits"]
-    assert 500 < drawn < 3000
-    chart = chromium.find_element("css selector", ".timeline-visit[tabindex='0']")
-    chromium.execute_script("arguments[0].focus()", chart)
-    keys(chromium, *["\ue014"] * 3)  # right
-    focused = "return document.activeElement.dataset.stretch"
-    assert chromium.execute_script(focused) == "3"
 
 
 def test_a_lost_picture_comes_back(page):
@@ -451,12 +406,6 @@ def test_a_lost_picture_comes_back(page):
     )
     assert found == [False, True]
     assert np.ptp(pixels(page)) > 50
-
-
-def test_a_page_opens_from_a_file_with_no_request_and_no_complaint(open_page, shown_run):
-    page = open_page(shown_run.page)
-    assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
-    assert [each for each in page.get_log("browser") if each["level"] != "INFO"] == []
 
 
 # The timeline
@@ -514,11 +463,6 @@ def test_playing_moves_the_time_and_pausing_stops_it(page):
     play.click()
     stopped = page.execute_script("return tracerisk.clock.time")
     assert page.execute_async_script(_AFTER_FRAMES) == stopped
-
-
-def test_nothing_plays_by_itself(open_page, shown_run):
-    page = open_page(shown_run.page)
-    assert page.execute_async_script(_AFTER_FRAMES) == 0
 
 
 def test_buttons_step_from_visit_to_visit(page, shown_run):
@@ -587,16 +531,6 @@ def test_what_is_spoken_waits_until_the_slider_rests(page):
     assert re.match(rf"10\.00 s, \w+, visit \d+ of {N_VISITS}: .*electric_motor: ", spoken)
 
 
-def test_without_samples_there_is_a_timeline_of_visits(chromium, shown_run, page_of):
-    section = timeline_section(shown_run.trace, shown_run.components)
-    chromium.get(page_of(section, "visits.html").as_uri())
-    assert not chromium.find_elements("id", "replay-canvas")
-    found = chromium.execute_script(_CHART)
-    assert found["visits"] == N_VISITS
-    assert all(state & SOMEWHEN for state in found["lines"]["electric_motor"])
-    assert "there is no replay" in chromium.find_element("css selector", ".aside").text
-
-
 def test_every_visit_is_in_the_table(page, shown_run):
     rows = page.execute_script(
         "return [...document.querySelectorAll('#visits-table tbody tr')]"
@@ -606,6 +540,32 @@ def test_every_visit_is_in_the_table(page, shown_run):
         [str(n), v.function.name, f"{v.start_s:.3f}", f"{v.duration_s:.3f}", v.outcome]
         for n, v in enumerate(shown_run.trace.visits, start=1)
     ]
+
+
+# Other pages, and this one without what it needs
+
+
+def test_a_touch_that_nobody_wants_has_a_mark_with_its_force(open_page, shown_run, page_of):
+    first, *rest = shown_run.trace.visits
+    touch = Contact("panda_link5", "table", 0.5, 1.0, 42.0, expected=False)
+    trace = replace(shown_run.trace, visits=(replace(first, contacts=(touch,)), *rest))
+    section = timeline_section(trace, shown_run.components, replay=shown_run.replay)
+    page = open_page(page_of(section, "touch.html"))
+    go_to(page, 0.7)
+    (label,) = page.find_elements("css selector", ".replay-label.is-fail")
+    assert label.text == "panda_link5 \N{EN DASH} table, up to 42.0 N"
+    go_to(page, 1.8)
+    assert not page.find_elements("css selector", ".replay-label")
+
+
+def test_without_samples_there_is_a_timeline_of_visits(chromium, shown_run, page_of):
+    section = timeline_section(shown_run.trace, shown_run.components)
+    chromium.get(page_of(section, "visits.html").as_uri())
+    assert not chromium.find_elements("id", "replay-canvas")
+    found = chromium.execute_script(_CHART)
+    assert found["visits"] == N_VISITS
+    assert all(state & SOMEWHEN for state in found["lines"]["electric_motor"])
+    assert "there is no replay" in chromium.find_element("css selector", ".aside").text
 
 
 def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
@@ -632,3 +592,47 @@ def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
     checker.inject()
     found = [each for each in checker.run()["violations"] if each["impact"] in _SERIOUS]
     assert not found, axe.report(found)
+
+
+def test_of_very_many_visits_those_that_can_be_seen_are_drawn_and_each_can_be_reached(
+    chromium, shown_run, page_of
+):
+    first = shown_run.trace.visits[0]
+    many = tuple(replace(first, start_s=i * 1e-3, duration_s=1e-3) for i in range(6_000))
+    end = replace(shown_run.trace.end, simulated_s=6.0)
+    trace = replace(shown_run.trace, visits=many, end=end)
+    path = page_of(timeline_section(trace, shown_run.components), "many.html")
+    chromium.get(path.as_uri())
+    drawn = chromium.execute_script(_CHART)["visits"]
+    assert 500 < drawn < 3000
+    chart = chromium.find_element("css selector", ".timeline-visit[tabindex='0']")
+    chromium.execute_script("arguments[0].focus()", chart)
+    keys(chromium, *["\ue014"] * 3)  # right
+    focused = "return document.activeElement.dataset.stretch"
+    assert chromium.execute_script(focused) == "3"
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        ("HTMLCanvasElement.prototype.getContext = () => null;", "WebGL 2 is missing"),
+        ("delete window.DecompressionStream;", "too old for the replay"),
+        ("window.DecompressionStream = class { constructor() { throw Error('no'); } };", "no. The"),
+    ],
+)
+def test_without_webgl_or_the_frames_a_sentence_says_so_and_the_timeline_works(
+    chromium, shown_run, broken, said
+):
+    begun = chromium.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": broken})
+    try:
+        chromium.get("about:blank")
+        chromium.get(shown_run.page.as_uri())
+        script = "const done = arguments[0]; tracerisk.replay.ready.then(done, () => done());"
+        chromium.execute_async_script(script)
+        message = chromium.find_element("css selector", ".replay-message")
+        assert message.is_displayed()
+        assert said in message.text
+        assert chromium.execute_script(_CHART)["visits"] == N_VISITS
+    finally:
+        chromium.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", begun)
+        chromium.get("about:blank")
