@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.cli import main
+from tracerisk.report.png.drawn import drawn, filmed
 
 TEXT = (Path(__file__).parents[1] / "docs" / "report.md").read_text(encoding="utf-8")
 
@@ -44,6 +45,8 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
 
 def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys):
     monkeypatch.chdir(example.folder)
+    for draw in (drawn, filmed):
+        monkeypatch.setitem(draw.__kwdefaults__, "size", (240, 160))
     example.write("controller.py", quick())
     _, commands, films = blocks("sh")
     again, run, kept = [shlex.split(line)[1:] for line in commands.splitlines()]
