@@ -277,6 +277,8 @@ def _main() -> None:
                 sys.exit(f"{line}: ended with {code}")
         os.chdir("/")
     workers._CONTEXT = ForkedWorkers()
+    with suppress(ImportError):
+        import_module("tracerisk.editor.server")
     for each in gc.get_objects():
         if isinstance(each, _lru_cache_wrapper):
             each.cache_clear()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import stat
 import subprocess
@@ -14,6 +15,8 @@ from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
+
+from tests.conftest import program
 
 ROOT = Path(__file__).parents[1]
 ACTION = ROOT / "action.yml"
@@ -70,8 +73,17 @@ REPORTS = "https://git.example.org/team/cell/actions/runs/1/artifacts/2"
 class Runner:
     """Runs the composite steps that are scripts; the steps of other actions are left out."""
 
-    def __init__(self, folder: Path, repository, action: Path = ACTION) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        repository,
+        action: Path = ACTION,
+        *,
+        prefix: Path = Path(sys.prefix),
+    ) -> None:
+        """`prefix` is the environment that the tool is in."""
         self.repository = repository
+        self.prefix = prefix
         self.temp = folder / "temp"
         self.comments_file = folder / "comments.json"
         self.steps = YAML(typ="safe").load(action)["runs"]["steps"]
@@ -92,14 +104,15 @@ class Runner:
         self,
         base: str,
         *,
-        prefix: Path = Path(sys.prefix),
+        prefix: Path | None = None,
         around: Mapping[str, str] | None = None,
         may_fail: bool = False,
         head: str = "",
         **inputs: str,
     ) -> dict[str, str]:
-        """Run every step with the tool below `prefix`; return the exit code of each by its id.
+        """Run every step; return the exit code of each by its id.
 
+        The tool is that below `prefix` where it is given.
         `around` are variables of the environment that the workflow has set.
         """
         self.log = ""
@@ -108,7 +121,7 @@ class Runner:
         # As install.sh leaves it; building an environment is left to CI's own run of the README.
         folder = self.temp / "tracerisk"
         (folder / "sarif").mkdir(parents=True)
-        (folder / "venv").symlink_to(prefix)
+        (folder / "venv").symlink_to(prefix or self.prefix)
         values = {f"inputs.{name}": value for name, value in {**self.inputs, **inputs}.items()}
         values |= {
             "inputs.token": "secret",
@@ -184,10 +197,32 @@ def steps(annotated_source):
 
 
 @pytest.fixture
-def runner(tmp_path_factory, repository, steps):
+def prefix(tmp_path_factory):
+    """Makes an environment whose Python has a program of its own for the tool."""
+
+    def make(tool: str) -> Path:
+        folder = tmp_path_factory.mktemp("prefix")
+        python = folder / "bin" / "python"
+        python.parent.mkdir()
+        python.write_text(
+            f"""#!/bin/sh
+[ "$1 $2 $3" = "-I -m tracerisk" ] || exec {sys.executable} "$@"
+shift 3
+{tool}
+"""
+        )
+        python.chmod(stat.S_IRWXU)
+        return folder
+
+    return make
+
+
+@pytest.fixture
+def runner(tmp_path_factory, repository, steps, prefix):
     repository.write("cell.py", steps())
     repository.commit()
-    return Runner(tmp_path_factory.mktemp("runner"), repository)
+    warm = prefix(f'exec {shlex.join(program(os.environ))} "$@"')
+    return Runner(tmp_path_factory.mktemp("runner"), repository, prefix=warm)
 
 
 def commit(runner: Runner, text: str) -> str:
@@ -232,21 +267,13 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
     assert "cell.py" in (folder / "report" / "cell.html").read_text(encoding="utf-8")
 
 
-def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
+def test_the_base_and_the_limits_are_handed_on(runner, steps, prefix, tmp_path):
     base = commit(runner, steps("= 4e-07"))
-    tool, reported = tmp_path / "bin" / "python", tmp_path / "told"
-    tool.parent.mkdir()
-    tool.write_text(
-        f"""#!/bin/sh
-[ "$1 $2 $3" = "-I -m tracerisk" ] || exec {sys.executable} "$@"
-shift 3
-echo "$@" >>"{reported}"
-"""
-    )
-    tool.chmod(stat.S_IRWXU)
+    reported = tmp_path / "told"
+    noting = prefix(f'echo "$@" >>"{reported}"')
     limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
     for inputs in ({}, limits):
-        runner.run(base, prefix=tmp_path, files="cell.py", comment="false", **inputs)
+        runner.run(base, prefix=noting, files="cell.py", comment="false", **inputs)
     lines = reported.read_text().splitlines()
     checks = [line.partition(" --sarif")[0] for line in lines if line.startswith("check")]
     diffs = [line for line in lines if line.startswith("diff")]
@@ -317,7 +344,8 @@ def fork(runner, steps, tmp_path):
     ours.git("gc", "--quiet", "--prune=now")
     folder = tmp_path / "trusted"
     folder.mkdir()
-    trusted = Runner(folder, ours, ROOT / "action" / "comment" / "action.yml")
+    action = ROOT / "action" / "comment" / "action.yml"
+    trusted = Runner(folder, ours, action, prefix=runner.prefix)
 
     def run(found: str = f"7 {base}"):
         return trusted.run("", head=head, around={"FOUND": found}, files="cell.py")

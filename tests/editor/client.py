@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import sys
+import os
 import threading
 from functools import partial
 from pathlib import Path
@@ -13,6 +13,8 @@ from typing import Any
 from lsprotocol import types as lsp
 from pygls.lsp.client import LanguageClient
 from pygls.protocol import default_converter
+
+from tests.conftest import program
 
 LONGEST_S = 60.0
 
@@ -66,7 +68,7 @@ class Editor:
             lambda params: self.progress_tokens.append(params.token)
         )
         client.feature(lsp.PROGRESS)(lambda params: self.progress.append(params.value))
-        await client.start_io(sys.executable, "-m", "tracerisk", "lsp", "--stdio")
+        await client.start_io(*program(os.environ), "lsp", "--stdio")
         self.process = client._server
         started = await client.initialize_async(
             lsp.InitializeParams(
