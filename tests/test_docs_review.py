@@ -6,10 +6,11 @@ import os
 import re
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.conftest import program
 
 TEXT = (Path(__file__).parents[1] / "docs" / "review.md").read_text(encoding="utf-8")
 
@@ -40,7 +41,7 @@ def shell(branch, tmp_path):
     """Run commands in that branch, `tracerisk` being the one under test."""
     command = tmp_path / "bin" / "tracerisk"
     command.parent.mkdir()
-    command.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m tracerisk "$@"\n')
+    command.write_text(f'#!/bin/sh\nexec {shlex.join(program(os.environ))} "$@"\n')
     command.chmod(0o755)
 
     def run(script: str) -> str:

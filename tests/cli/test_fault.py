@@ -17,9 +17,19 @@ def moving(example, quick):
     return example
 
 
-def test_a_run_with_a_fault_prints_its_effect(moving):
-    outcome = moving.run("run", "controller.py", *JAMMED)
+@pytest.fixture(scope="module")
+def jammed(tmp_path_factory, example_in, quick):
+    """Such a folder after a run with a fault, with its report and recording, and the outcome."""
+    folder = example_in(tmp_path_factory.mktemp("jammed"))
+    folder.write("controller.py", quick())
+    more = ("--report", "out.html", "--keep", "kept")
+    outcome = folder.run("run", "controller.py", *JAMMED, *more)
     assert outcome.code == 0, outcome.err
+    return folder, outcome
+
+
+def test_a_run_with_a_fault_prints_its_effect(jammed):
+    _, outcome = jammed
     lines = outcome.out.splitlines()
     assert lines[0] == (
         "run with a fault: panda_joint1 jam at 0.300 s; risk blocks and lock stay unchanged"
@@ -53,19 +63,18 @@ def test_it_leaves_blocks_lock_and_kept_trace_of_an_earlier_run(annotated):
     assert annotated.run("check", "controller.py").code == 0
 
 
-def test_a_report_is_written_where_one_is_asked_for(moving):
-    outcome = moving.run("run", "controller.py", *JAMMED, "--report", "out.html")
-    assert outcome.code == 0, outcome.err
-    page = moving.read("out.html").decode()
+def test_a_report_is_written_where_one_is_asked_for(jammed):
+    folder, _ = jammed
+    page = folder.read("out.html").decode()
     assert "A run with a fault: panda_joint1 jam at 0.300 s." in page
     assert "fault: panda_joint1 jam at 0.300 s, as asked for" in page
     assert 'id="replay' in page
     assert "Probability" not in page, "a run with a fault has no figure of risk"
 
 
-def test_what_is_kept_is_the_recording_of_the_run_with_the_fault(moving):
-    moving.run("run", "controller.py", *JAMMED, "--keep", "kept")
-    samples = read_samples(moving.folder / "kept")
+def test_what_is_kept_is_the_recording_of_the_run_with_the_fault(jammed):
+    folder, _ = jammed
+    samples = read_samples(folder.folder / "kept")
     position = samples.position[:, samples.header.joints.index("panda_joint1")]
     begin = round(0.3 / samples.step_s)
     assert np.ptp(position[:begin]) > 1e-3

@@ -23,7 +23,7 @@ JOINTS = [
 HOME = [0.0, 0.3, 0.0, 1.2, 0.0, 0.6, 0.0]
 PRESS = [0.8, 0.3, 0.0, 1.2, 0.0, 0.6, 0.0]
 OPEN, CLOSED = 0.04, 0.0
-PARTS = 2
+PARTS = 1
 
 
 class PressFeeder(Node):
