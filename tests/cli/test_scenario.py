@@ -325,7 +325,8 @@ def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, mo
     from tracerisk.config import Settings
     from tracerisk.pipeline.scenarios import rounds
 
-    controller = pipeline.load_controller(example.write("c.py", ALL))
+    source = HEAD + "rospy.wait_for_message('/a', String)\nturn(0.1)\n"
+    controller = pipeline.load_controller(example.write("c.py", source))
     clock = itertools.count(step=200.0)
     monkeypatch.setattr(rounds, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     found = rounds.draft_scenario(

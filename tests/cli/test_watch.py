@@ -83,15 +83,17 @@ class Watching:
         found = re.match(r"mission failure ([\d.e+-]+)", self.until("mission failure "))
         return float(found[1])
 
-    def descendants(self) -> set[int]:
-        """All processes below this one."""
-        parents = {}
+    def processes(self) -> set[int]:
+        """All processes below this one, and those that are in its folder."""
+        parents, found = {}, set()
         for folder in Path("/proc").iterdir():
             if folder.name.isdigit():
                 with contextlib.suppress(OSError):
                     status = (folder / "stat").read_text()
                     parents[int(folder.name)] = int(status.rpartition(")")[2].split()[1])
-        found, waiting = set(), [self.process.pid]
+                    if (folder / "cwd").readlink() == self.folder:
+                        found.add(int(folder.name))
+        waiting = [self.process.pid]
         while waiting:
             new = [each for each, parent in parents.items() if parent == waiting[0]]
             found |= set(new)
@@ -259,27 +261,29 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
 
 
 @pytest.mark.parametrize(
-    ("is_busy", "number", "code"),
+    ("is_afresh", "is_busy", "number", "code"),
     [
-        pytest.param(False, signal.SIGINT, 130, marks=pytest.mark.slow),
-        (True, signal.SIGINT, 130),
-        (True, signal.SIGTERM, 143),
-        (True, signal.SIGKILL, -9),
+        (False, False, signal.SIGINT, 130),
+        (False, True, signal.SIGINT, 130),
+        (False, True, signal.SIGTERM, 143),
+        (True, True, signal.SIGKILL, -9),
+        pytest.param(True, False, signal.SIGINT, 130, marks=pytest.mark.slow),
+        pytest.param(True, True, signal.SIGINT, 130, marks=pytest.mark.slow),
+        pytest.param(True, True, signal.SIGTERM, 143, marks=pytest.mark.slow),
     ],
 )
-def test_its_end_leaves_no_process(watching, example, quick, number, code, is_busy):
+def test_its_end_leaves_no_process(watching, example, quick, number, code, is_afresh, is_busy):
     to = "arm.go([{}, 0.5, 0, -2, 0, 1.5, 0.8])".format
     moves = f"for _ in range(300): {to(0.5)}; {to(-1)}"
     path = example.write("a.py", quick())
-    # Its processes are its own where it is started afresh.
-    watched = watching("a.py", command=[sys.executable, "-m", "tracerisk"])
+    watched = watching("a.py", command=[sys.executable, "-m", "tracerisk"] if is_afresh else None)
     watched.settled()
-    below = watched.descendants()
+    below = watched.processes()
     if is_busy:
         before = below
         path.write_text(quick(moves))
         watched.until("a.py changed")
-        while not (below := watched.descendants()) - before:
+        while not (below := watched.processes()) - before:
             assert watched.process.poll() is None
             time.sleep(0.01)
     assert below

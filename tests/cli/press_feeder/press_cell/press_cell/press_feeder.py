@@ -108,7 +108,7 @@ class PressFeeder(Node):
 
     async def fault(self):
         self.get_logger().error("fault: going home")
-        await self.move(HOME, 4)
+        await self.move(HOME, 1)
 
     async def run(self):
         self.arm.wait_for_server()
