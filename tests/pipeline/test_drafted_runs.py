@@ -226,7 +226,7 @@ def test_what_a_node_finds_in_pictures_is_drafted_itself(example):
     source = HEAD.replace("std_msgs.msg import String", "geometry_msgs.msg import PoseStamped")
     waits = "turn(0.1 if rospy.wait_for_message('/part', PoseStamped) else 0.2)\n"
     example.write("scripts/c.py", source + waits)
-    ran = example.run("run", "scripts/c.py", "--check", "--json")
+    ran = example.run("run", "scripts/c.py", "--check", "--json", "--duration", "5")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/part"], ran.err
 
 
@@ -295,7 +295,7 @@ while not rospy.is_shutdown():
 
 def test_of_what_raises_together_it_drafts_what_does_no_harm_alone(example):
     example.write("c.py", HEAD + LISTENS)
-    ran = example.run("run", "c.py", "--check", "--json")
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "5")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/side"]
     assert ran.json["verdict"]["kind"] == "partial"
 
@@ -359,7 +359,7 @@ def test_services_for_which_one_function_waits_are_drafted_together(example):
 
 def test_a_run_that_took_all_its_time_to_wait_is_drafted_too(example):
     example.write("c.py", WAITS.replace("node.begin()\n", ""))
-    ran = example.run("run", "c.py", "--check", "--json", "--duration", "10")
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "5")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/home"]
 
 
@@ -398,7 +398,7 @@ def test_a_parameter_that_must_not_be_empty_is_drafted_where_the_exception_names
 def test_a_switch_that_is_off_by_default_is_drafted_where_nothing_moves(example):
     wait = "while not rospy.get_param('~enabled', False):\n    rospy.sleep(1.0)\n"
     example.write("c.py", HEAD + wait + "turn(0.1)\n")
-    ran = example.run("run", "c.py", "--check", "--json")
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "5")
     names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
     assert names == ["~enabled"]
 
@@ -492,13 +492,13 @@ if nav.getResult() == TaskResult.SUCCEEDED:
 def test_a_base_that_nav2_drives_is_drafted_though_drivers_serve_the_same_names(example):
     """Drivers of arms serve `get_state` too, of other types."""
     example.write("c.py", NAVIGATED)
-    assert example.run("scenario", "c.py", "--robot", "panda", "--write").code == 0
+    options = ("c.py", "--robot", "panda", "--duration", "5")
+    assert example.run("scenario", *options, "--write").code == 0
     text = example.read("c.scenario.yaml").decode()
     for name in ("/amcl/get_state", "/bt_navigator/get_state", "/navigate_to_pose", "/amcl_pose"):
         assert name in text
     assert "label: active" in text
-    given = example.run("run", "c.py", "--json", "--check", "--robot", "panda", "--scenario",
-                        "c.scenario.yaml")  # fmt: skip
+    given = example.run("run", *options, "--json", "--check", "--scenario", "c.scenario.yaml")
     assert given.json["verdict"]["kind"] == "partial"
     assert [each["ref"]["name"] for each in given.json["trace"]["functions"]] == ["move"]
 

@@ -122,11 +122,11 @@ def test_an_endless_loop_is_stopped_and_its_line_is_reported(example, quick):
     source = quick("while True: pass")
     example.write("controller.py", source)
     before = example.files()
-    outcome = example.run("run", "controller.py", "--stall-limit", "3")
+    outcome = example.run("run", "controller.py", "--stall-limit", "1")
     assert outcome.code == 4
     assert f"tracerisk: controller.py:{line_of(source, 'while True')}: " in outcome.err
     assert "nothing has moved" in outcome.err
-    assert "3 s of computing or sleeping" in outcome.err
+    assert "1 s of computing or sleeping" in outcome.err
     assert HELD in outcome.err
     assert_untouched(example, before)
 

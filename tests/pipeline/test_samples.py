@@ -389,16 +389,13 @@ ALL = {
     "part_sorting": PART_SORTING,
     "shelf_stocking": SHELF_STOCKING,
 }
-QUICK_TWICE = ("machine_tending", "part_sorting")
+QUICK_TWICE = ("machine_tending",)
 QUICK_CHANGES = {
-    "machine_tending": "extracted",
     "surface_scan": "inlined",
     "glue_bead": "put into a function",
-    "careful_pick": "inlined",
-    "part_sorting": "inlined",
     "shelf_stocking": "extracted",
 }
-"""Samples and refactorings of each that every test run looks at; the others are `slow`."""
+"""Samples and refactorings that every test run looks at; the others are `slow`."""
 
 OUTPUTS = ("--json", "--trace", "trace.json", "--model", "model.json")
 CPU_LIMIT = ("--cpu-limit", "60")
@@ -521,7 +518,7 @@ def test_a_second_run_changes_no_byte(name, ran):
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        pytest.param(name, change, marks=slow_unless(QUICK_CHANGES[name] == change))
+        pytest.param(name, change, marks=slow_unless(QUICK_CHANGES.get(name) == change))
         for name, sample in ALL.items()
         for change in sample.changes
     ],

@@ -395,15 +395,17 @@ def main():
 if __name__ == "__main__":
     main()
 """
+SEES = "print(len(sys.modules), sys.path, sorted(os.listdir(os.getcwd())))"
 RUNS = {
-    "well": ("print(len(sys.modules), sys.path, sorted(os.listdir(os.getcwd())))", {}),
-    "raises": ("raise ValueError('no')", {}),
+    "well": (SEES, {}),
     "exits": ("sys.exit(3)", {}),
     "is killed": ("os.kill(os.getpid(), signal.SIGKILL)", {}),
-    "recurses": ("f = lambda n: print(n) or f(n + 1); f(0)", {}),
+    "recurses": (f"{SEES}; f = lambda n: print(n) or f(n + 1); f(0)", {}),
     "hangs": ("while True: pass", {"cpu_limit_s": 1.0}),
     "takes memory": ("x = bytearray(3 << 30)", {"memory_limit_mb": 2048}),
 }
+QUICK_RUNS = (("recurses", "auto"), ("is killed", "off"))
+"""What every test run looks at; how else a process ends, `ENDS` has in little."""
 
 
 def shown_afresh_and_forked(monkeypatch, capfd, settings) -> list[tuple[str, str]]:
@@ -426,7 +428,10 @@ def shown_afresh_and_forked(monkeypatch, capfd, settings) -> list[tuple[str, str
 
 @pytest.mark.parametrize(
     ("name", "mode"),
-    [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off")],
+    [
+        each if each in QUICK_RUNS else pytest.param(*each, marks=pytest.mark.slow)
+        for each in [*((name, "auto") for name in RUNS), ("well", "off"), ("is killed", "off")]
+    ],
 )
 def test_a_run_shows_the_same(tmp_path, monkeypatch, capfd, name, mode):
     code, options = RUNS[name]

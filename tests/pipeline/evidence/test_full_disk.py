@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 
 import pytest
 
+from tests.pipeline.evidence.test_interrupted import ALONE as COMMAND
 from tests.pipeline.evidence.test_interrupted import settled
 
-COMMAND = ("evidence", "controller.py", "--cells", "6", "-j", "1", "-q")
 # The disk of the controller gets full when the first cells have come.
 FILLED = """\
 import pathlib, sys
@@ -56,32 +55,16 @@ def small_disk(tmp_path):
         subprocess.run(["umount", "--lazy", str(disk)], check=False)
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, example_in):
-    from tests.conftest import quick_controller
-
-    folder = settled(example_in(tmp_path_factory.mktemp("whole") / "controller"), quick_controller)
-    assert folder.run(*COMMAND).code == 0
-    return folder.read("tracerisk.evidence")
-
-
 def test_without_room_for_a_recording_nothing_is_said_of_the_controller(
     small_disk, tmp_path, example_in, quick
 ):
     folder = settled(example_in(tmp_path / "controller"), quick)
     disk = small_disk(300 * 1024)
-    done = subprocess.run(
-        [sys.executable, "-m", "tracerisk", *COMMAND],
-        cwd=folder.folder,
-        env={**os.environ, "TMPDIR": str(disk)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 4
-    assert f"the disk that holds {disk}/tracerisk-" in done.stderr
-    assert "TMPDIR" in done.stderr
-    assert "Traceback" not in done.stderr
+    done = folder.run(*COMMAND, environment={"TMPDIR": str(disk)})
+    assert done.code == 4
+    assert f"the disk that holds {disk}/tracerisk-" in done.err
+    assert "TMPDIR" in done.err
+    assert "Traceback" not in done.err
     assert not (folder.folder / "tracerisk.evidence").exists()
     assert not list(disk.iterdir())
 

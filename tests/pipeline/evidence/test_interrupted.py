@@ -28,6 +28,7 @@ def slow(found):
 campaign.dump_evidence = slow
 sys.exit(main(["evidence", "controller.py", "--cells", "6", "-j", "2", "-q"]))
 """
+ALONE = ("evidence", "controller.py", "--cells", "6", "-j", "1", "-q")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 MOMENTS = ("start", "nominal run", "first batch", "between batches", "writing")
 LONGEST_S = 120.0
@@ -63,18 +64,6 @@ def ours(temporary: Path) -> list[str]:
         except OSError:
             continue
     return found
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, example_in):
-    """The bytes of a campaign that nobody interrupts."""
-    from tests.conftest import quick_controller
-
-    folder = settled(example_in(tmp_path_factory.mktemp("whole") / "controller"), quick_controller)
-    temporary = tmp_path_factory.mktemp("whole_temporary")
-    assert begun(folder, temporary).wait() == 0
-    assert not list(temporary.iterdir())
-    return folder.read("tracerisk.evidence")
 
 
 @pytest.mark.parametrize(
@@ -113,7 +102,8 @@ def test_it_goes_on_and_leaves_nothing(moment, number, whole, tmp_path, example_
     if number != signal.SIGKILL:
         assert not list(temporary.iterdir())
 
-    assert begun(folder, temporary).wait() == 0
+    again = folder.run(*ALONE, environment={"TMPDIR": str(temporary)})
+    assert again.code == 0, again.err
     assert folder.read("tracerisk.evidence") == whole
     assert not list(temporary.iterdir())
     assert not list(cache.glob("evidence-*"))
