@@ -271,6 +271,7 @@ def _main() -> None:
             "report c.py -o r.html",
             "hardware init --robot panda -o h.yaml",
             "hardware show h.yaml",
+            "doctor c.py",
         ):
             code = _ended(folder, line.split())
             if code:
