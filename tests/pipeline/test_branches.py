@@ -219,7 +219,11 @@ def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
 @pytest.mark.parametrize(
     ("before", "reason"),
     [
-        ("global pair; import socket; pair = socket.socketpair()", "has a socket open"),
+        pytest.param(
+            "global pair; import socket; pair = socket.socketpair()",
+            "has a socket open",
+            marks=SLOW,
+        ),
         ("global pair; pair = os.pipe()", "has a pipe or event queue open"),
         ("global file; file = tempfile.NamedTemporaryFile()", "has temporary files"),
         (

@@ -18,6 +18,7 @@ from std_srvs.srv import Trigger
 
 rospy.init_node("pick")
 arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
 
 
 def reach(angle):
@@ -59,6 +60,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 rospy.init_node("turner")
 arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
 
 
 def turn(request):
@@ -168,7 +170,7 @@ def test_a_run_with_companions_is_the_same_twice(cell):
 
 
 def test_without_companions_it_stops_with_the_lines_that_would_give_it(cell):
-    outcome, found = trace(cell, "scripts/pick.py", "--no-companions")
+    outcome, found = trace(cell, "scripts/pick.py", "--no-companions", "--no-draft")
     assert outcome.code == 4
     assert found.end.cause == "deadlock"
     assert "- name: /find_part" in found.end.scenario
@@ -293,7 +295,8 @@ def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brough
     example.write("package.xml", PACKAGE.format("cell"))
     example.write("scripts/tender.py", TENDER)
     example.write("scripts/angles.py", ANGLES)
-    ran = example.run("run", "scripts/tender.py", "--check", "--json", "--robot", "panda")
+    options = ("--robot", "panda", "--duration", "10")
+    ran = example.run("run", "scripts/tender.py", "--check", "--json", *options)
     assert ran.json["verdict"]["kind"] == "partial", ran.err
     reasons = ran.json["verdict"]["reasons"]
     drafted = [each["object"] for each in reasons if each["code"] == "input-assumed"]

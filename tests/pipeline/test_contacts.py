@@ -157,18 +157,18 @@ def test_what_presses_where_a_motion_was_aborted_is_an_unexpected_contact(trace)
     assert pressed <= hit
 
 
-def test_where_nothing_is_in_the_way_every_contact_is_expected(sample_run, sample_trace):
-    _, outcome = sample_run
-    contacts = [contact for visit in sample_trace.visits for contact in visit.contacts]
-    assert len(contacts) > 50
+def test_where_nothing_is_in_the_way_every_contact_is_expected(short_run, short_trace):
+    _, outcome = short_run
+    contacts = [contact for visit in short_trace.visits for contact in visit.contacts]
+    assert len(contacts) > 10
     assert all(contact.expected for contact in contacts)
     assert not any(finding["kind"] not in NOTES for finding in outcome.json["trace"]["findings"])
 
 
-def test_each_tube_is_touched_by_both_fingers_and_by_its_racks_alone(sample_trace):
+def test_each_tube_is_touched_by_both_fingers_and_by_its_racks_alone(short_trace):
     pairs = {
         (contact.link.rstrip("_0123456789"), contact.other.rstrip("_0123456789"))
-        for visit in sample_trace.visits
+        for visit in short_trace.visits
         for contact in visit.contacts
     }
     assert pairs == {
@@ -179,15 +179,15 @@ def test_each_tube_is_touched_by_both_fingers_and_by_its_racks_alone(sample_trac
     }
 
 
-def test_a_finger_touches_for_as_long_as_its_contacts_do(sample_trace):
+def test_a_finger_touches_for_as_long_as_its_contacts_do(short_trace):
     """Contact elements count from 0.5 N on and over short gaps: all but the same time."""
     for finger in ("panda_leftfinger", "panda_rightfinger"):
-        exposure = sample_trace.active[finger]
+        exposure = short_trace.active[finger]
         touching = sum(
             contact.touching_s
-            for visit in sample_trace.visits
+            for visit in short_trace.visits
             for contact in visit.contacts
             if contact.link == finger
         )
         assert exposure.grasping_s == exposure.active_s == pytest.approx(touching, rel=0.02)
-        assert exposure.grasps == exposure.releases == 10
+        assert exposure.grasps == exposure.releases == 2

@@ -51,8 +51,9 @@ print("at", *(f"{name} {position:.2f}" for name, position in sorted(here.items()
 """
 
 
-@pytest.fixture
-def ran(example):
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory, example_in):
+    example = example_in(tmp_path_factory.mktemp("claw"))
     joints = [
         JOINT.format(name=f"hinge_{i}", parent=parent, child=f"link_{i}", axis="0 0 1")
         for i, parent in ((1, "base"), (2, "link_1"), (3, "link_2"), (4, "link_3"))

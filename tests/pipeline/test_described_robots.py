@@ -590,7 +590,10 @@ def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
     assert moved == set(joints(""))
 
 
-@pytest.mark.parametrize("others", [("long",), ("copy",), ("long", "copy")])
+@pytest.mark.parametrize(
+    "others",
+    [pytest.param(("long",), marks=pytest.mark.slow), ("copy",), ("long", "copy")],
+)
 def test_of_several_arms_that_fit_as_well_the_choice_is_reported(tmp_path, others):
     urdf = described(tmp_path, default="") / "urdf"
     for name in others:

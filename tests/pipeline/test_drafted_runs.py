@@ -236,6 +236,7 @@ from sensor_msgs.msg import JointState
 
 rospy.init_node("bridge")
 arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
 
 
 def move(wanted):

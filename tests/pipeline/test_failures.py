@@ -180,7 +180,7 @@ def test_what_went_wrong_is_reported_before_what_was_assumed(example):
         "arm.set_position_target([9.0, 0.0, 0.0])\n"
         "arm.go()\n",
     )
-    outcome = example.run("run", "controller.py")
+    outcome = example.run("run", "controller.py", "--no-draft")
     assert "tracerisk: controller.py:5:1: the controller ended, and it commanded" in outcome.err
     assert "; planning for group 'arm' failed: " in outcome.err
     assert " (and 1 more, which `tracerisk trace` prints)" in outcome.err
@@ -189,7 +189,7 @@ def test_what_went_wrong_is_reported_before_what_was_assumed(example):
 def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     source = quick('while sys.stdin.readline() != "q": pass')
     example.write("controller.py", source)
-    outcome = example.run("trace", "controller.py")
+    outcome = example.run("trace", "controller.py", "--no-draft")
     assert outcome.code == 4
     place = f"controller.py:{line_of(source, 'while sys')}"
     assert f"{place}: the answer to a read of the standard input was asked for 200" in outcome.err

@@ -185,8 +185,8 @@ components:
 
 
 @pytest.fixture
-def sample(sample_run, example):
-    run, _ = sample_run
+def sample(short_run, example):
+    run, _ = short_run
     for name, data in run.files().items():
         example.write(name, data)
     folder = run.folder / ".tracerisk_cache"

@@ -18,9 +18,9 @@ components:
 
 
 @pytest.fixture
-def annotated(sample_run, example):
+def annotated(short_run, example):
     """The sample, annotated from the trace of its run with motors only."""
-    run, _ = sample_run
+    run, _ = short_run
     for name in ("trace.json", "pick_and_place.py", "tracerisk.lock"):
         example.write(name, run.read(name))
     example.write("hardware.yaml", PANDA)
@@ -29,8 +29,8 @@ def annotated(sample_run, example):
     return example, options
 
 
-def test_the_run_reports_every_instance(sample_run):
-    _, outcome = sample_run
+def test_the_run_reports_every_instance(short_run):
+    _, outcome = short_run
     instances = outcome.json["instances"]
     motors = [each for each in instances if each["component"] == "electric_motor"]
     assert len(motors) == 7
@@ -46,8 +46,8 @@ def test_the_run_reports_every_instance(sample_run):
     assert outcome.json["assumed_figures"] == []
 
 
-def test_the_lock_holds_the_instances_of_each_function(sample_run):
-    run, outcome = sample_run
+def test_the_lock_holds_the_instances_of_each_function(short_run):
+    run, outcome = short_run
     lock = json.loads(run.read("tracerisk.lock"))
     functions = lock["controllers"]["pick_and_place.py"]["trace"]["functions"]
     held = functions["place_position"]["instances"]["electric_motor"]

@@ -93,7 +93,7 @@ def edited() -> list[str]:
 
 @pytest.mark.parametrize(
     ("kills", "project", "seed"),
-    [(20, 8, 1), pytest.param(300, 50, 2, marks=pytest.mark.slow)],
+    [(20, 6, 1), pytest.param(300, 50, 2, marks=pytest.mark.slow)],
     indirect=["project"],
     ids=str,
 )

@@ -11,7 +11,7 @@ from tracerisk.trace import WEAR_EXPONENTS, Trace
 from tracerisk.twin.physics.scene import SHIPPED_SCENES
 
 HEAVY_KG = 0.5
-TUBES = 2
+TUBES = 1
 CARRYING = ("pick", "place_position")
 EMPTY_HANDED = ("init", "pick_position")
 

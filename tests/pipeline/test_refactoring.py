@@ -206,8 +206,12 @@ def test_steps_shorter_than_any_activity_lose_no_hardware(example, by_every_law)
     assert by_use[1] == pytest.approx(by_use[0], rel=0.01)
 
 
-def test_a_function_that_never_ran_is_reported_as_no_risk_data(example, two_tubes):
-    example.write("pick_and_place.py", dead_function_added(two_tubes))
-    outcome = example.run("trace", "pick_and_place.py", "--json")
-    (uncovered,) = outcome.json["trace"]["uncovered"]
-    assert uncovered["ref"] == {"file": "pick_and_place.py", "name": "never"}
+def test_a_function_that_never_ran_is_reported_as_no_risk_data(example, quick):
+    dead = "def never(arm):\n    act(arm)\n\n\ndef main():\n"
+    example.write("controller.py", replace_once(quick(), "def main():\n", dead))
+    outcome = example.run("trace", "controller.py", "--json")
+    uncovered = [each["ref"] for each in outcome.json["trace"]["uncovered"]]
+    assert uncovered == [
+        {"file": "controller.py", "name": "home"},
+        {"file": "controller.py", "name": "never"},
+    ]

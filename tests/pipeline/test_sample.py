@@ -53,8 +53,8 @@ def test_the_chain_is_the_published_one_over_ten_rounds(sample_run):
     assert "    # |   next = init 9/10\n    # |   next = done 1/10\n" in source
 
 
-def test_a_second_run_under_another_hash_seed_changes_no_byte(sample_run):
-    example, outcome = sample_run
+def test_a_second_run_under_another_hash_seed_changes_no_byte(short_run):
+    example, outcome = short_run
     before = example.files()
     again = example.run(
         "run",
@@ -62,8 +62,6 @@ def test_a_second_run_under_another_hash_seed_changes_no_byte(sample_run):
         "--json",
         "--trace",
         "trace.json",
-        "--model",
-        "model.json",
         environment={"PYTHONHASHSEED": "4711"},
     )
     assert again.code == 0
@@ -71,8 +69,8 @@ def test_a_second_run_under_another_hash_seed_changes_no_byte(sample_run):
     assert again.out == outcome.out
 
 
-def test_moving_only_reproduces_the_published_log(sample_run):
-    example, _ = sample_run
+def test_moving_only_reproduces_the_published_log(short_run):
+    example, _ = short_run
     before = example.files()
     outcome = example.run(
         "run", "pick_and_place.py", "--active", "moving", "--log", "out.log", "--check"

@@ -174,32 +174,32 @@ def components(blocks, name: str) -> list[str]:
     ]
 
 
-def test_the_time_of_every_sensor_is_shared_out_among_the_visits(sample_trace):
-    assert_shares_add_up(sample_trace)
-    read = sample_trace.active["panda_joint1/encoder"].reading_s
-    assert 0.0 < read < 0.05 * sample_trace.active["panda_joint1/encoder"].active_s
+def test_the_time_of_every_sensor_is_shared_out_among_the_visits(short_trace):
+    assert_shares_add_up(short_trace)
+    read = short_trace.active["panda_joint1/encoder"].reading_s
+    assert 0.0 < read < 0.05 * short_trace.active["panda_joint1/encoder"].active_s
 
 
-def test_an_encoder_that_is_bound_is_in_each_function_that_moves(sample_trace, tmp_path):
-    blocks = compute_blocks(sample_trace, hardware_in(tmp_path, HARDWARE), active="moving+holding")
+def test_an_encoder_that_is_bound_is_in_each_function_that_moves(short_trace, tmp_path):
+    blocks = compute_blocks(short_trace, hardware_in(tmp_path, HARDWARE), active="moving+holding")
     for name in ("init", "pick_position", "pick", "place_position"):
         assert components(blocks.blocks, name) == ["electric_motor", "joint_encoder"]
 
 
-def test_sensors_that_nobody_binds_change_no_block(sample_trace):
-    kept = tuple(each for each in sample_trace.elements if each.kind != "sensor")
+def test_sensors_that_nobody_binds_change_no_block(short_trace):
+    kept = tuple(each for each in short_trace.elements if each.kind != "sensor")
     names = {each.name for each in kept}
     without = replace(
-        sample_trace,
+        short_trace,
         elements=kept,
         visits=tuple(
             replace(visit, exposures={k: v for k, v in visit.exposures.items() if k in names})
-            for visit in sample_trace.visits
+            for visit in short_trace.visits
         ),
     )
     hardware = hardware_of("panda")
     found, expected = (
-        compute_blocks(each, hardware, active="moving+holding") for each in (sample_trace, without)
+        compute_blocks(each, hardware, active="moving+holding") for each in (short_trace, without)
     )
     assert found.blocks == expected.blocks
 

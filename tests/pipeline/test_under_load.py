@@ -402,5 +402,5 @@ def test_simulated_time_bounds_the_attempts_with_companions(names, code, example
         example.write(f"scripts/{name}.py", SERVED.replace("NAME", name))
     # Each run finds one more service missing and waits until its simulated time is over: after
     # four such times no other run begins.
-    outcome = example.run("run", "scripts/chain.py", "--duration", "4", "--no-draft")
+    outcome = example.run("run", "scripts/chain.py", "--duration", "2", "--no-draft")
     assert outcome.code == code, outcome.err

@@ -20,6 +20,7 @@ import moveit_commander, rospy
 moveit_commander.roscpp_initialize(sys.argv)
 rospy.init_node("turner")
 arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
 
 def turn(angle):
     joints = arm.get_current_joint_values()
