@@ -151,6 +151,12 @@ def one_server_of_runs() -> None:
     several_come()
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_packages_beside(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Have no package of a test look for others among the folders of all tests."""
+    (tmp_path_factory.getbasetemp() / "COLCON_IGNORE").touch()
+
+
 class Example:
     """Files in a folder of their own, and the command run on them as a user would."""
 

@@ -55,6 +55,6 @@ def test_a_shipped_arm_is_reported_by_them(example):
 
 def test_a_robot_that_is_named_stays(example):
     example.write("c.py", SOURCE.replace("PREFIX", "panda_joint"))
-    outcome = example.run("run", "c.py", "--json", "--robot", "ur5e")
+    outcome = example.run("run", "c.py", "--json", "--robot", "ur5e", "--no-draft")
     assert outcome.code == 4
     assert "no joint 'panda_joint1'" in outcome.err

@@ -162,7 +162,7 @@ def test_a_pause_within_a_mission_is_not_cut(run):
 
 
 def test_a_loop_in_which_nothing_moves_fails_early(run):
-    data = run(IDLE, code=4)
+    data = run(IDLE, "--no-draft", code=4)
     assert data["trace"]["end"]["cause"] == "no_motion"
     assert data["trace"]["end"]["simulated_s"] < 61.0
 
