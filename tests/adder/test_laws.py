@@ -91,7 +91,7 @@ def same_code(one: object, other: object) -> bool:
     )
 
 
-@pytest.mark.parametrize("path", slow_but_every(6, sample()), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", slow_but_every(10, sample()), ids=lambda path: path.stem)
 def test_the_laws_hold_on_a_sample_of_the_standard_library(path: Path) -> None:
     check_laws(path.read_bytes(), str(path))
 

@@ -213,7 +213,9 @@ def annotate_hard(source: bytes, read_block, reason: str) -> bytes:
 
 
 @pytest.mark.parametrize("indent", ["    ", "\t"], ids=["spaces", "tabs"])
-@pytest.mark.parametrize("newline", ["\n", "\r\n"], ids=["LF", "CRLF"])
+@pytest.mark.parametrize(
+    "newline", ["\n", pytest.param("\r\n", marks=pytest.mark.slow)], ids=["LF", "CRLF"]
+)
 @pytest.mark.parametrize("reason", REASONS)
 def test_ruff_reports_nothing_in_any_line_of_a_block(
     reason: str, newline: str, indent: str, tmp_path: Path, read_block

@@ -12,6 +12,7 @@ import pickle
 import numpy as np
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.robots.robot import load_robot
@@ -255,7 +256,7 @@ def test_velocities_where_an_arm_is_singular_are_reported(kdl):
     assert np.isfinite([*found]).all()
 
 
-@pytest.mark.parametrize(("name", "base", "tip"), ARMS)
+@pytest.mark.parametrize(("name", "base", "tip"), slow_but(ARMS[1:], ARMS))
 def test_trac_ik_finds_positions_within_limits_or_none(kdl, name, base, tip):
     from trac_ik_python.trac_ik import IK
 

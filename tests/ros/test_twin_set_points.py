@@ -363,33 +363,33 @@ from std_msgs.msg import Float64MultiArray
 
 def move():
     arm.publish(Float64MultiArray(data=[0.1, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]))
-    hand.publish(Float64MultiArray(data=[0.8]))
+    knuckle.publish(Float64MultiArray(data=[0.8]))
+    thumb.publish(Float64MultiArray(data=[0.8]))
     rospy.sleep(2.0)
 
 
 rospy.init_node("n")
 arm = rospy.Publisher("/panda_arm/command", Float64MultiArray, queue_size=1)
-hand = rospy.Publisher("/cell/knuckle_controller/commands", Float64MultiArray, queue_size=1)
+knuckle = rospy.Publisher("/cell/knuckle_controller/commands", Float64MultiArray, queue_size=1)
+thumb = rospy.Publisher("/cell/thumb_controller/commands", Float64MultiArray, queue_size=1)
 move()
 """
 
 
-@pytest.mark.parametrize(
-    "declared",
-    [
-        "/**:\n  knuckle_controller:\n    ros__parameters: {joints: [left_knuckle]}\n",
-        "knuckle_controller: {type: x/Y, joints: [left_knuckle]}\n",
-    ],
-    ids=["ros2", "ros1"],
-)
-def test_a_controller_of_the_workspace_for_joints_that_the_robot_lacks(example, declared):
+def test_controllers_of_the_workspace_for_joints_that_the_robot_lacks(example):
     example.write("package.xml", "<package><name>cell</name></package>")
-    example.write("config/hand.yaml", declared)
+    example.write(
+        "config/of_ros_2.yaml",
+        "/**:\n  knuckle_controller:\n    ros__parameters: {joints: [left_knuckle]}\n",
+    )
+    example.write("config/of_ros_1.yaml", "thumb_controller: {type: x/Y, joints: [left_thumb]}\n")
     example.write("c.py", DECLARED)
     ran = example.run("run", "c.py", "--check", "--json", "--robot", "panda")
     assert ran.json["verdict"]["kind"] == "partial", ran.err
-    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "unmet-need")
-    assert "controller for left_knuckle, and robot 'panda' has no such joint" in reason["words"]
+    reasons = [r["words"] for r in ran.json["verdict"]["reasons"] if r["code"] == "unmet-need"]
+    assert len(reasons) == 2
+    for joint, words in zip(("left_knuckle", "left_thumb"), sorted(reasons), strict=True):
+        assert f"controller for {joint}, and robot 'panda' has no such joint" in words
 
 
 def test_the_same_joints_in_two_namespaces_are_those_of_two_robots(ran):

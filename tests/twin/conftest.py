@@ -135,9 +135,9 @@ def errand(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFac
 
 
 @pytest.fixture(scope="session")
-def two_tubes(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFactory) -> Errand:
-    """The errand with the first two tubes alone."""
-    return _run_errand(panda, tube_racks, tmp_path_factory.mktemp("two_tubes"), range(1, 3))
+def one_tube(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFactory) -> Errand:
+    """The errand with the first tube alone."""
+    return _run_errand(panda, tube_racks, tmp_path_factory.mktemp("one_tube"), range(1, 2))
 
 
 @pytest.fixture(scope="session")

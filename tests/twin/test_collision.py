@@ -41,7 +41,10 @@ def test_pairs_that_the_srdf_disables_do_not_collide():
     assert frozenset(("no_link", "torso")) in other.by_build
 
 
-@pytest.mark.parametrize(("name", "group"), [("fetch", "arm_with_torso"), ("baxter", "both_arms")])
+@pytest.mark.parametrize(
+    ("name", "group"),
+    [("fetch", "arm_with_torso"), pytest.param("baxter", "both_arms", marks=pytest.mark.slow)],
+)
 def test_a_plan_leads_around_the_arm_itself(name, group):
     robot = load_robot(name)
     clearance = Clearance(robot)

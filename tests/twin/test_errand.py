@@ -35,36 +35,36 @@ def test_the_errand_takes_less_than_200_s(errand):
 
 
 def test_the_same_calls_give_the_same_bits(
-    two_tubes, run_errand, panda: Robot, tube_racks: Scene, tmp_path: Path
+    one_tube, run_errand, panda: Robot, tube_racks: Scene, tmp_path: Path
 ):
-    again = run_errand(panda, tube_racks, tmp_path, range(1, 3))
-    names = sorted(path.name for path in two_tubes.directory.iterdir())
+    again = run_errand(panda, tube_racks, tmp_path, range(1, 2))
+    names = sorted(path.name for path in one_tube.directory.iterdir())
     assert names == sorted(path.name for path in tmp_path.iterdir())
     for name in names:
-        assert (tmp_path / name).read_bytes() == (two_tubes.directory / name).read_bytes(), name
-    assert again.offsets == two_tubes.offsets
+        assert (tmp_path / name).read_bytes() == (one_tube.directory / name).read_bytes(), name
+    assert again.offsets == one_tube.offsets
 
 
-def test_nothing_but_the_controls_decides_where_a_run_ends(two_tubes):
-    found = replay(two_tubes.samples, two_tubes.robot, two_tubes.scene)
+def test_nothing_but_the_controls_decides_where_a_run_ends(one_tube):
+    found = replay(one_tube.samples, one_tube.robot, one_tube.scene)
     assert found.same_end
-    assert found.n_steps == two_tubes.time_ns // STEP_NS
+    assert found.n_steps == one_tube.time_ns // STEP_NS
 
 
-def test_a_changed_control_changes_the_end(two_tubes):
-    control = two_tubes.samples.control.copy()
+def test_a_changed_control_changes_the_end(one_tube):
+    control = one_tube.samples.control.copy()
     control[1000:2000, 0] += 1e-3
-    changed = type(two_tubes.samples)(
-        two_tubes.samples.header,
+    changed = type(one_tube.samples)(
+        one_tube.samples.header,
         control,
-        two_tubes.samples.position,
-        two_tubes.samples.velocity,
-        two_tubes.samples.torque,
-        two_tubes.samples.pad_force,
-        two_tubes.samples.poses,
-        two_tubes.samples.end_pose,
+        one_tube.samples.position,
+        one_tube.samples.velocity,
+        one_tube.samples.torque,
+        one_tube.samples.pad_force,
+        one_tube.samples.poses,
+        one_tube.samples.end_pose,
     )
-    assert not replay(changed, two_tubes.robot, two_tubes.scene).same_end
+    assert not replay(changed, one_tube.robot, one_tube.scene).same_end
 
 
 def test_poses_are_kept_for_a_later_look(errand):
@@ -125,15 +125,15 @@ def test_each_tube_is_one_grasp(errand, activity):
     assert exposure(activity["panda_hand"], everything, errand.samples.step_s).grasps == 10
 
 
-def test_visits_share_out_all_activity(two_tubes):
-    activity = element_activity(two_tubes.samples, two_tubes.robot)
-    n, step_s = two_tubes.samples.n_steps, two_tubes.samples.step_s
+def test_visits_share_out_all_activity(one_tube):
+    activity = element_activity(one_tube.samples, one_tube.robot)
+    n, step_s = one_tube.samples.n_steps, one_tube.samples.step_s
     owner = np.zeros(n, dtype=np.int64)
-    for index, (_, begin, _) in enumerate(two_tubes.spans):
+    for index, (_, begin, _) in enumerate(one_tube.spans):
         owner[begin // STEP_NS :] = index
     for found in activity.values():
         whole = exposure(found, np.ones(n, dtype=bool), step_s)
-        parts = [exposure(found, owner == i, step_s) for i in range(len(two_tubes.spans))]
+        parts = [exposure(found, owner == i, step_s) for i in range(len(one_tube.spans))]
         for field in ("moving_s", "holding_s", "grasping_s", "active_s", "starts", "grasps"):
             total = sum(getattr(part, field) for part in parts)
             assert total == pytest.approx(getattr(whole, field), abs=1e-9), field

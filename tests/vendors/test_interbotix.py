@@ -59,7 +59,7 @@ def work(bot):
     assert ran.owners == ["work"]
 
 
-@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize("ros", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_pose_is_reached_and_one_out_of_reach_moves_nothing(run_on, ros):
     ran = run_on(
         "wx250s",
@@ -85,7 +85,7 @@ def work(bot):
     assert link == pytest.approx((0.3, 0.1, 0.2), abs=0.01)
 
 
-@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize("ros", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_line_is_one_trajectory_and_an_impossible_one_none(run_on, ros):
     ran = run_on(
         "wx250",
