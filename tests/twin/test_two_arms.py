@@ -54,7 +54,7 @@ def test_one_search_brings_both_hands_to_poses_of_their_own(baxter: Robot):
     generator = np.random.default_rng(4)
     hands = {arm: baxter.groups[arm].tip_link or "" for arm in ARMS}
     reached = 0
-    for _ in range(20):
+    for _ in range(10):
         joints = {}
         for name in baxter.groups["both_arms"].joints:
             joint = baxter.joint(name)
@@ -68,7 +68,7 @@ def test_one_search_brings_both_hands_to_poses_of_their_own(baxter: Robot):
             there = kinematics.forward(found, target.link)
             assert np.linalg.norm(np.subtract(there.position, target.pose.position)) < 1e-4
         reached += 1
-    assert reached >= 19
+    assert reached >= 9
 
 
 def test_a_hand_out_of_reach_names_both_hands_and_poses(baxter: Robot):

@@ -175,7 +175,10 @@ def test_no_packet_leaves_loopback_where_that_is_asked_for(tmp_path, said, leave
     assert (int(done.stdout) > 0) == leaves
 
 
-@pytest.mark.parametrize("domain", ["233", "-1", "cell", "1.5"])
+@pytest.mark.parametrize(
+    "domain",
+    ["233", "cell", *(pytest.param(each, marks=pytest.mark.slow) for each in ("-1", "1.5"))],
+)
 def test_a_domain_that_is_none_is_refused(domain, tmp_path, example_in):
     done = example_in(tmp_path).run(
         *("attach", "--dds", "--robot", "panda", "--duration", "1"),
