@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros.live.test_differential import assert_same, logged
+from tests.ros.live.test_differential import LOST_TRANSITION, MOST_RACES, assert_same, logged
 from tracerisk import trace_json
 
 CALL_OUT = """\
@@ -53,10 +53,14 @@ def lived(tmp_path_factory, example_in, real_ros):
     with pytest.MonkeyPatch.context() as patch:
         for name, value in given.items():
             patch.setenv(name, value)
-        done = example.run(
-            *("trace", "steps.py", "--live", "--speed", "5", "--robot", "panda"),
-            *("-o", "live.json", "--log", "live.log"),
-        )
+        # Again only where actionlib itself says that it dropped a status.
+        for _ in range(MOST_RACES):
+            done = example.run(
+                *("trace", "steps.py", "--live", "--speed", "5", "--robot", "panda"),
+                *("-o", "live.json", "--log", "live.log"),
+            )
+            if LOST_TRANSITION not in done.out + done.err:
+                break
     assert done.code == 0, done.err
     example.write("printed.txt", done.out + done.err)
     return example

@@ -70,7 +70,7 @@ class Watcher:
 
 def reach(client, watcher):
     client.send_goal(
-        goal_to([0.2, *HOME[1:]], 0.5),
+        goal_to([0.3, *HOME[1:]], 1.0),
         done_cb=watcher.done,
         active_cb=watcher.active,
         feedback_cb=watcher.feedback,
@@ -92,7 +92,7 @@ def main():
     watcher = Watcher()
     reach(client, watcher)
     print("> events", watcher.events)
-    print("> names", watcher.names == JOINTS, watcher.heard > 5)
+    print("> names", watcher.names == JOINTS, watcher.heard > 10)
     rospy.sleep(0.1)
     back(client)
 
