@@ -191,7 +191,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("afresh", [True, False])
+@pytest.mark.parametrize("afresh", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("how", ENDS)
 def test_it_ends_as_any_process(begin, how, afresh):
     code, expected, last = ENDS[how]

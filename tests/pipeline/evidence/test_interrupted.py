@@ -26,7 +26,7 @@ def slow(found):
         time.sleep(3.0)
     return dump(found)
 campaign.dump_evidence = slow
-sys.exit(main(["evidence", "controller.py", "--cells", "6", "-j", "2", "-q"]))
+sys.exit(main(["evidence", "controller.py", "--cells", "6", "-q", "-j", sys.argv[1]]))
 """
 ALONE = ("evidence", "controller.py", "--cells", "6", "-j", "1", "-q")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
@@ -41,12 +41,14 @@ def settled(folder, quick):
     return folder
 
 
-def begun(folder, temporary: Path, writing: Path | None = None) -> subprocess.Popen[bytes]:
+def begun(
+    folder, temporary: Path, writing: Path | None = None, workers: int = 2
+) -> subprocess.Popen[bytes]:
     environment = {**os.environ, "TMPDIR": str(temporary), "TRACERISK_TEST_MARK": str(temporary)}
     if writing is not None:
         environment["WRITING"] = str(writing)
     return subprocess.Popen(
-        [sys.executable, "-c", CAMPAIGN],
+        [sys.executable, "-c", CAMPAIGN, str(workers)],
         cwd=folder.folder,
         env=environment,
         stdout=subprocess.DEVNULL,
@@ -67,15 +69,17 @@ def ours(temporary: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("moment", "number"),
+    ("moment", "number", "workers"),
     [
-        each
-        if each == ("between batches", signal.SIGKILL)
-        else pytest.param(*each, marks=pytest.mark.slow)
-        for each in [(moment, number) for moment in MOMENTS for number in SIGNALS]
+        ("between batches", signal.SIGKILL, 1),
+        *(
+            pytest.param(moment, number, 2, marks=pytest.mark.slow)
+            for moment in MOMENTS
+            for number in SIGNALS
+        ),
     ],
 )
-def test_it_goes_on_and_leaves_nothing(moment, number, whole, tmp_path, example_in, quick):
+def test_it_goes_on_and_leaves_nothing(moment, number, workers, whole, tmp_path, example_in, quick):
     folder = settled(example_in(tmp_path / "controller"), quick)
     temporary = tmp_path / "temporary"
     temporary.mkdir()
@@ -88,7 +92,7 @@ def test_it_goes_on_and_leaves_nothing(moment, number, whole, tmp_path, example_
         "between batches": lambda: any(each.stat().st_size for each in cache.glob("evidence-*")),
         "writing": writing.exists,
     }[moment]
-    process = begun(folder, temporary, writing if moment == "writing" else None)
+    process = begun(folder, temporary, writing if moment == "writing" else None, workers)
     deadline = time.monotonic() + LONGEST_S
     while not reached() and time.monotonic() < deadline:
         assert process.poll() is None, "it ended before the moment came"
