@@ -89,6 +89,7 @@ def test_timers_that_repeat_end_a_spin(run):
 
 
 POSES = """\
+arm.set_max_acceleration_scaling_factor(1.0)
 POSES = [0.1, 0.3, 0.5, 0.3]
 
 def go_to(angle):
