@@ -61,7 +61,7 @@ def started(example, *arguments: str, is_afresh: bool = False) -> Iterator[subpr
 
 
 @pytest.fixture
-def simulating(example, quick, tmp_path_factory):
+def simulating(request, example, quick, tmp_path_factory):
     """A command whose controller runs, the processes it has started, and the folder before."""
     mark = tmp_path_factory.mktemp("mark") / "process"
     # Anywhere else, what a controller writes is gone after the run.
@@ -71,12 +71,13 @@ def simulating(example, quick, tmp_path_factory):
     before = example.files()
     (example.folder / "tmp").mkdir()
     arguments = ("run", "controller.py", "--duration", "100000")
-    with started(example, *arguments, is_afresh=True) as process:
+    is_afresh = getattr(request, "param", True)
+    with started(example, *arguments, is_afresh=is_afresh) as process:
         until(lambda: mark.exists() and mark.read_text() != "")
         controller = int(mark.read_text())
         theirs = descendants(process.pid)
-        assert controller in theirs
-        yield process, theirs, before
+        assert controller in theirs or not is_afresh
+        yield process, {*theirs, controller}, before
 
 
 def test_ctrl_c_ends_the_command_and_the_controller(simulating, example):
@@ -89,6 +90,9 @@ def test_ctrl_c_ends_the_command_and_the_controller(simulating, example):
     assert example.files() == before, "no source, no lock, no temporary file"
 
 
+@pytest.mark.parametrize(
+    "simulating", [False, pytest.param(True, marks=pytest.mark.slow)], indirect=True
+)
 def test_termination_ends_the_controller_too(simulating, example):
     process, theirs, before = simulating
     process.terminate()
