@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
-import shlex
 import shutil
 import subprocess
+import sys
 
 import pytest
-
-from tests.conftest import program
 
 HARDWARE = """\
 components:
@@ -66,7 +64,7 @@ def merge(repository) -> str:
     scripts = repository.folder.parent / "bin"
     scripts.mkdir(exist_ok=True)
     command = scripts / "tracerisk"
-    command.write_text(f'#!/bin/sh\nexec {shlex.join(program(os.environ))} "$@"\n')
+    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m tracerisk "$@"\n')
     command.chmod(0o755)
     done = subprocess.run(
         ["git", "-c", "user.name=a", "-c", "user.email=a@b", "merge", "theirs"],
