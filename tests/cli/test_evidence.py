@@ -461,13 +461,14 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 120.0
     cells = "*/worker-*/tracerisk-cells-*"
     while len(list(kept.glob(cells))) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
     assert len(ours()) >= 3
     begun.send_signal(number)
     begun.wait()
+    deadline = time.monotonic() + 60.0
     while ours() and time.monotonic() < deadline:
         time.sleep(0.2)
     assert not ours()
