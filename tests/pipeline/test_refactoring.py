@@ -125,18 +125,9 @@ def by_every_law(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def two_tubes(pick_and_place) -> str:
-    """The sample with two rounds of ten: what a change does to one, it does to each."""
-    return replace_once(pick_and_place.decode(), "TUBES = 10\n", "TUBES = 2\n")
-
-
-@pytest.fixture(scope="module")
-def as_it_was(tmp_path_factory, two_tubes, example_in):
+def as_it_was(short_run):
     """What the run of the unchanged controller gives."""
-    example = example_in(tmp_path_factory.mktemp("as_it_was"))
-    example.write("pick_and_place.py", two_tubes)
-    outcome = example.run("run", "pick_and_place.py", "--json")
-    assert outcome.code == 0, outcome.err
+    _, outcome = short_run
     return outcome.json
 
 
@@ -147,9 +138,11 @@ def as_it_was(tmp_path_factory, two_tubes, example_in):
         for name in CHANGES
     ],
 )
-def test_the_missions_failure_probability_stays(name, as_it_was, example, two_tubes, by_every_law):
+def test_the_missions_failure_probability_stays(
+    name, as_it_was, example, short_source, by_every_law
+):
     change, functions = CHANGES[name]
-    example.write("pick_and_place.py", change(two_tubes))
+    example.write("pick_and_place.py", change(short_source.decode()))
     outcome = example.run("run", "pick_and_place.py", "--json")
     assert outcome.code == 0, outcome.err
     assessment = outcome.json["assessment"]

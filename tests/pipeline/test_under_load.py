@@ -241,16 +241,18 @@ def test_ten_runs_under_load_leave_the_same_bytes(name, repetition, same_under_l
 
 
 STOPPED = {
-    "tracerisk.pipeline.launch_files.child": (LAUNCHED, "arm_task/turn.py", (), "launch file"),
-    "tracerisk.twin.urdf.xacro_child": (EXPANDED, "scripts/reach.py", (), "xacro file"),
+    "tracerisk.pipeline.launch_files.child": (LAUNCHED, "arm_task/turn.py", 10, "launch file"),
+    "tracerisk.twin.urdf.xacro_child": (EXPANDED, "scripts/reach.py", 10, "xacro file"),
     "tracerisk.twin.model_files.child": (
         {**EXPANDED, "bent.xml": MJCF},
-        "scripts/reach.py",
-        ("--robot", "bent.xml"),
+        "scripts/reach.py --robot bent.xml",
+        10,
         "compiling the model",
     ),
-    "tracerisk.pipeline.run.child": (EXPANDED, "scripts/reach.py", (), "the process did not start"),
+    # Nothing else that the limit could end comes before.
+    "tracerisk.pipeline.run.child": ({"c.py": PICK}, "c.py", 2, "the process did not start"),
 }
+"""Of each process: files, what is run, the limit in seconds, and what is reported."""
 STOP = """\
 import os, signal, sys
 def stop(): os.kill(os.getpid(), signal.SIGSTOP)
@@ -272,7 +274,7 @@ HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=st
 def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     module, which, example, tmp_path_factory
 ):
-    files, entry, options, reported = STOPPED[module]
+    files, arguments, limit_s, reported = STOPPED[module]
     for file, content in files.items():
         example.write(file, content)
     before = example.files()
@@ -280,11 +282,12 @@ def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     text = STOP.format(module=module, how=HOWS[which])
     (stop / "stops_at_start.py").write_text(text)
     python = python_with(tmp_path_factory.mktemp("python"), stop, at_start="stops_at_start")
-    outcome = example.run("run", entry, "--wall-limit", "10", *options, python=python)
+    limit = ("--wall-limit", str(limit_s))
+    outcome = example.run("run", *arguments.split(), *limit, python=python)
     assert outcome.code == 4, outcome.err
     assert reported in outcome.err
-    assert "10 s of wall time" in outcome.err
-    assert "--wall-limit or the setting wall_limit_s (now 10)" in outcome.err
+    assert f"{limit_s} s of wall time" in outcome.err
+    assert f"--wall-limit or the setting wall_limit_s (now {limit_s})" in outcome.err
     assert example.files() == before
 
 

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
 import pytest
 
 from tests.pipeline.evidence.test_interrupted import ALONE as COMMAND
-from tests.pipeline.evidence.test_interrupted import settled
+from tests.pipeline.evidence.test_interrupted import FORKED, settled
 
 # The disk of the controller gets full when the first cells have come.
 FILLED = """\
-import pathlib, sys
+import os, pathlib, sys
 from tracerisk.cli import main
-from tracerisk.pipeline.evidence import campaign
+from tracerisk.pipeline.evidence import campaign, workers
 campaign.MOST_IN_BATCH = 2
+sys.path.insert(0, os.environ.pop("FORKED"))
+from tests.commands import ForkedWorkers
+workers._CONTEXT = ForkedWorkers()
 batches_done = campaign._batches_done
 def fill(*arguments):
     for number, done in enumerate(batches_done(*arguments)):
@@ -74,6 +78,7 @@ def test_what_was_tried_before_the_disk_was_full_is_kept(small_disk, whole, exam
     done = subprocess.run(
         [sys.executable, "-c", FILLED, *COMMAND],
         cwd=folder.folder,
+        env={**os.environ, **FORKED},
         capture_output=True,
         text=True,
         check=False,

@@ -17,8 +17,12 @@ from tests.cli.test_evidence import HARDWARE
 CAMPAIGN = """\
 import os, pathlib, sys, time
 from tracerisk.cli import main
-from tracerisk.pipeline.evidence import campaign
+from tracerisk.pipeline.evidence import campaign, workers
 campaign.MOST_IN_BATCH = 2
+if "FORKED" in os.environ:
+    sys.path.insert(0, os.environ.pop("FORKED"))
+    from tests.commands import ForkedWorkers
+    workers._CONTEXT = ForkedWorkers()
 dump = campaign.dump_evidence
 def slow(found):
     if "WRITING" in os.environ:
@@ -26,9 +30,11 @@ def slow(found):
         time.sleep(3.0)
     return dump(found)
 campaign.dump_evidence = slow
-sys.exit(main(["evidence", "controller.py", "--cells", "6", "-q", "-j", sys.argv[1]]))
+sys.exit(main(["evidence", "controller.py", "--cells", "4", "-q", "-j", sys.argv[1]]))
 """
-ALONE = ("evidence", "controller.py", "--cells", "6", "-j", "1", "-q")
+FORKED = {"FORKED": str(Path(__file__).parents[3])}
+"""With it, workers are forked, which need not import everything anew."""
+ALONE = ("evidence", "controller.py", "--cells", "4", "-j", "1", "-q")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 MOMENTS = ("start", "nominal run", "first batch", "between batches", "writing")
 LONGEST_S = 120.0
@@ -42,11 +48,18 @@ def settled(folder, quick):
 
 
 def begun(
-    folder, temporary: Path, writing: Path | None = None, workers: int = 2
+    folder,
+    temporary: Path,
+    writing: Path | None = None,
+    workers: int = 2,
+    *,
+    is_forked: bool = False,
 ) -> subprocess.Popen[bytes]:
     environment = {**os.environ, "TMPDIR": str(temporary), "TRACERISK_TEST_MARK": str(temporary)}
     if writing is not None:
         environment["WRITING"] = str(writing)
+    if is_forked:
+        environment |= FORKED
     return subprocess.Popen(
         [sys.executable, "-c", CAMPAIGN, str(workers)],
         cwd=folder.folder,
@@ -92,7 +105,8 @@ def test_it_goes_on_and_leaves_nothing(moment, number, workers, whole, tmp_path,
         "between batches": lambda: any(each.stat().st_size for each in cache.glob("evidence-*")),
         "writing": writing.exists,
     }[moment]
-    process = begun(folder, temporary, writing if moment == "writing" else None, workers)
+    at = writing if moment == "writing" else None
+    process = begun(folder, temporary, at, workers, is_forked=workers == 1)
     deadline = time.monotonic() + LONGEST_S
     while not reached() and time.monotonic() < deadline:
         assert process.poll() is None, "it ended before the moment came"
@@ -118,16 +132,20 @@ def test_a_worker_that_is_killed_loses_no_more_than_its_batch(whole, tmp_path, e
     folder = settled(example_in(tmp_path / "controller"), quick)
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    process = begun(folder, temporary)
+    process = begun(folder, temporary, is_forked=True)
     deadline = time.monotonic() + LONGEST_S
     while not any(temporary.glob("*/worker-*/tracerisk-cells-*")) and time.monotonic() < deadline:
         time.sleep(0.01)
+    # What else it has started runs another program.
+    children = Path("/proc", str(process.pid), "task", str(process.pid), "children").read_text()
+    program = Path("/proc", str(process.pid), "cmdline").read_bytes()
     workers = [
-        each
-        for each in ours(temporary)
-        if b"spawn_main" in Path("/proc", each, "cmdline").read_bytes()
+        int(each)
+        for each in children.split()
+        if Path("/proc", each, "cmdline").read_bytes() == program
     ]
-    os.kill(int(workers[0]), signal.SIGKILL)
+    assert len(workers) == 2
+    os.kill(workers[0], signal.SIGKILL)
     assert process.wait() == 0
     assert folder.read("tracerisk.evidence") == whole
     assert not list(temporary.iterdir())
