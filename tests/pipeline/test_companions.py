@@ -295,7 +295,7 @@ def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brough
     example.write("package.xml", PACKAGE.format("cell"))
     example.write("scripts/tender.py", TENDER)
     example.write("scripts/angles.py", ANGLES)
-    options = ("--robot", "panda", "--duration", "10")
+    options = ("--robot", "panda", "--duration", "5")
     ran = example.run("run", "scripts/tender.py", "--check", "--json", *options)
     assert ran.json["verdict"]["kind"] == "partial", ran.err
     reasons = ran.json["verdict"]["reasons"]

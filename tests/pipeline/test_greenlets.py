@@ -23,8 +23,7 @@ OF_THE_RUN = ("request.json", "wall_time.json")
 @pytest.mark.parametrize(
     "name",
     [
-        "glue_bead.py",
-        # Branches of it in `test_branches.py` are refused where a byte differs.
+        pytest.param("glue_bead.py", marks=SLOW),
         pytest.param("surface_scan.py", marks=SLOW),
         pytest.param("careful_pick.py", marks=SLOW),
         pytest.param("machine_tending.py", marks=SLOW),
@@ -34,6 +33,7 @@ OF_THE_RUN = ("request.json", "wall_time.json")
     ],
 )
 def test_every_byte_is_the_same_on_threads_and_on_greenlets(name, tmp_path):
+    """Slow: the branches in `test_branches.py` are refused where a byte differs."""
     controller = load_controller(str(SAMPLES / name))
     settings = load_settings(controller)
     on_threads, on_greenlets = tmp_path / "threads", tmp_path / "greenlets"

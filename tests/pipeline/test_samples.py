@@ -389,13 +389,8 @@ ALL = {
     "part_sorting": PART_SORTING,
     "shelf_stocking": SHELF_STOCKING,
 }
-QUICK_TWICE = ("machine_tending",)
-QUICK_CHANGES = {
-    "surface_scan": "inlined",
-    "glue_bead": "put into a function",
-    "shelf_stocking": "extracted",
-}
-"""Samples and refactorings that every test run looks at; the others are `slow`."""
+QUICK_CHANGES = {"surface_scan": "inlined", "glue_bead": "put into a function"}
+"""Refactorings that every test run looks at; the others are `slow`."""
 
 OUTPUTS = ("--json", "--trace", "trace.json", "--model", "model.json")
 CPU_LIMIT = ("--cpu-limit", "60")
@@ -504,10 +499,10 @@ def test_the_blocks_alone_give_the_model(name, ran):
     assert solved["mission"] == outcome.json["assessment"]["mission"]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=slow_unless(name in QUICK_TWICE)) for name in ALL]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALL)
 def test_a_second_run_changes_no_byte(name, ran):
+    """Slow: `test_sample.py` sees that a second run of one sample changes none."""
     example, outcome = ran(name)
     before = example.files()
     again = run_of(example, ALL[name], *OUTPUTS)

@@ -165,10 +165,11 @@ def test_a_declared_mission_is_followed_to_its_end(tmp_path):
 @pytest.mark.parametrize(
     "faults",
     [
-        ((fault(),), (Fault("panda_joint2", "dead", 2.0),)),
+        ((fault(),),),
+        pytest.param(((Fault("panda_joint2", "dead", 2.0),),), marks=pytest.mark.slow),
         pytest.param(((fault(7.3),),), marks=pytest.mark.slow),
     ],
-    ids=["early", "late"],
+    ids=["early", "dead", "late"],
 )
 def test_a_branch_ends_where_a_run_from_the_beginning_on_threads_does(both, faults, tmp_path):
     request = replace(both.run.request, beside=both.beside)
