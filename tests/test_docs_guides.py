@@ -120,7 +120,11 @@ def follow(page: str, shell: Shell) -> int:
 
 @pytest.mark.parametrize(
     "page",
-    ["tutorial.md", *sorted(path.name for path in DOCS.glob("howto-*.md"))],
+    [
+        # Its figures are also those of the block in the README, which each run of the tests makes.
+        pytest.param("tutorial.md", marks=pytest.mark.slow),
+        *sorted(path.name for path in DOCS.glob("howto-*.md")),
+    ],
 )
 def test_what_a_guide_shows_is_what_happens(page, shell):
     assert follow(page, shell) >= 3

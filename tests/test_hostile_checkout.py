@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but_every
 from tests.test_action import ACTION, ROOT, Runner
 from tests.test_gitlab_template import job, server  # noqa: F401 - fixtures
 
@@ -252,7 +253,7 @@ def test_no_file_of_a_merge_request_runs_in_the_template(trap, server, job, tmp_
     assert "TRACERISK_TOKEN" not in shown
 
 
-@pytest.mark.parametrize("name", MODULES[:9])
+@pytest.mark.parametrize("name", slow_but_every(3, MODULES[:9]))
 def test_the_trap_works_where_nobody_is_careful(trap, name):
     """Without isolation the current folder's modules are taken: the marks are no decoration."""
     code = "import sys; sys.path.insert(0, '.'); sys.modules.pop(sys.argv[1], None); __import__(sys.argv[1])"

@@ -117,7 +117,7 @@ frames: []
 """
 
 
-@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("newline", [pytest.param("\n", marks=pytest.mark.slow), "\r\n"])
 def test_what_is_there_is_kept_and_what_lacks_is_added(example, newline):
     example.write(
         "c.py",

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk import trace_json
 from tracerisk.config import Settings
 from tracerisk.limits import Sandbox
@@ -192,7 +193,7 @@ ENDS = {
 
 
 @pytest.mark.parametrize("afresh", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("how", ENDS)
+@pytest.mark.parametrize("how", slow_but(set(ENDS) - {"processor time"}, list(ENDS)))
 def test_it_ends_as_any_process(begin, how, afresh):
     code, expected, last = ENDS[how]
     child = begin(code, afresh=afresh)
@@ -324,8 +325,17 @@ print(fork_server._KEPT.server._process.pid, child.pid, child.stdout.readline().
 """
 
 
-@pytest.mark.parametrize("mode", ["off", pytest.param("require", marks=contained)])
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, None])
+@pytest.mark.parametrize(
+    ("how", "mode"),
+    [
+        (signal.SIGKILL, "off"),
+        pytest.param(signal.SIGINT, "require", marks=contained),
+        (None, "off"),
+        pytest.param(signal.SIGKILL, "require", marks=[contained, pytest.mark.slow]),
+        pytest.param(signal.SIGINT, "off", marks=pytest.mark.slow),
+        pytest.param(None, "require", marks=[contained, pytest.mark.slow]),
+    ],
+)
 def test_nothing_outlives_the_owner(begin, tmp_path, mode, how):
     text = OWNER.format(
         package=str(Path(process.__file__).parents[2]),
@@ -404,7 +414,7 @@ RUNS = {
     "hangs": ("while True: pass", {"cpu_limit_s": 1.0}),
     "takes memory": ("x = bytearray(3 << 30)", {"memory_limit_mb": 2048}),
 }
-QUICK_RUNS = (("recurses", "auto"), ("is killed", "off"))
+QUICK_RUNS = (("well", "auto"),)
 """What every test run looks at; how else a process ends, `ENDS` has in little."""
 
 

@@ -312,6 +312,6 @@ def test_the_attempts_work_where_nothing_contains_them(world, capfd):
 
 
 def test_no_process_is_left_without_a_sandbox_either(world, capfd):
-    for name in ("daemon", "daemon of a daemon", "fork in C"):
-        run(world, [(name, OTHERS[name])], capfd, sandbox="off")
+    names = ("daemon", "daemon of a daemon", "fork in C")
+    run(world, [(name, OTHERS[name]) for name in names], capfd, sandbox="off")
     assert world.left_running() == []

@@ -54,9 +54,14 @@ def shown(pictures) -> tuple[bytes, ...]:
         pytest.skip(f"nothing can be drawn here: {error}")
 
 
-def test_functions_look_different_and_the_same_again(pictures, shown):
+def test_functions_look_different(shown):
     lift, bend, *_ = shown
     assert np.abs(pixels(lift) - pixels(bend)).max() > 40
+
+
+@pytest.mark.slow  # Those that the commands of docs/report.md draw twice are the same too.
+def test_what_is_drawn_again_has_the_same_bytes(pictures, shown):
+    lift, bend, *_ = shown
     assert drawn(pictures, size=SIZE) == (lift, bend)
 
 
