@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.other_python import python_with
+from tests.slow import slow_but
 from tracerisk import dependencies
 from tracerisk.errors import DependencyError, ExitCode
 
@@ -39,7 +40,7 @@ def command(tmp_path):
     return call
 
 
-@pytest.mark.parametrize("module", ["mujoco", "daqp", "libcst"])
+@pytest.mark.parametrize("module", slow_but(["mujoco"], ["mujoco", "daqp", "libcst"]))
 def test_a_run_names_the_module_the_interpreter_and_what_to_do(command, module):
     code, out, python = command("run", "cell.py", "--robot", "panda", broken=module)
     assert code == ExitCode.BAD_INPUT
