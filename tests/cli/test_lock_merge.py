@@ -132,7 +132,11 @@ def test_after_a_merge_what_the_tool_wrote_on_a_branch_is_nobodys_edit(two_branc
     assert b":=" not in two_branches.read("c.py")
 
 
-@pytest.mark.parametrize("how", ["no lock", "older lock", "lock of ours", "no git"])
+@pytest.mark.parametrize(
+    "how",
+    # Where there is no git, the lock is that of ours too.
+    ["no lock", "older lock", pytest.param("lock of ours", marks=pytest.mark.slow), "no git"],
+)
 def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches, how):
     """The first line is ours, and so are the figures; a component came with theirs."""
     ours = two_branches.read("c.py").decode()

@@ -68,6 +68,8 @@ def test_what_is_no_policy_is_refused(editor, cell):
     assert editor.command("tracerisk.refresh", "untitled:one") is False
 
 
+# A controller ends with the process that runs it, as with a command that is killed (test_process).
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at processes by /proc")
 def test_a_server_that_is_killed_leaves_no_process(cell):
     path = lengthened(cell)
