@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import sysconfig
 from pathlib import Path
 from types import CodeType
@@ -31,8 +32,11 @@ SAMPLE_SIZE = 100
 
 
 def standard_library() -> list[Path]:
-    files = sorted(STANDARD_LIBRARY.rglob("*.py"))
-    return [path for path in files if "site-packages" not in path.parts]
+    found = []
+    for folder, folders, names in os.walk(STANDARD_LIBRARY):
+        folders[:] = [name for name in folders if name not in ("site-packages", "__pycache__")]
+        found += [Path(folder, name) for name in names if name.endswith(".py")]
+    return sorted(found)
 
 
 def sample() -> list[Path]:
