@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.slow import slow_but
 from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.errors import RobotError
@@ -197,7 +198,9 @@ def test_an_arm_of_prefix_made_names_is_the_right_one_to_a_tenth_of_a_millimetre
         assert np.linalg.norm(np.array(found.position) - tool_at(angles)) < 1e-4  # [m]
 
 
+@pytest.mark.slow
 def test_the_arm_of_prefix_made_names_runs(tmp_path):
+    """Slow: it runs below as well, where the prefix is left out and where it is run alone."""
     described(tmp_path)
     script = cell(tmp_path, FEEDER, "feeder_description")
     with_joints(script, joints())
@@ -293,7 +296,11 @@ WITHOUT_NAMES = {
 }
 
 
-@pytest.mark.parametrize("file", XACRO_LAUNCHES)
+# What a launch file of ROS 1 says is the choice between several arms below, too.
+@pytest.mark.parametrize(
+    "file",
+    slow_but([each for each in XACRO_LAUNCHES if each != "robot.launch"], [*XACRO_LAUNCHES]),
+)
 def test_the_launch_file_that_starts_it_says_the_robot_and_its_arguments(tmp_path, file):
     described(tmp_path)
     described(tmp_path, "another_description", "other_")

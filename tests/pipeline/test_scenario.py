@@ -409,7 +409,7 @@ for turn in itertools.cycle((0.0, 0.1)):
 
 def test_a_question_whose_enter_moves_the_arm_gets_no_other_answer(example):
     example.write("c.py", PACED)
-    trace = example.run("trace", "c.py", "--json", "--duration", "20").json["trace"]
+    trace = example.run("trace", "c.py", "--json", "--duration", "8").json["trace"]
     assert len(trace["visits"]) > 0
     assert trace["end"]["cause"] != "ended"
     assert not [each for each in trace["findings"] if each["kind"] == "answer_assumed"]
@@ -421,7 +421,8 @@ def test_a_loop_that_waits_for_a_parameter_is_reported_of_it(example):
         "import rospy\nrospy.init_node('n')\n"
         "while not rospy.has_param('/calibrated'):\n    rospy.sleep(0.5)\n",
     )
-    error = example.run("run", "c.py", "--json", "--robot", "panda", "--no-draft").json["error"]
+    options = ("--robot", "panda", "--no-draft", "--duration", "5")
+    error = example.run("run", "c.py", "--json", *options).json["error"]
     assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
     assert error["scenario"] == "parameters:\n  /calibrated: 1  # assumed: a guess\n"
 

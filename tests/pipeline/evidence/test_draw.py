@@ -157,7 +157,9 @@ def ends_mission(time_s):
     return (time_s * 7.0) % 1.0 < 0.7
 
 
-@pytest.mark.parametrize("number", [100, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "number", [50, *(pytest.param(each, marks=pytest.mark.slow) for each in (100, 300))]
+)
 def test_two_hundred_campaigns_hold_the_known_share_as_often_as_they_say(number):
     known = np.mean([ends_mission(round(s * STEP_S, 6)) for s in range(1000, 3000)])
     held = 0
