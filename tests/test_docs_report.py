@@ -33,7 +33,7 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
         identity = ("-c", "user.name=t", "-c", "user.email=t@t")
         subprocess.run(["git", *identity, *words], check=True, capture_output=True)
     for words in others:
-        assert main([*words, "--quiet"]) == 0
+        assert example.run(*words, "--quiet").code == 0
         pages.append(example.read("report.html").decode())
     run, plain, against = (re.findall(r"<h2[^>]*>(.*?)</h2>", page) for page in pages)
     listed = re.findall(r"^\| ([A-Z][^|]*) \|", TEXT, re.MULTILINE)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.slow import slow_but_every
+from tests.slow import slow_but, slow_but_every
 from tests.test_action import ACTION, ROOT, Runner
 from tests.test_gitlab_template import job, server  # noqa: F401 - fixtures
 
@@ -173,33 +173,38 @@ def runner(trap, tmp_path):
     return Runner(folder, trap.repository)
 
 
-@pytest.mark.parametrize("working", [".", "bare"])
-def test_no_file_of_a_checkout_runs_in_the_action(trap, runner, working):
+@pytest.mark.parametrize(
+    ("working", "asked"),
+    slow_but(
+        [(".", "all"), (".", ""), ("bare", "all")],
+        [(working, asked) for working in (".", "bare") for asked in ("all", "cell.py", "")],
+    ),
+)
+def test_no_file_of_a_checkout_runs_in_the_action(trap, runner, working, asked):
     around = hostile_environment(trap)
     # The runner itself starts bash for each step, with this variable of the workflow.
     del around["BASH_ENV"]
     around["PATH"] = f".:node_modules/.bin::{runner.path}"
     up = "" if working == "." else "../"
     names = [f"{up}{each}" for each in ("cell.py", *FILES, "git-config.py", "environment.py")]
-    for files in ("\n".join(names), f"{up}cell.py", ""):
-        around["GITHUB_STEP_SUMMARY"] = str(runner.temp / "summary.md")
-        runner.run(
-            trap.base,
-            around=around,
-            files=files,
-            may_fail=working == "bare",
-            **{"working-directory": working},
-        )
-        assert trap.sprung == set()
-        shown = runner.log + "".join(runner.comments)
-        for each in runner.temp.rglob("*"):
-            if each.is_file() and "venv" not in each.parts:
-                shown += each.read_text(errors="replace")
-        assert SECRET not in shown
-        assert "GH_TOKEN" not in shown
-        for line in commands_of(runner.log):
-            assert re.match(r"::(warning|error) title=tracerisk", line), line
-    if working == ".":
+    around["GITHUB_STEP_SUMMARY"] = str(runner.temp / "summary.md")
+    runner.run(
+        trap.base,
+        around=around,
+        files={"all": "\n".join(names), "cell.py": f"{up}cell.py", "": ""}[asked],
+        may_fail=working == "bare",
+        **{"working-directory": working},
+    )
+    assert trap.sprung == set()
+    shown = runner.log + "".join(runner.comments)
+    for each in runner.temp.rglob("*"):
+        if each.is_file() and "venv" not in each.parts:
+            shown += each.read_text(errors="replace")
+    assert SECRET not in shown
+    assert "GH_TOKEN" not in shown
+    for line in commands_of(runner.log):
+        assert re.match(r"::(warning|error) title=tracerisk", line), line
+    if working == "." and asked != "all":
         assert len(runner.comments) == 1
 
 
