@@ -66,7 +66,15 @@ def test_what_a_child_is_asked_and_answers_is_passed_on_whole(run):
     assert (done.returncode, done.stdout) == (0, text.upper())
 
 
-@pytest.mark.parametrize("after", ["while True: pass", "time.sleep(1000)", "signal.pause()"])
+@pytest.mark.parametrize(
+    "after",
+    # Who waits for a signal sleeps too.
+    [
+        "while True: pass",
+        "time.sleep(1000)",
+        pytest.param("signal.pause()", marks=pytest.mark.slow),
+    ],
+)
 def test_a_child_that_computes_or_sleeps_too_long_ends_with_its_limit(run, after):
     with pytest.raises(LimitError) as error:
         run(after, own=0.3)
