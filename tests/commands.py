@@ -230,8 +230,9 @@ class _Worker(ForkProcess):
     """A process of a pool that is forked, and has nothing of the command's but what it is given."""
 
     def _bootstrap(self, parent_sentinel: int | None = None) -> int:
-        atexit._clear()
+        # In this order: a folder that nothing holds any more is removed by its finalizer.
         weakref.finalize._registry.clear()
+        atexit._clear()
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         given = [each for part in self._args if isinstance(part, tuple) for each in part]
