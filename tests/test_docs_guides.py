@@ -121,8 +121,7 @@ def follow(page: str, shell: Shell) -> int:
 @pytest.mark.parametrize(
     "page",
     [
-        # Its figures are also those of the block in the README, which each run of the tests makes.
-        pytest.param("tutorial.md", marks=pytest.mark.slow),
+        "tutorial.md",
         *sorted(path.name for path in DOCS.glob("howto-*.md")),
     ],
 )

@@ -59,9 +59,6 @@ def test_its_links_lead_to_pages():
     assert all((FILE.parent / link).is_file() for link in links)
 
 
-# Three tests of what it shows: the names that it uses are held by the public surface, and what
-# traces, models and assessments look like and come to, by tests of their own rooms.
-@pytest.mark.slow
 def test_trace_model_tree_and_assessment_show_themselves(ran):
     assert "<td>reach</td>" in value(ran, "\ntrace", "text/html")
     assert value(ran, "\ntrace").startswith("Trace of fetch.py: on panda in")
@@ -72,14 +69,12 @@ def test_trace_model_tree_and_assessment_show_themselves(ran):
     assert "<svg" in value(ran, "\ncell", "text/html")
 
 
-@pytest.mark.slow
 def test_the_blocks_are_those_of_the_functions(ran):
     text = printed(ran, 'split("def retreat")[0])')
     assert text.count("# | RiskAnnotation") == 2
     assert text.index("name = reach") < text.index("name = electric_motor")
 
 
-@pytest.mark.slow
 def test_the_figures_are_what_the_words_say(ran):
     # Half the motors' figure, and all but the gripper's part is theirs.
     assert 0.5 < float(value(ran, "assessment.mission.failure_probability")) < 1.0
