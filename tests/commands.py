@@ -282,7 +282,7 @@ def _main() -> None:
     with suppress(ImportError):
         import_module("tracerisk.editor.server")
     for each in gc.get_objects():
-        if isinstance(each, _lru_cache_wrapper):
+        if isinstance(each, _lru_cache_wrapper) and each.__module__.startswith("tracerisk"):
             each.cache_clear()
     tempfile.tempdir = None
     gc.collect()
