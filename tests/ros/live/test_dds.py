@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -17,10 +18,11 @@ pytestmark = pytest.mark.skipif(
     not is_installed("cyclonedds"), reason="cyclonedds of the extra dds is not installed"
 )
 
-ENVIRONMENT = {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": "87"}
+# A domain of our own: whoever else runs the tests on this machine is not to be heard.
+ENVIRONMENT = {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": str(1 + os.getpid() % 100)}
 
 ROBOT = """
-import json, sys, time
+import json, os, sys, time
 from dataclasses import dataclass
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.core import Policy, Qos
@@ -53,8 +55,9 @@ class JointState(IdlStruct, typename="sensor_msgs::msg::dds_::JointState_"):
 class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
     data: str
 
-domain = Domain(87, _LOOPBACK)
-robot = DomainParticipant(87)
+number = int(os.environ["ROS_DOMAIN_ID"])
+domain = Domain(number, _LOOPBACK)
+robot = DomainParticipant(number)
 kept = Qos(Policy.Reliability.Reliable(0), Policy.Durability.TransientLocal, Policy.History.KeepAll)
 probe = DataWriter(robot, Topic(robot, "rt/tracerisk/commands", String), kept)
 other = DataWriter(robot, Topic(robot, "rt/chatter", String), kept)
@@ -121,7 +124,12 @@ print(len(packets))
 
 @pytest.fixture
 def robot():
-    process = subprocess.Popen([sys.executable, "-c", ROBOT], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", ROBOT],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, **ENVIRONMENT},
+    )
     yield process
     process.kill()
     process.communicate()
