@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import tracerisk
+from tests.slow import slow_but
 from tracerisk.dependencies import EXTRAS, MODULES
 
 SIMULATOR = "needs the simulator; install it: pip install 'tracerisk[sim]' [dependency]"
@@ -105,18 +106,30 @@ def test_the_base_is_few_distributions():
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("build", "cell.py"),
-        ("solve", "cell.py"),
-        ("solve", "cell.py", "--importance"),
-        ("overrides", "cell.py"),
-        ("report", "cell.py", "-o", "out.html"),
-        ("strip", "--discard-edits", "cell.py"),
-        ("robots",),
-        ("drivers", "list"),
-        ("completion", "bash"),
-        ("doctor",),
-    ],
+    slow_but(
+        # A report solves and shows what the others do one by one.
+        [
+            ("build", "cell.py"),
+            ("report", "cell.py", "-o", "out.html"),
+            ("strip", "--discard-edits", "cell.py"),
+            ("robots",),
+            ("drivers", "list"),
+            ("doctor",),
+        ],
+        [
+            ("build", "cell.py"),
+            ("solve", "cell.py"),
+            ("solve", "cell.py", "--importance"),
+            ("overrides", "cell.py"),
+            ("report", "cell.py", "-o", "out.html"),
+            ("strip", "--discard-edits", "cell.py"),
+            ("robots",),
+            ("drivers", "list"),
+            ("completion", "bash"),
+            ("doctor",),
+        ],
+        of_one=True,
+    ),
     ids=" ".join,
 )
 def test_what_reads_blocks_works_with_the_base_alone(annotated, light, words):
@@ -150,7 +163,7 @@ def test_diff_compares_versions_with_the_base_alone(repository, annotated_source
     ("words", "purpose"),
     [
         (("run", "bare.py"), "running a controller"),
-        (("trace", "bare.py"), "running a controller"),
+        pytest.param(("trace", "bare.py"), "running a controller", marks=pytest.mark.slow),
         (("scenario", "bare.py"), "`tracerisk scenario`"),
         (("robots", "panda"), "`tracerisk robots`"),
         (("hardware", "init", "--robot", "panda"), "`tracerisk hardware`"),

@@ -44,13 +44,6 @@ def test_a_run_with_a_fault_prints_its_effect(jammed):
     assert "controller.py on panda" in outcome.err, "the run without is told as soon as it is over"
 
 
-def test_it_writes_neither_blocks_nor_lock_nor_a_kept_trace(moving):
-    before = moving.files()
-    moving.run("run", "controller.py", *JAMMED, "--quiet")
-    assert moving.files() == before
-    assert not (moving.folder / ".tracerisk_cache").exists()
-
-
 def test_it_leaves_blocks_lock_and_kept_trace_of_an_earlier_run(annotated):
     cache = annotated.folder / ".tracerisk_cache"
     annotated.run("run", "controller.py", "--quiet")
@@ -81,8 +74,11 @@ def test_what_is_kept_is_the_recording_of_the_run_with_the_fault(jammed):
     assert np.ptp(position[begin + 1 :]) < 1e-4
 
 
-def test_json_says_the_same(moving):
+def test_it_writes_neither_blocks_nor_lock_nor_a_kept_trace_and_json_says_the_same(moving):
+    before = moving.files()
     first, second = (moving.run("run", "controller.py", *JAMMED, "--json") for _ in range(2))
+    assert moving.files() == before
+    assert not (moving.folder / ".tracerisk_cache").exists()
     assert first.out == second.out
     assert first.json["faults"] == [{"mode": "jam", "time_s": 0.3, "unit": "panda_joint1"}]
     assert first.json["reported"][0]["after_s"] > 0.0

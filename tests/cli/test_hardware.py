@@ -221,7 +221,12 @@ def test_usage_errors_of_an_action_suggest_and_are_json_too(example):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["init", "--robot", "ur5e"], ["show", "--robot", "ur5e"], ["schema"]]
+    "arguments",
+    [
+        ["init", "--robot", "ur5e"],
+        pytest.param(["show", "--robot", "ur5e"], marks=pytest.mark.slow),
+        ["schema"],
+    ],
 )
 def test_hardware_is_shown_without_a_simulator_or_a_parser_of_sysml(arguments):
     code = (

@@ -11,6 +11,8 @@ import sys
 
 import pytest
 
+from tests.slow import slow_but
+
 HARDWARE = """\
 components:
   motor: {{probability: {{value: {motor}, per: visit}}, quantity: 7, twin: {{joints: '*'}}}}
@@ -106,7 +108,8 @@ def test_installing_twice_changes_nothing_and_keeps_what_is_there(repository):
     assert repository.files() == files
 
 
-@pytest.mark.parametrize("harm", ["no driver", "no tracerisk"])
+# Two tests below begin with lines that git has merged without a driver.
+@pytest.mark.parametrize("harm", slow_but(["no tracerisk"], ["no driver", "no tracerisk"]))
 def test_where_it_is_not_set_up_git_merges_the_lines(two_branches, harm, monkeypatch):
     if harm == "no driver":
         two_branches.write(".gitattributes", "tracerisk.lock merge=tracerisk-lock\n")
@@ -135,7 +138,7 @@ def test_after_a_merge_what_the_tool_wrote_on_a_branch_is_nobodys_edit(two_branc
 @pytest.mark.parametrize(
     "how",
     # Where there is no git, the lock is that of ours too.
-    ["no lock", "older lock", pytest.param("lock of ours", marks=pytest.mark.slow), "no git"],
+    slow_but(["no lock", "no git"], ["no lock", "older lock", "lock of ours", "no git"]),
 )
 def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches, how):
     """The first line is ours, and so are the figures; a component came with theirs."""

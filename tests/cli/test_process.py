@@ -16,6 +16,7 @@ import pytest
 
 from tests.conftest import program
 from tests.machine_load import descendants
+from tests.slow import slow_but
 
 LONG = """\
 open({mark!r}, "w").write(str(os.getpid()))
@@ -80,6 +81,9 @@ def simulating(request, example, quick, tmp_path_factory):
         yield process, {*theirs, controller}, before
 
 
+@pytest.mark.parametrize(
+    "simulating", [False, pytest.param(True, marks=pytest.mark.slow)], indirect=True
+)
 def test_ctrl_c_ends_the_command_and_the_controller(simulating, example):
     process, theirs, before = simulating
     os.killpg(process.pid, signal.SIGINT)
@@ -241,7 +245,10 @@ def test_a_source_that_someone_changes_during_a_run_is_not_overwritten(example, 
 
 @pytest.mark.parametrize(
     "call",
-    ["solve model.json", "solve model.json --json", "build controller.py", "--help", "run -h"],
+    slow_but(
+        ["solve model.json", "run -h"],
+        ["solve model.json", "solve model.json --json", "build controller.py", "--help", "run -h"],
+    ),
 )
 def test_a_reader_that_goes_away_is_no_error(call, annotated):
     read_end, write_end = os.pipe()
@@ -291,7 +298,11 @@ def modules_of(example, code: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "call", ["solve model.json", "solve controller.py", "build controller.py", "--help", "run -h"]
+    "call",
+    slow_but(
+        ["solve controller.py", "run -h"],
+        ["solve model.json", "solve controller.py", "build controller.py", "--help", "run -h"],
+    ),
 )
 def test_verbs_without_a_simulation_import_no_simulator_and_no_libcst(call, annotated):
     modules = modules_of(annotated, LISTING.format(arguments=call.split()))

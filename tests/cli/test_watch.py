@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import re
 import signal
@@ -144,7 +145,7 @@ def watching(tmp_path):
 
 def test_the_figure_follows_and_no_source_is_written(watching, example, quick):
     path = example.write("a.py", quick())
-    watched = watching("a.py")
+    watched = watching("a.py", "--json")
     first = watched.figure()
     watched.settled()
     faster = quick().replace("joints[0] += 0.05", "joints[0] += 0.5")
@@ -155,8 +156,15 @@ def test_the_figure_follows_and_no_source_is_written(watching, example, quick):
     watched.settled()
     assert path.read_text() == faster
     assert list(example.files()) == ["a.py"]
-    # The same as by a run of its own, to the digits that are printed.
     assert watched.end() == 130
+    # Each update is one document of JSON.
+    text, found = "\n".join(watched.out), []
+    while text.strip():
+        data, end = json.JSONDecoder().raw_decode(text.lstrip())
+        found.append(data)
+        text = text.lstrip()[end:]
+    assert [each["verb"] for each in found] == ["run", "run"]
+    # The same as by a run of its own, to the digits that are printed.
     reported = example.run("run", "a.py", "--diff", "--json").json
     figure = reported["assessment"]["mission"]["failure_probability"]
     assert f"{figure:.4g}" == f"{second:.4g}"
@@ -263,7 +271,8 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
 @pytest.mark.parametrize(
     ("is_afresh", "is_busy", "number", "code"),
     [
-        (False, False, signal.SIGINT, 130),
+        # The figure that follows is ended so each time, while nothing runs.
+        pytest.param(False, False, signal.SIGINT, 130, marks=pytest.mark.slow),
         (False, True, signal.SIGINT, 130),
         (False, True, signal.SIGTERM, 143),
         # A controller ends with the process that runs it: test_process has it killed each time.
@@ -305,24 +314,6 @@ def test_what_does_not_go_with_it_is_refused(example, quick, arguments, expected
     done = example.run("run", "a.py", *arguments)
     assert done.code == 2
     assert expected in done.err
-
-
-def test_each_update_is_one_document_of_json(watching, example, quick):
-    import json
-
-    path = example.write("a.py", quick())
-    watched = watching("a.py", "--json")
-    watched.settled()
-    path.write_text(quick().replace("+= 0.05", "+= 0.5"))
-    watched.figure()
-    watched.settled()
-    assert watched.end() == 130
-    text, found = "\n".join(watched.out), []
-    while text.strip():
-        data, end = json.JSONDecoder().raw_decode(text.lstrip())
-        found.append(data)
-        text = text.lstrip()[end:]
-    assert [each["verb"] for each in found] == ["run", "run"]
 
 
 def test_a_check_follows_each_save(watching, example, quick):

@@ -203,7 +203,9 @@ def test_an_editor_that_watches_files_is_asked_to(tmp_path):
     assert editor.end() == 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
+)
 def test_the_server_ends_by_a_signal(number):
     process = subprocess.Popen(
         [sys.executable, "-m", "tracerisk", "lsp"],
