@@ -141,6 +141,8 @@ def test_take_from_the_layer_below():
 """
 
 
+# The two programs of tests measure the project, and are no part of what is installed.
+@pytest.mark.slow
 def test_the_tests_of_a_library_are_run_on_the_stand_ins_and_judged(tmp_path, monkeypatch, capsys):
     upstream = _loaded("upstream_tests", monkeypatch)
     texts, library = tmp_path / "texts" / "test_msgs", tmp_path / "rclpy" / "rclpy" / "test"
@@ -214,6 +216,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_a_program_of_tests_of_ros_1_runs_beside_the_nodes_of_its_launch_file(
     tmp_path, monkeypatch
 ):

@@ -137,6 +137,9 @@ def test_an_edit_of_a_failure_is_noticed_by_all_and_tried_again(gathered, tmp_pa
     assert folder.run("check", "controller.py").code == 0
 
 
+# What is claimed is left to its batch (tests/pipeline/evidence/test_fate.py), and a worker that
+# dies loses nothing (test_interrupted.py).
+@pytest.mark.slow
 def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
     gathered, tmp_path, example_in, monkeypatch
 ):
@@ -262,7 +265,8 @@ def test_another_campaign_keeps_what_lies_in_its_intervals(gathered, tmp_path, e
     second = read_evidence(path)["controller.py"]
     assert second.before == first.shares()
     assert second.shares() == first.shares()
-    assert other.run(*GATHER, "--seed", "7", "--fresh", "-q").code == 0
+    few = ("evidence", "controller.py", "--cells", "1", "-j", "1")
+    assert other.run(*few, "--seed", "7", "--fresh", "-q").code == 0
     assert not read_evidence(path)["controller.py"].before
 
 
@@ -429,7 +433,8 @@ def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, 
     [
         (signal.SIGKILL, False, 1),
         (signal.SIGTERM, False, 0),
-        (signal.SIGINT, False, 0),
+        # It ends as by SIGTERM.
+        pytest.param(signal.SIGINT, False, 0, marks=pytest.mark.slow),
         pytest.param(signal.SIGKILL, True, 1, marks=pytest.mark.slow),
         pytest.param(signal.SIGTERM, True, 0, marks=pytest.mark.slow),
         pytest.param(signal.SIGINT, True, 0, marks=pytest.mark.slow),

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from xml.etree import ElementTree as ET
 
 import pytest
 
+from tests.conftest import RepositoryExample
+
 LOCK = '{"controllers": {}, "schema": "tracerisk.lock", "version": 2}\n'
 FIGURES = ("1e-07", "1e-07", "4e-07", "2e-07", "8e-07")
 
 
-@pytest.fixture
-def grown(repository, annotated_source):
-    """A controller over five commits, of which the second changes no risk."""
+@pytest.fixture(scope="module")
+def grown_once(tmp_path_factory, annotated_source):
+    repository = RepositoryExample(tmp_path_factory.mktemp("grown"))
+    repository.git("init", "--quiet", "--initial-branch=main")
     for number, figure in enumerate(FIGURES):
         source = annotated_source(pick=("done 1", f"gripper = {figure}"))
         repository.write("cell.py", f"# {number}\n{source}")
         repository.commit()
+    return repository
+
+
+@pytest.fixture
+def grown(repository, grown_once):
+    """A controller over five commits, of which the second changes no risk."""
+    shutil.copytree(grown_once.folder, repository.folder, dirs_exist_ok=True)
     return repository
 
 

@@ -11,6 +11,7 @@ import sys
 
 import pytest
 
+from tests.conftest import RepositoryExample
 from tests.slow import slow_but
 
 HARDWARE = """\
@@ -23,9 +24,10 @@ CODE = "def home(arm):\n    arm.go()\n"
 LOCK = "tracerisk.lock"
 
 
-@pytest.fixture
-def two_branches(repository):
-    """Branch `ours` changed the motor, branch `theirs` the gripper; both were refreshed."""
+@pytest.fixture(scope="module")
+def both_once(tmp_path_factory):
+    repository = RepositoryExample(tmp_path_factory.mktemp("both"))
+    repository.git("init", "--quiet", "--initial-branch=main")
     refresh(repository, "motor")
     repository.write("other.py", CODE)
     refresh(repository, "motor", file="other.py")
@@ -40,6 +42,13 @@ def two_branches(repository):
     refresh(repository, "motor,gripper")
     repository.commit()
     repository.git("checkout", "--quiet", "ours")
+    return repository
+
+
+@pytest.fixture
+def two_branches(repository, both_once):
+    """Branch `ours` changed the motor, branch `theirs` the gripper; both were refreshed."""
+    shutil.copytree(both_once.folder, repository.folder, dirs_exist_ok=True)
     return repository
 
 

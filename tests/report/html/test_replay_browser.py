@@ -92,7 +92,7 @@ for (const each of document.querySelectorAll(".timeline-fold[aria-expanded=true]
 """
 _AFTER_FRAMES = """
 const done = arguments[0];
-let left = 10;
+let left = 4;
 const look = () => (left-- ? requestAnimationFrame(look) : done(tracerisk.clock.time));
 look();
 """
@@ -525,7 +525,7 @@ def test_what_is_spoken_waits_until_the_slider_rests(page):
         "let changes = 0;"
         "new MutationObserver(() => changes++).observe(live, { childList: true });"
         "for (let i = 1; i <= 200; i++) tracerisk.clock.set(i / 20, 'slider');"
-        "setTimeout(() => done([changes, live.textContent]), 1500);"
+        "setTimeout(() => done([changes, live.textContent]), 1100);"
     )
     assert changes == 1
     assert re.match(rf"10\.00 s, \w+, visit \d+ of {N_VISITS}: .*electric_motor: ", spoken)
@@ -616,7 +616,9 @@ def test_of_very_many_visits_those_that_can_be_seen_are_drawn_and_each_can_be_re
     ("broken", "said"),
     [
         ("HTMLCanvasElement.prototype.getContext = () => null;", "WebGL 2 is missing"),
-        ("delete window.DecompressionStream;", "too old for the replay"),
+        pytest.param(
+            "delete window.DecompressionStream;", "too old for the replay", marks=pytest.mark.slow
+        ),
         ("window.DecompressionStream = class { constructor() { throw Error('no'); } };", "no. The"),
     ],
 )
