@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.formats import read_description
 from tracerisk.hardware.shipped import hardware_of
@@ -137,7 +138,9 @@ def units_by_figures(bound) -> Counter:
     return units
 
 
-@pytest.mark.parametrize("robot", robot_names())
+@pytest.mark.parametrize(
+    "robot", slow_but({*robot_names()[::3], "baxter", "panda", "px100"}, robot_names())
+)
 def test_a_first_description_covers_every_part_of_the_robot(tmp_path, robot, capsys):
     from tracerisk.cli import main
 

@@ -48,11 +48,11 @@ def test_a_picture_is_written_for_each_function_and_a_legend(here, capfd):
     assert "power_system" in act["always"]
 
 
-def test_a_controller_that_fails_has_no_pictures(example, quick, monkeypatch, capsys):
-    monkeypatch.chdir(example.folder)
+def test_a_controller_that_fails_has_no_pictures(example, quick):
     example.write("controller.py", quick("os.kill(os.getpid(), 9)"))
-    assert main(["report", "controller.py", "--png", "out"]) == 4
-    assert "ended by SIGKILL" in capsys.readouterr().err
+    outcome = example.run("report", "controller.py", "--png", "out")
+    assert outcome.code == 4
+    assert "ended by SIGKILL" in outcome.err
     assert not (example.folder / "out").exists()
 
 

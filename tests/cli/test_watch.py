@@ -227,6 +227,8 @@ def test_a_broken_and_a_deleted_file_are_reported_and_waited_for(watching, examp
     watched.figure()
 
 
+# One that breaks later is waited for in the test above.
+@pytest.mark.slow
 def test_one_that_is_broken_from_the_start_is_waited_for(watching, example, quick):
     path = example.write("a.py", "def (\n")
     watched = watching("a.py")

@@ -142,7 +142,7 @@ def test_progress_is_shown_and_a_refresh_can_be_ended(tmp_path, cell):
     def cancel() -> None:
         while not editor.progress_tokens:
             time.sleep(0.02)
-        time.sleep(1.0)
+        time.sleep(0.3)
         began.set()
         editor.client.window_work_done_progress_cancel(
             lsp.WorkDoneProgressCancelParams(editor.progress_tokens[-1])
