@@ -48,11 +48,15 @@ def test_run_check_says_that_a_controller_would_change_and_leaves_it(example, qu
     assert example.files() == before
 
 
-def test_run_check_of_what_is_up_to_date_is_fine(annotated):
+def test_run_check_of_what_is_up_to_date_is_fine_and_writes_the_log_that_was_asked_for(annotated):
     before = annotated.files()
-    outcome = annotated.run("run", "controller.py", "--check")
+    outcome = annotated.run("run", "controller.py", "--check", "--log", "run.log")
     assert outcome.code == 0, outcome.err
     assert "controller.py: 2 risk blocks, unchanged" in outcome.err
+    log = annotated.read("run.log").decode()
+    assert log.startswith("Function:act()\nActiveComponents:")
+    assert log.endswith("CallSequence:act(),home()\n")
+    (annotated.folder / "run.log").unlink()
     assert annotated.files() == before
 
 
@@ -66,14 +70,6 @@ def test_run_diff_prints_what_would_change_and_leaves_it(annotated, two_steps):
     assert f"    # |   probability = {value}" in added
     assert not [line for line in outcome.out.splitlines() if line.startswith("- ")]
     assert annotated.files() == before
-
-
-def test_run_writes_the_log_that_was_asked_for_under_check_too(annotated):
-    outcome = annotated.run("run", "controller.py", "--check", "--log", "run.log")
-    assert outcome.code == 0, outcome.err
-    log = annotated.read("run.log").decode()
-    assert log.startswith("Function:act()\nActiveComponents:")
-    assert log.endswith("CallSequence:act(),home()\n")
 
 
 def test_an_edited_value_stops_the_run_and_is_named(annotated):
