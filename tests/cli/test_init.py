@@ -14,9 +14,8 @@ SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 
 
 @pytest.fixture
-def cell(repository):
-    sample = (SAMPLES / "pick_and_place.py").read_text()
-    repository.write("src/pick.py", sample.replace("TUBES = 10", "TUBES = 1"))
+def cell(repository, quick):
+    repository.write("src/pick.py", quick())
     repository.write("src/helper.py", "import math\n\ndef f(x):\n    return math.sin(x)\n")
     repository.write("tests/fake.py", "import rospy\n\nrospy.init_node('x')\n")
     return repository
