@@ -147,7 +147,9 @@ def test_after_a_merge_what_the_tool_wrote_on_a_branch_is_nobodys_edit(two_branc
 @pytest.mark.parametrize(
     "how",
     # Where there is no git, the lock is that of ours too.
-    slow_but(["no lock", "no git"], ["no lock", "older lock", "lock of ours", "no git"]),
+    slow_but(
+        ["no lock", "older lock", "no git"], ["no lock", "older lock", "lock of ours", "no git"]
+    ),
 )
 def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches, how):
     """The first line is ours, and so are the figures; a component came with theirs."""
