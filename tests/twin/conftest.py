@@ -129,9 +129,18 @@ def tube_racks() -> Scene:
     return load_scene("tube_racks")
 
 
+@pytest.fixture(scope="session", params=[4, pytest.param(10, marks=pytest.mark.slow)])
+def tubes(request: pytest.FixtureRequest) -> int:
+    """How many tubes are carried: as few as show the law, and in a slow test all."""
+    return request.param
+
+
 @pytest.fixture(scope="session")
-def errand(panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFactory) -> Errand:
-    return _run_errand(panda, tube_racks, tmp_path_factory.mktemp("errand"), range(1, 11))
+def errand(
+    tubes: int, panda: Robot, tube_racks: Scene, tmp_path_factory: pytest.TempPathFactory
+) -> Errand:
+    folder = tmp_path_factory.mktemp("errand")
+    return _run_errand(panda, tube_racks, folder, range(1, tubes + 1))
 
 
 @pytest.fixture(scope="session")

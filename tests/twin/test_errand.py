@@ -1,4 +1,4 @@
-"""The whole errand: ten tubes from rack to rack, by friction alone."""
+"""The whole errand: tubes from rack to rack, by friction alone."""
 
 from __future__ import annotations
 
@@ -20,18 +20,19 @@ STEP_NS = 2_000_000
 GRASP_Z, TRAVEL_Z = 0.085, 0.235
 
 
-def test_all_tubes_stand_in_the_target_rack(errand):
-    assert [offset.goal for offset in errand.offsets] == [
-        f"target_rack_slot_{i}" for i in range(1, 11)
+def test_all_tubes_stand_in_the_target_rack(errand, tubes):
+    carried = errand.offsets[:tubes]
+    assert [offset.goal for offset in carried] == [
+        f"target_rack_slot_{i}" for i in range(1, tubes + 1)
     ]
-    for offset in errand.offsets:
+    for offset in carried:
         assert offset.offset_m < 0.0015, offset
         assert offset.tilt_rad < math.radians(2.0)
         assert offset.upright
 
 
-def test_the_errand_takes_less_than_200_s(errand):
-    assert errand.time_ns * 1e-9 < 200.0
+def test_the_errand_takes_less_than_20_s_a_tube(errand, tubes):
+    assert errand.time_ns * 1e-9 < 20.0 * tubes
 
 
 def test_the_same_calls_give_the_same_bits(
@@ -89,7 +90,7 @@ def visit_mask(errand, name: str, nth: int) -> np.ndarray:
     return mask
 
 
-@pytest.mark.parametrize("nth", [0, 4, 9])
+@pytest.mark.parametrize("nth", [0, 1, -1])
 def test_only_the_gripper_moves_when_it_places(errand, activity, nth: int):
     mask = visit_mask(errand, "place", nth)
     moved = {
@@ -100,7 +101,7 @@ def test_only_the_gripper_moves_when_it_places(errand, activity, nth: int):
     assert moved == {"panda_hand"}
 
 
-@pytest.mark.parametrize("nth", [0, 4, 9])
+@pytest.mark.parametrize("nth", [0, 1, -1])
 @pytest.mark.parametrize("name", ["pick_position", "place_position"])
 def test_the_gripper_does_not_move_while_only_the_arm_does(errand, activity, name: str, nth: int):
     mask = visit_mask(errand, name, nth)
@@ -120,9 +121,9 @@ def test_gripper_and_arm_move_where_both_should(errand, activity, name: str):
         assert found.longest_moving_s >= ACTIVE_S, element
 
 
-def test_each_tube_is_one_grasp(errand, activity):
+def test_each_tube_is_one_grasp(errand, activity, tubes):
     everything = np.ones(errand.samples.n_steps, dtype=bool)
-    assert exposure(activity["panda_hand"], everything, errand.samples.step_s).grasps == 10
+    assert exposure(activity["panda_hand"], everything, errand.samples.step_s).grasps == tubes
 
 
 def test_visits_share_out_all_activity(one_tube):

@@ -73,7 +73,7 @@ deadline = time.time() + 60.0
 while not states.get_matched_subscriptions() and time.time() < deadline:
     time.sleep(0.02)
 began, sent = time.time(), []
-while time.time() < began + 3.0:
+while time.time() < began + 2.4:
     at = time.time() - began
     for number, (name, begins) in enumerate((("reach", 0.5), ("rest", 1.9)), 1):
         if at >= begins and name not in sent:
@@ -117,7 +117,7 @@ def watch():
             packets.append(len(frame))
 threading.Thread(target=watch, daemon=True).start()
 from tracerisk.pipeline.recordings.attach import record_robot
-heard = record_robot(Path(sys.argv[1]), seconds=3.0, by_dds=True, environment=json.loads(sys.argv[2]))
+heard = record_robot(Path(sys.argv[1]), seconds=1.0, by_dds=True, environment=json.loads(sys.argv[2]))
 print(len(packets))
 """
 
