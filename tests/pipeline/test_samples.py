@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
+from tests.slow import slow_but
 from tracerisk import trace_json
 from tracerisk.adder.sources.insert import strip_blocks
 
@@ -389,6 +390,9 @@ ALL = {
     "part_sorting": PART_SORTING,
     "shelf_stocking": SHELF_STOCKING,
 }
+QUICK = ("surface_scan", "glue_bead", "part_sorting", "shelf_stocking")
+"""Samples that every test run looks at: what the others are written with, these have too."""
+NAMES = slow_but(QUICK, list(ALL))
 QUICK_CHANGES = {"surface_scan": "inlined", "glue_bead": "put into a function"}
 """Refactorings that every test run looks at; the others are `slow`."""
 
@@ -432,7 +436,7 @@ def risk(outcome) -> dict[str, float]:
     }
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_functions_that_matter_are_found_with_what_they_use(name, ran):
     _, outcome = ran(name)
     trace = outcome.json["trace"]
@@ -450,7 +454,7 @@ def test_the_functions_that_matter_are_found_with_what_they_use(name, ran):
     assert outcome.json["assessment"]["mission"]["failure_probability"] > 0.0
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_what_could_move_the_arm_and_never_ran_has_no_risk_data(name, ran):
     example, outcome = ran(name)
     sample = ALL[name]
@@ -461,7 +465,7 @@ def test_what_could_move_the_arm_and_never_ran_has_no_risk_data(name, ran):
         assert f"def {each['ref']['name'].split('.')[-1]}(" in source[each["line"] - 1]
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_exposures_sum_to_the_active_time_of_the_run(name, ran):
     example, _ = ran(name)
     trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
@@ -476,7 +480,7 @@ def test_exposures_sum_to_the_active_time_of_the_run(name, ran):
             assert math.fsum(parts) == pytest.approx(getattr(whole, measure), abs=0.002)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_strip_gives_back_the_original_bytes(name, ran, example):
     run, _ = ran(name)
     sample = ALL[name]
@@ -489,7 +493,7 @@ def test_strip_gives_back_the_original_bytes(name, ran, example):
         assert example.read(source) == original[source]
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_blocks_alone_give_the_model(name, ran):
     example, outcome = ran(name)
     sources = ALL[name].annotated

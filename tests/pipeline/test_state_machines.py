@@ -151,6 +151,7 @@ def test_other_commands_take_the_names_of_instances(own_machine):
     assert all(name in html for name in FIVE)
 
 
+@pytest.mark.slow  # that it does not depend on how code is cut, test_refactoring.py shows
 def test_the_figure_does_not_depend_on_how_states_are_written(own_machine, example):
     _, outcome = own_machine
     flat = (
