@@ -355,6 +355,7 @@ for cluster in cloud.get_cluster_positions(ref_frame='wx200/base_link', sort_axi
 """
 
 
+@pytest.mark.slow  # that such a service is asked for is shown above; test_drafted_runs.py drafts
 def test_clusters_that_nobody_serves_are_drafted(example):
     example.write("c.py", CLUSTERS)
     ran = example.run("run", "c.py", "--check", "--json")

@@ -190,6 +190,7 @@ def test_an_arm_that_is_elsewhere_when_the_next_visit_begins_ends_its_run(tmp_pa
     assert judged.lost[0].startswith("panda_joint3 off by ")
 
 
+@pytest.mark.slow  # one that is elsewhere ends its run as soon, and test_judgement.py has collisions
 def test_an_arm_that_fell_on_itself_ends_its_run(tmp_path):
     # Nobody looks at the arm for half a minute, and nothing is told.
     found = nominal(tmp_path, "first(arm); rospy.sleep(30.0); second")
