@@ -468,6 +468,7 @@ def test_a_run_shows_the_same(tmp_path, monkeypatch, capfd, name, mode):
 NODE = "import sys, rclpy\nprint(sorted(sys.modules))\n"
 
 
+@pytest.mark.slow  # that it does is shown above; a run of ROS 2 differs in what is imported
 def test_a_run_of_ros_2_shows_the_same(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     Path("cell.py").write_text(NODE)

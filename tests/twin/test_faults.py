@@ -15,6 +15,7 @@ from tests.twin.test_robots import (
     GRIPPERS,
     NOWHERE,
     SOME,
+    SOME_GRIPPERS,
     finger_ends,
     finish,
     measured,
@@ -76,7 +77,7 @@ def test_a_dead_joint_falls(name: str):
     assert state.effort[state.names.index(FALLS[name])] == 0.0
 
 
-@pytest.mark.parametrize("name", sorted(FALLS))
+@pytest.mark.parametrize("name", slow_but(["fetch"], sorted(FALLS)))
 def test_a_jammed_joint_does_not_move_while_the_others_do(name: str):
     for joint in load_robot(name).arm_joints:
         twin = leaning(name)
@@ -239,11 +240,7 @@ def picked(name: str, index: int) -> tuple[Twin, float, tuple[float, float]]:
     return twin, twin.object_pose("thing").position[2], (closed, wide)
 
 
-ONE_OF_EACH = [("panda", 0), ("gen3", 0), ("j2n6s300", 0), ("so100", 0)]
-"""Grippers that slide, and that turn on four hinges, with three fingers and with one."""
-
-
-@pytest.mark.parametrize(("name", "index"), slow_but(ONE_OF_EACH, GRIPPERS))
+@pytest.mark.parametrize(("name", "index"), slow_but(SOME_GRIPPERS, GRIPPERS))
 def test_a_gripper_that_is_stuck_holds_and_one_without_force_drops(name: str, index: int):
     twin, height, (closed, wide) = picked(name, index)
     gripper = twin.robot.grippers[index]
@@ -268,7 +265,10 @@ def test_a_gripper_that_is_stuck_holds_and_one_without_force_drops(name: str, in
 
 
 @pytest.mark.parametrize(
-    ("name", "index"), [("panda", 0), ("gen3", 0), ("baxter", 1), ("j2n6s300", 0)]
+    ("name", "index"),
+    slow_but(
+        [("panda", 0), ("gen3", 0)], [("panda", 0), ("gen3", 0), ("baxter", 1), ("j2n6s300", 0)]
+    ),
 )
 def test_a_gripper_that_opens_drops_what_it_holds_whatever_it_is_reported(name: str, index: int):
     twin, height, (_, wide) = picked(name, index)
