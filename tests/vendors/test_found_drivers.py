@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.cli import main
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError
-from tracerisk.pipeline.workspace.driver_files import driver_files
+from tracerisk.pipeline.workspace.driver_files import check_driver, driver_files
 from tracerisk.vendors.description_reader import read_driver
 
 SRV = "float64[] q\nbool fast\n---\nbool success\nstring message\n"
@@ -155,7 +156,20 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("case", WRONG)
+IN_RUNS = ("a text for a number", "a package that is not there")
+"""Mistakes that are looked at in a whole run each time; the first is found in a run alone."""
+
+
+@pytest.mark.parametrize("case", sorted(set(WRONG) - {IN_RUNS[0]}))
+def test_a_mistake_is_found_with_its_place(example, case):
+    (old, new), reported = WRONG[case]
+    example.write("arm.driver.yaml", (DRIVER + WITHIN).replace(old, new, 1))
+    with pytest.raises(DriverError) as caught:
+        check_driver(example.folder / "arm.driver.yaml")
+    assert reported in str(caught.value).replace("Go_Request", "GoRequest")
+
+
+@pytest.mark.parametrize("case", slow_but(IN_RUNS, list(WRONG)))
 def test_a_mistake_is_reported_with_its_place(cell, case):
     (old, new), reported = WRONG[case]
     text = DRIVER + WITHIN

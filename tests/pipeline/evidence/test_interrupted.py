@@ -30,11 +30,11 @@ def slow(found):
         time.sleep(3.0)
     return dump(found)
 campaign.dump_evidence = slow
-sys.exit(main(["evidence", "controller.py", "--cells", "3", "-q", "-j", sys.argv[1]]))
+sys.exit(main(["evidence", "controller.py", "--cells", "4", "-q", "-j", sys.argv[1]]))
 """
 FORKED = {"FORKED": str(Path(__file__).parents[3])}
 """With it, workers are forked, which need not import everything anew."""
-ALONE = ("evidence", "controller.py", "--cells", "3", "-j", "1", "-q")
+ALONE = ("evidence", "controller.py", "--cells", "4", "-j", "1", "-q")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 MOMENTS = ("start", "nominal run", "first batch", "between batches", "writing")
 LONGEST_S = 120.0
