@@ -1,7 +1,9 @@
 """MJCF, URDF and xacro files become robots that stand and move as their makers' models do."""
 
+import json
 import math
 import struct
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.geometry.frames import rotation
+from tracerisk.twin.model_files import child, mjcf_model
 from tracerisk.twin.model_files.bounds import bounding_shape
 from tracerisk.twin.model_files.model_file import read_model_file
 from tracerisk.twin.model_files.paths import ModelFolder
@@ -74,6 +77,34 @@ ARM = """<mujoco model="reacher two">
   <keyframe><key name="home" qpos="0.5 1 0.2 0.02 0.01 0.01 0.3 0 0.05 1 0 0 0"/></keyframe>
 </mujoco>
 """
+
+
+IN_ITS_PROCESS = {
+    "test_more_than_can_be_an_arm_is_refused_before_it_takes_memory",
+    "test_a_mesh_that_mujoco_refuses_is_outlined",
+}
+"""Tests of what the process of the compiler does; the fixture `arm` is read with it too."""
+
+
+@pytest.fixture(autouse=True)
+def compiled_here(request, monkeypatch, tmp_path):
+    """Let the compiler work in the process of the test, which need not start another."""
+    if request.node.originalname in IN_ITS_PROCESS:
+        return
+
+    def answered(asked, *_):
+        meshes = {name: Path(path).read_bytes() for name, path in asked["meshes"].items()}
+        if asked["text"] is None:
+            shapes = {each: child._shape_of(each, meshes[each], asked["scales"]) for each in meshes}
+            return json.loads(json.dumps(shapes))
+        try:
+            return json.loads(json.dumps(child._model(asked["text"], meshes, asked["missing"])))
+        except ValueError as error:
+            return {"error": str(error)}
+
+    # MuJoCo logs its warnings into a file of the working folder.
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(mjcf_model, "_asked", answered)
 
 
 def read(folder, text=ARM, name="arm.xml", packages=None):
