@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import tempfile
 from dataclasses import replace
 
 import pytest
@@ -9,6 +13,7 @@ import pytest
 from tests.slow import slow_but
 from tracerisk.errors import LimitError
 from tracerisk.limits import DEFAULT_LIMITS, Limit
+from tracerisk.pipeline.launch_files import child, process
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.workspace.workspace import find_workspace
 
@@ -29,8 +34,47 @@ def pick(**given):
 """
 
 
+IN_ITS_PROCESS = {
+    "test_values_have_the_types_that_launch_ros_gives_them",
+    "test_a_file_that_does_more_than_describe_is_a_problem",
+    "test_a_file_may_write_a_temporary_file_and_print",
+    "test_a_file_that_includes_itself_comes_to_an_end",
+    "test_a_file_without_an_end_is_stopped",
+    "test_memory_has_a_limit",
+    "test_the_release_is_reported_whatever_the_host_has_sourced",
+}
+"""Tests of what surrounds the reading, and one of what is read; for the others it is forked."""
+
+
+def forked(_module, *, request, folder, environment, **_):
+    """Read as the process does, in a fork of this one, which has imported everything."""
+    with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as out:
+        given.write(request)
+        given.seek(0)
+        number = os.fork()
+        if number == 0:
+            code = 1
+            try:
+                os.chdir(folder)
+                os.environ.update(environment)
+                for source, descriptor in ((given, 0), (out, 1), (out, 2)):
+                    os.dup2(source.fileno(), descriptor)
+                sys.stdin, sys.stdout = os.fdopen(0), os.fdopen(1, "w")
+                sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115
+                code = child.main()
+                sys.stdout.flush()
+            finally:
+                os._exit(code)
+        _, status = os.waitpid(number, 0)
+        out.seek(0)
+        return subprocess.CompletedProcess([], status, out.read(), b"")
+
+
 @pytest.fixture
-def read(workspace):
+def read(workspace, request, monkeypatch):
+    if request.node.originalname not in IN_ITS_PROCESS:
+        monkeypatch.setattr(process, "run_limited", forked)
+
     def read_file(name, text):
         path = workspace.write(f"launch/{name}", text)
         return read_launch(path, find_workspace(workspace.package))
