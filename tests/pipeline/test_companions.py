@@ -207,7 +207,7 @@ def test_a_node_that_moves_the_robot_unasked_is_no_companion(example):
     example.write(
         "turner.py", TURNER.replace('rospy.init_node("turner")\n', "").split("rospy.S")[0]
     )
-    outcome, found = trace(example, "pick.py")
+    outcome, found = trace(example, "pick.py", "--no-draft")
     assert outcome.code == 4
     assert found.functions == ()
 

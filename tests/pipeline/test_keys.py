@@ -86,7 +86,14 @@ def test_a_key_that_nobody_presses_lets_a_poll_go_on(run):
     assert len(trace["visits"]) == 1
 
 
-@pytest.mark.parametrize("body", [BLOCKING, POLLED], ids=["blocking", "polled"])
+# How a poll is given its keys is above, and which are drafted below.
+@pytest.mark.parametrize(
+    "body",
+    [
+        pytest.param(BLOCKING, id="blocking"),
+        pytest.param(POLLED, id="polled", marks=pytest.mark.slow),
+    ],
+)
 def test_the_keys_that_the_code_knows_are_drafted(run, body):
     trace = run(body)
     assert trace["verdict"]["kind"] == "partial"

@@ -227,7 +227,7 @@ def sort_with(example, way: str | None = None, sorter: str = SORTER):
     example.write("src/sorter/sorter/sorter.py", sorter)
     example.write("src/sorter/urdf/small_arm.urdf", small_arm())
     if way is not None:
-        wrapper = WRAPPER.replace("{wait}", WAYS[way]).replace("{frequency}", "50.0")
+        wrapper = WRAPPER.replace("{wait}", WAYS[way]).replace("{frequency}", "20.0")
         example.write("src/pymoveit2/package.xml", PACKAGE.format("pymoveit2", ""))
         example.write("src/pymoveit2/pymoveit2/__init__.py", wrapper)
     files = ("src/sorter/sorter/sorter.py", "--robot", "src/sorter/urdf/small_arm.urdf")
