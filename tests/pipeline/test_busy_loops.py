@@ -54,7 +54,7 @@ def test_a_busy_loop_that_never_looks_at_the_clock_moves_it(trace):
 
 # That the standstill ends the run, the goal below shows, which is sent again and again.
 @pytest.mark.parametrize(
-    ("seconds", "cause"), [("5", "duration"), pytest.param("60", "idle", marks=pytest.mark.slow)]
+    ("seconds", "cause"), [("5", "duration"), pytest.param("600", "idle", marks=pytest.mark.slow)]
 )
 def test_what_a_loop_sends_again_once_it_was_carried_out_is_no_fault(trace, seconds, cause):
     data, _ = trace(

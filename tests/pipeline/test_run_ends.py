@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.slow import slow_but
+
 HEAD = """\
 import sys
 import moveit_commander, rospy
@@ -69,15 +71,12 @@ def test_a_cycle_that_came_three_times_ends_an_endless_loop_as_a_declared_missio
     assert any("10 cycles (mission_cycles)" in line for line in data["assumptions"])
 
 
-def test_the_number_of_cycles_is_a_setting(run):
-    data = run("while True:\n    back()\n    there()\n", "--mission-cycles", "4")
-    assert follows(data)["there"] == {"back": "3/4", "done": "1/4"}
-
-
-def test_a_state_machine_is_seen_over_several_iterations(run):
-    data = run("n = 0\nwhile True:\n    (there if n % 2 else back)()\n    n += 1\n")
+def test_a_state_machine_is_seen_over_several_iterations_and_their_number_is_a_setting(run):
+    body = "n = 0\nwhile True:\n    (there if n % 2 else back)()\n    n += 1\n"
+    data = run(body, "--mission-cycles", "4")
     assert data["trace"]["end"]["cause"] == "cycles"
     assert len(data["trace"]["visits"]) == 6
+    assert follows(data)["there"] == {"back": "3/4", "done": "1/4"}
 
 
 def test_timers_that_repeat_end_a_spin(run):
@@ -132,10 +131,11 @@ WORK = "there()\nback()\n"
 IDLE = "rate = rospy.Rate(10)\nwhile not rospy.is_shutdown():\n    rate.sleep()\n"
 
 
+# That a spin in which nothing happens ends a run, `tests/ros/test_rospy_node.py` has.
 @pytest.mark.parametrize(
     "end",
     [
-        "rospy.spin()\n",
+        pytest.param("rospy.spin()\n", marks=pytest.mark.slow),
         IDLE,
         pytest.param("import time\nwhile True:\n    time.sleep(1.0)\n", marks=pytest.mark.slow),
         pytest.param(
@@ -156,7 +156,7 @@ def test_idling_after_the_work_is_no_risk(run, ended, end):
 
 
 def test_a_pause_within_a_mission_is_not_cut(run):
-    pause = "t = rospy.get_time() + 30\nwhile rospy.get_time() < t:\n    rospy.sleep(0.1)\n"
+    pause = "t = rospy.get_time() + 30\nwhile rospy.get_time() < t:\n    rospy.sleep(0.5)\n"
     data = run(WORK + pause + "there()\n" + IDLE)
     assert len(data["trace"]["visits"]) == 3
     assert 30.0 < data["trace"]["end"]["simulated_s"] < 40.0
@@ -209,7 +209,8 @@ ROS2_SPINS = {
 }
 
 
-@pytest.mark.parametrize("spin", ROS2_SPINS)
+# With `rclpy.spin`, the timer that only beats after the work is seen below.
+@pytest.mark.parametrize("spin", slow_but(["several threads", "a loop"], [*ROS2_SPINS]))
 def test_timers_of_ros_2_that_repeat_end_a_spin_too(example, spin):
     program = "import rclpy.executors\n" + ROS2_TIMER.replace("LAST", "1000") + ROS2_SPINS[spin]
     example.write("c.py", program)
@@ -245,7 +246,7 @@ LEFT_TO_CALLBACKS = {
 @pytest.mark.parametrize(
     ("how", "kind"),
     [
-        ("join", "SingleThreadedExecutor()"),
+        pytest.param("join", "SingleThreadedExecutor()", marks=pytest.mark.slow),
         pytest.param("join", "MultiThreadedExecutor(2)", marks=pytest.mark.slow),
         pytest.param("sleep", "MultiThreadedExecutor(2)", marks=pytest.mark.slow),
         ("rate", "SingleThreadedExecutor()"),
@@ -260,6 +261,8 @@ def test_callbacks_that_repeat_in_the_background_end_a_run(example, how, kind):
     assert [state["name"] for state in outcome.json["model"]["states"]] == ["there", "back"]
 
 
+# In ROS 2, the callbacks above repeat beside such a loop.
+@pytest.mark.slow
 def test_timers_that_repeat_beside_a_loop_that_only_sleeps_end_a_run(run):
     data = run(
         "def tick(event):\n    there()\n    back()\nrospy.Timer(rospy.Duration(5), tick)\n"
@@ -294,8 +297,13 @@ def test_a_run_that_waits_for_its_last_motion_when_the_time_is_over_is_no_deadlo
     assert outcome.json["trace"]["end"]["cause"] == "duration"
 
 
+# `sys.exit` ends as the last line does: by an exception or none, the interpreter returns.
 @pytest.mark.parametrize(
-    ("end", "code"), [("", 0), ("sys.exit(0)\n", 0), ("import os\nos._exit(0)\n", 0)]
+    ("end", "code"),
+    slow_but(
+        [("", 0), ("import os\nos._exit(0)\n", 0)],
+        [("", 0), ("sys.exit(0)\n", 0), ("import os\nos._exit(0)\n", 0)],
+    ),
 )
 def test_a_motion_that_is_under_way_when_the_controller_ends_is_carried_out(run, ended, end, code):
     awaited = ended("there()\n")["trace"]
