@@ -223,30 +223,25 @@ def test_a_renamed_function_keeps_its_block_and_the_pins_in_it(project):
     assert "\nc.py: unchanged" in project.run("refresh").err
 
 
-def test_other_hardware_data_change_values_without_a_run(project):
+# That a run keeps the options that were given with it, a refresh below shows.
+@pytest.mark.parametrize("where", ["settings", pytest.param("option", marks=pytest.mark.slow)])
+def test_other_hardware_data_change_values_without_a_run(project, where):
     shipped = "components:\n  motor: {quantity: 7, probability: {value: 1e-7, per: minute}, twin: {joints: '*'}}\n"
     project.write("arm.yaml", shipped)
-    assert project.run("run", "c.py", "--hardware", "arm.yaml", "-q", "--discard-edits").code == 0
+    given = () if where == "settings" else ("--hardware", "arm.yaml")
+    if where == "settings":
+        project.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
+    assert project.run("run", "c.py", *given, "-q", "--discard-edits").code == 0
     assert check(project)[:2] == (0, [])
     change(project, "arm.yaml", "1e-7", "1e-6")
     code, kinds, message = check(project)
     assert (code, kinds) == (1, [("stale", "c.py", 1)])
     assert "arm.yaml has changed" in message
+    assert "/arm.yaml" not in message, "it is named from the root"
     outcome = project.run("refresh")
     assert outcome.code == 0, outcome.err
     assert "values recomputed from the cached trace" in outcome.err
     assert check(project)[:2] == (0, [])
-
-
-def test_a_description_of_the_settings_is_named_from_the_root(project):
-    shipped = "components:\n  motor: {quantity: 7, probability: {value: 1e-7, per: minute}, twin: {joints: '*'}}\n"
-    project.write("arm.yaml", shipped)
-    project.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
-    assert project.run("run", "c.py", "-q", "--discard-edits").code == 0
-    change(project, "arm.yaml", "1e-7", "1e-6")
-    message = check(project)[2]
-    assert "arm.yaml has changed" in message
-    assert "/arm.yaml" not in message
 
 
 def test_a_refresh_uses_the_options_of_the_last_run_again(project):

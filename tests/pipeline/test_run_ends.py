@@ -128,7 +128,7 @@ def test_a_loop_with_an_end_of_its_own_is_not_cut(run):
 
 
 WORK = "there()\nback()\n"
-IDLE = "rate = rospy.Rate(10)\nwhile not rospy.is_shutdown():\n    rate.sleep()\n"
+IDLE = "rate = rospy.Rate(2)\nwhile not rospy.is_shutdown():\n    rate.sleep()\n"
 
 
 # That a spin in which nothing happens ends a run, `tests/ros/test_rospy_node.py` has.
