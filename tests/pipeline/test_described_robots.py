@@ -553,6 +553,8 @@ def test_a_controller_run_alone_finds_the_parameters_of_the_controllers(tmp_path
     assert "../bringup/config/arm.yaml" in trace.inputs
 
 
+# Without launch files nothing is chosen: `launch/test_choose.py`.
+@pytest.mark.slow
 def test_without_launch_files_a_controller_run_alone_finds_no_parameters(tmp_path):
     described(tmp_path)
     bringup(tmp_path, joints(), "launch")

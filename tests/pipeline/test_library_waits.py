@@ -272,6 +272,8 @@ def test_a_sleep_as_long_as_each_wait_for_the_gripper_has_the_same_risk(sorted_b
     assert risk(outcome) == pytest.approx(risk(sorted_by), rel=0.01)
 
 
+# `tests/ros/test_rclpy_background.py` waits by a rate; that a wait costs what it lasts is above.
+@pytest.mark.slow
 def test_a_wrapper_of_the_workspace_that_waits_by_a_rate_has_the_same_risk(sorted_by, example):
     outcome = sort_with(example, "rate")
     assert outcome.code == 0, outcome.err

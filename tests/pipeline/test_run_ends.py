@@ -118,6 +118,8 @@ def test_poses_that_never_come_again_end_after_sixty_as_ten_cycles(run):
     assert follows(data) == {"go_to": {"go_to": "9/10", "done": "1/10"}}
 
 
+# Which loops have an end of their own, `tests/instrument/test_endless_loops.py` has.
+@pytest.mark.slow
 def test_a_loop_with_an_end_of_its_own_is_not_cut(run):
     body = (
         "n = 0\nwhile True:\n    there()\n    back()\n    n += 1\n    if n == 5:\n        break\n"
@@ -209,8 +211,8 @@ ROS2_SPINS = {
 }
 
 
-# With `rclpy.spin`, the timer that only beats after the work is seen below.
-@pytest.mark.parametrize("spin", slow_but(["several threads", "a loop"], [*ROS2_SPINS]))
+# With `rclpy.spin`, the timer that only beats after the work is seen below, and a loop with a rate.
+@pytest.mark.parametrize("spin", slow_but(["several threads"], [*ROS2_SPINS]))
 def test_timers_of_ros_2_that_repeat_end_a_spin_too(example, spin):
     program = "import rclpy.executors\n" + ROS2_TIMER.replace("LAST", "1000") + ROS2_SPINS[spin]
     example.write("c.py", program)
