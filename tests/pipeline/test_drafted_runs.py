@@ -555,3 +555,24 @@ def test_a_start_with_room_to_move_is_drafted_where_nothing_can_be_reached(examp
     text = example.read("c.scenario.yaml").decode()
     assert "start:\n  panda_joint1: " in text
     assert "# assumed: a posture of panda with room around its tool" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("source", "options", "functions"),
+    [
+        (SOUGHT, (), None),
+        (NAVIGATED, ("--robot", "panda", "--duration", "5"), ["move"]),
+        (RELATIVE.replace("0.15", "0.6"), (), None),
+    ],
+    ids=["objects", "base", "start"],
+)
+def test_a_run_with_the_file_that_was_written_is_partial(example, source, options, functions):
+    example.write("c.py", source)
+    assert example.run("scenario", "c.py", *options, "--write").code == 0
+    given = example.run(
+        "run", "c.py", *options, "--json", "--check", "--scenario", "c.scenario.yaml"
+    )
+    assert given.json["verdict"]["kind"] == "partial"
+    if functions is not None:
+        assert [each["ref"]["name"] for each in given.json["trace"]["functions"]] == functions
