@@ -91,7 +91,7 @@ class Arm:
     def move(self, position):
         point = JointTrajectoryPoint(positions=[position])
         self.commands.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
-        rospy.sleep(1.5)
+        rospy.sleep(2.0)
 
 
 def reach(arm):
@@ -161,7 +161,7 @@ def test_the_functions_of_a_controller_with_the_probe_are_heard(real_ros, tmp_pa
     probe = ("-m", "tracerisk_probe", "cell.py")
     with on_rospy(real_ros, tmp_path, "-c", ARM), on_rospy(real_ros, tmp_path, *probe):
         done = example.run(
-            *("attach", "cell.py", "--robot", "panda", "--duration", "9", "-o", "robot.json"),
+            *("attach", "cell.py", "--robot", "panda", "--duration", "12", "-o", "robot.json"),
         )
     assert done.code == 0, done.err
     trace = trace_json.loads(example.read("robot.json").decode(), "robot.json")
