@@ -55,9 +55,9 @@ class JointState(IdlStruct, typename="sensor_msgs::msg::dds_::JointState_"):
 class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
     data: str
 
-number = int(os.environ["ROS_DOMAIN_ID"])
-domain = Domain(number, _LOOPBACK)
-robot = DomainParticipant(number)
+_OURS = int(os.environ["ROS_DOMAIN_ID"])
+domain = Domain(_OURS, _LOOPBACK)
+robot = DomainParticipant(_OURS)
 kept = Qos(Policy.Reliability.Reliable(0), Policy.Durability.TransientLocal, Policy.History.KeepAll)
 probe = DataWriter(robot, Topic(robot, "rt/tracerisk/commands", String), kept)
 other = DataWriter(robot, Topic(robot, "rt/chatter", String), kept)

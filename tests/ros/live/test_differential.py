@@ -17,8 +17,8 @@ PROGRAMS = Path(__file__).parent / "programs"
 ON_THE_WALL_CLOCK = frozenset(
     {
         "goals_and_services",
-        "services",
         "wait_for_message",
+        "wait_for_service",
         "shutdown",
         "preempt",
         "latched",

@@ -1,4 +1,4 @@
-"""What `follow_goals`, `feedback` and `services` do, but for a wait in vain: real rospy waits on
+"""Goals with feedback, and services. A wait in vain is in `wait_for_service`: real rospy waits on
 the wall clock, in which the arm would hold still for another time."""
 
 import actionlib
