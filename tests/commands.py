@@ -268,9 +268,10 @@ def _main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "c.py").write_text(sys.argv[3])
         for line in (
-            "run c.py",
-            "report c.py -o r.html",
-            "hardware init --robot panda -o h.yaml",
+            "run c.py --quiet",
+            "solve c.py",
+            "report c.py -o r.html --quiet",
+            "hardware init --robot panda -o h.yaml --quiet",
             "hardware show h.yaml",
             "doctor c.py",
         ):
