@@ -132,9 +132,9 @@ def _are_quick_in(environment: Mapping[str, str]) -> bool:
     return sys.platform == "linux" and _commands().can_run(environment)
 
 
-def program(environment: Mapping[str, str]) -> list[str]:
-    """The words that start `tracerisk` in a shell of an environment."""
-    if _are_quick_in(environment):
+def program(environment: Mapping[str, str], *, is_afresh: bool = False) -> list[str]:
+    """The words that start `tracerisk` in a shell of an environment; forked, or afresh."""
+    if not is_afresh and _are_quick_in(environment):
         return [_commands().program]
     return [sys.executable, "-m", "tracerisk"]
 
@@ -230,6 +230,13 @@ def pick_and_place() -> bytes:
 class RepositoryExample(Example):
     """A folder that git keeps, without the settings of whoever runs the tests."""
 
+    @classmethod
+    def empty(cls, folder: Path) -> RepositoryExample:
+        """A new one, in a folder that is there."""
+        made = cls(folder)
+        made.git("init", "--quiet", "--initial-branch=main")
+        return made
+
     def git(self, *arguments: str) -> str:
         identity = {
             f"GIT_{role}_{what}": value
@@ -263,9 +270,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RepositoryExa
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
     folder = tmp_path / "repository"
     folder.mkdir()
-    example = RepositoryExample(folder)
-    example.git("init", "--quiet", "--initial-branch=main")
-    return example
+    return RepositoryExample.empty(folder)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,6 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from concurrent.futures import Executor, Future
@@ -462,7 +461,7 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1]
 
     environment = {**os.environ, "TMPDIR": str(kept)}
-    command = [sys.executable, "-m", "tracerisk"] if is_afresh else program(environment)
+    command = program(environment, is_afresh=is_afresh)
     begun = subprocess.Popen(
         [*command, "evidence", "controller.py", "-j", "2", "-q"],
         cwd=example.folder,

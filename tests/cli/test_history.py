@@ -16,8 +16,7 @@ FIGURES = ("1e-07", "1e-07", "4e-07", "2e-07", "8e-07")
 
 @pytest.fixture(scope="module")
 def grown_once(tmp_path_factory, annotated_source):
-    repository = RepositoryExample(tmp_path_factory.mktemp("grown"))
-    repository.git("init", "--quiet", "--initial-branch=main")
+    repository = RepositoryExample.empty(tmp_path_factory.mktemp("grown"))
     for number, figure in enumerate(FIGURES):
         source = annotated_source(pick=("done 1", f"gripper = {figure}"))
         repository.write("cell.py", f"# {number}\n{source}")

@@ -26,8 +26,7 @@ LOCK = "tracerisk.lock"
 
 @pytest.fixture(scope="module")
 def both_once(tmp_path_factory):
-    repository = RepositoryExample(tmp_path_factory.mktemp("both"))
-    repository.git("init", "--quiet", "--initial-branch=main")
+    repository = RepositoryExample.empty(tmp_path_factory.mktemp("both"))
     refresh(repository, "motor")
     repository.write("other.py", CODE)
     refresh(repository, "motor", file="other.py")

@@ -43,9 +43,8 @@ def is_alive(process: int) -> bool:
 def started(example, *arguments: str, is_afresh: bool = False) -> Iterator[subprocess.Popen[bytes]]:
     """The command in a process group of its own."""
     environment = {**os.environ, "TMPDIR": str(example.folder / "tmp")}
-    words = [sys.executable, "-m", "tracerisk"] if is_afresh else program(environment)
     process = subprocess.Popen(
-        [*words, *arguments],
+        [*program(environment, is_afresh=is_afresh), *arguments],
         cwd=example.folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -132,8 +132,8 @@ def _state(process: int) -> str:
 def watching(tmp_path):
     started = []
 
-    def start(*arguments: str, verb: str = "run", command: list[str] | None = None) -> Watching:
-        command = command or program(os.environ)
+    def start(*arguments: str, verb: str = "run", is_afresh: bool = False) -> Watching:
+        command = program(os.environ, is_afresh=is_afresh)
         started.append(Watching(tmp_path, command, verb, *arguments))
         return started[-1]
 
@@ -288,7 +288,7 @@ def test_its_end_leaves_no_process(watching, example, quick, number, code, is_af
     to = "arm.go([{}, 0.5, 0, -2, 0, 1.5, 0.8])".format
     moves = f"for _ in range(300): {to(0.5)}; {to(-1)}"
     path = example.write("a.py", quick())
-    watched = watching("a.py", command=[sys.executable, "-m", "tracerisk"] if is_afresh else None)
+    watched = watching("a.py", is_afresh=is_afresh)
     watched.settled()
     below = watched.processes()
     if is_busy:
