@@ -1,7 +1,7 @@
 """The errors that tracerisk raises on purpose.
 
 Every message says where, what was found, what is allowed and what to do.
-Anything else that escapes is a internal error (exit code 5).
+Anything else that escapes is an internal error (exit code 5).
 """
 
 from __future__ import annotations
@@ -230,6 +230,17 @@ class Readable:
         if isinstance(error, OSError):
             place = Location(str(self.path))
             raise self.kind(f"cannot be read: {error.strerror}", place) from error
+
+
+def interruption(error: BaseException) -> KeyboardInterrupt | SystemExit | None:
+    """Return the interruption of which an error came, `None` where it came of something else.
+
+    A signal may come amid an import, or a walk of a library, which raises its own error then.
+    """
+    found: BaseException | None = error
+    while found is not None and not isinstance(found, KeyboardInterrupt | SystemExit):
+        found = found.__cause__ or found.__context__
+    return found
 
 
 def disk_full(folder: str) -> MachineError:

@@ -17,6 +17,8 @@ import pytest
 from tests.conftest import program
 from tests.machine_load import descendants
 from tests.slow import slow_but
+from tracerisk.cli import main
+from tracerisk.errors import InputError
 
 LONG = """\
 open({mark!r}, "w").write(str(os.getpid()))
@@ -103,6 +105,33 @@ def test_termination_ends_the_controller_too(simulating, example):
     assert process.returncode == 128 + signal.SIGTERM
     assert not any(map(is_alive, theirs))
     assert example.files() == before
+
+
+@pytest.mark.parametrize(
+    ("end", "raised"),
+    [
+        # So does an extension module, in which no Python error may stay.
+        (KeyboardInterrupt(), ImportError("initialization failed")),
+        (SystemExit(143), ImportError("initialization failed")),
+        (SystemExit(143), InputError("unreadable")),
+    ],
+)
+def test_an_import_that_a_signal_breaks_is_an_interruption(end, raised, monkeypatch, capsys):
+    def verb(_: object) -> int:
+        try:
+            raise end
+        except BaseException as error:
+            raise raised from error
+
+    monkeypatch.setattr("tracerisk.cli.robots.run", verb)
+    if isinstance(end, KeyboardInterrupt):
+        assert main(["robots"]) == 130
+        assert capsys.readouterr().err == "tracerisk: interrupted\n"
+    else:
+        with pytest.raises(SystemExit) as ended:
+            main(["robots"])
+        assert ended.value.code == 143
+        assert capsys.readouterr().err == ""
 
 
 def test_a_command_that_is_killed_leaves_no_controller_behind(simulating):

@@ -120,6 +120,7 @@ def test_a_daemon_is_not_waited_for_and_others_are(run, scheduler):
 def test_a_process_that_is_no_daemon_is_waited_for(run, scheduler):
     run(lambda: multiprocessing.Process(target=time.sleep, args=(2,)).start())
     assert scheduler.now_ns == 2 * SECOND
+    assert not multiprocessing.active_children(), "this process would wait for it at its end"
 
 
 def test_what_is_put_is_copied(run):

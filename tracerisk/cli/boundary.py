@@ -10,7 +10,7 @@ import warnings
 from importlib import import_module
 
 from tracerisk.cli.shared.output import note, place_data, print_json, scenario_advice
-from tracerisk.errors import ExitCode, TraceRiskError, disk_full
+from tracerisk.errors import ExitCode, TraceRiskError, disk_full, interruption
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -34,22 +34,27 @@ def guarded(options: argparse.Namespace) -> int:
         os.environ["FORCE_COLOR" if options.color == "always" else "NO_COLOR"] = "1"
     try:
         return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
-    except TraceRiskError as error:
-        return _failed(options, error)
-    except ImportError as error:
+    except BrokenPipeError:
+        raise
+    except Exception as error:  # noqa: BLE001 - the one boundary
+        if (ended := interruption(error)) is not None:
+            raise ended from None
+        known = _known(error, options.verb)
+        return _internal_error() if known is None else _failed(options, known)
+
+
+def _known(error: Exception, verb: str) -> TraceRiskError | None:
+    """Return the error that says what to do, `None` for an internal one."""
+    if isinstance(error, TraceRiskError):
+        return error
+    if isinstance(error, ImportError):
         # Imported here: a start-up that goes well does without it.
         from tracerisk.dependencies import error_of
 
-        found = error_of(error, f"`tracerisk {options.verb}`")
-        return _internal_error() if found is None else _failed(options, found)
-    except (KeyboardInterrupt, BrokenPipeError):
-        raise
-    except OSError as error:
-        if error.errno != errno.ENOSPC:
-            return _internal_error()
-        return _failed(options, disk_full(str(error.filename or "the temporary files")))
-    except Exception:  # noqa: BLE001 - the one boundary
-        return _internal_error()
+        return error_of(error, f"`tracerisk {verb}`")
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        return disk_full(str(error.filename or "the temporary files"))
+    return None
 
 
 def _one_line(

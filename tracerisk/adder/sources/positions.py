@@ -10,6 +10,7 @@ import libcst as cst
 from libcst.metadata import CodeRange, MetadataWrapper, PositionProvider
 
 from tracerisk.adder.sources.definitions import Site, normal_name
+from tracerisk.errors import interruption
 from tracerisk.trace import QualifiedName
 
 
@@ -29,11 +30,8 @@ def function_sites(source: bytes) -> Mapping[tuple[QualifiedName, int], Site] | 
         return None
     except KeyError as error:
         # Within a function its provider of positions hides what is raised behind a KeyError.
-        hidden: BaseException | None = error
-        while isinstance(hidden, KeyError):
-            hidden = hidden.__context__
-        if isinstance(hidden, KeyboardInterrupt | SystemExit):
-            raise hidden from None
+        if (ended := interruption(error)) is not None:
+            raise ended from None
         return None
     return collector.sites
 

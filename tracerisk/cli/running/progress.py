@@ -47,9 +47,10 @@ def progress_bar(
         # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
         task = bar.add_task("reading", total=None, simulated="", left="")
         first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
+        drawn = "reading"
 
         def notify(phase: str, simulated_s: float) -> None:
-            nonlocal first
+            nonlocal first, drawn
             most = "" if most_s is None else f" of at most {most_s:g}"
             simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
             left, done, total = "", None, None
@@ -61,8 +62,16 @@ def progress_bar(
                     left_s = (total - done) * (now - first[0]) / gained
                     left = f"about {math.ceil(left_s)} s left"
             bar.update(
-                task, description=phase, simulated=simulated, left=left, total=total, completed=done
+                task,
+                description=phase,
+                simulated=simulated,
+                left=left,
+                total=total,
+                completed=done,
+                # A phase that is over at once is shown too.
+                refresh=phase != drawn,
             )
+            drawn = phase
 
         yield notify
 

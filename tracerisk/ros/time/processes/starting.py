@@ -61,6 +61,8 @@ def process_replacements(
         )
         yield multiprocessing, name, for_controller(scheduler, make, vars(multiprocessing)[name])
     yield concurrent.futures, "ProcessPoolExecutor", ProcessPoolExecutor
+    # Nobody can wait for the controller's when its time is over.
+    yield multiprocessing.process, "_children", set()
 
 
 def _without_self(make: Callable[..., Any]) -> Callable[..., Any]:
