@@ -32,7 +32,7 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.formats.linked_json import dumps, is_linked, linked_data, linked_schema, loads
+from tracerisk.prm.formats.linked_json import dumps, linked_data, linked_schema, loads
 from tracerisk.prm.linked import (
     Absorption,
     Figure,
@@ -173,11 +173,6 @@ def test_the_case_study_has_the_same_figures_after_the_way_through_json(case):
     again = loads(dumps(case), "model.json").solve()
     assert again.figures == case.solve().figures
     assert again.sensitivities("mission failure") == case.solve().sensitivities("mission failure")
-
-
-def test_a_linked_model_is_known_by_its_schema(case):
-    assert is_linked(dumps(case))
-    assert not is_linked('{"schema": "tracerisk-hybrid-model"}')
 
 
 def test_a_node_without_a_place_in_the_format_is_refused():

@@ -6,7 +6,6 @@ The format is documented in docs/formats.md and stated by a JSON Schema, `schema
 from __future__ import annotations
 
 import json
-import re
 from fractions import Fraction
 from typing import Any
 
@@ -75,11 +74,6 @@ def dumps(model: LinkedModel) -> str:
         raise ModelError(
             f"'{model.name}' has expressions nested too deep for JSON; name parts as parameters"
         ) from error
-
-
-def is_linked(text: str) -> bool:
-    """Return whether a JSON text says that it is a linked model, without reading it whole."""
-    return re.search(rf'"schema"\s*:\s*"{SCHEMA}"', text) is not None
 
 
 def loads(text: str, file: str) -> LinkedModel:
