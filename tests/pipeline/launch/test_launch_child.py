@@ -39,7 +39,6 @@ IN_ITS_PROCESS = {
     "test_a_file_that_does_more_than_describe_is_a_problem",
     "test_a_file_may_write_a_temporary_file_and_print",
     "test_a_file_that_includes_itself_comes_to_an_end",
-    "test_a_file_without_an_end_is_stopped",
     "test_memory_has_a_limit",
     "test_the_release_is_reported_whatever_the_host_has_sourced",
 }
@@ -412,13 +411,6 @@ def test_an_argument_without_a_default_is_reported(described):
 def test_a_file_that_includes_itself_comes_to_an_end(described):
     reading = described("IncludeLaunchDescription(ThisLaunchFile())")
     assert any("includes itself" in each for each in reading.problems)
-
-
-@pytest.mark.slow  # the limit is ten seconds
-def test_a_file_without_an_end_is_stopped(described):
-    reading = described("", before="while True:\n    pass\n")
-    assert reading.nodes == ()
-    assert reading.problems
 
 
 def test_memory_has_a_limit(read):
