@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import find_workspace, project_top, searched
 
 
 def package(folder: Path) -> Path:
@@ -108,3 +109,16 @@ def test_what_a_package_needs_of_another_repository_in_the_same_src_is_found(tmp
         (folder.parent / mark).mkdir()
     (own / "pick.py").write_text("from arm_msgs.srv import Move\n")
     assert find_workspace(own).packages == {"arm_msgs": needed, "pick": own}
+
+
+def test_files_are_listed_in_order_and_a_pipe_is_none(tmp_path):
+    for name in ("b/z.py", "b/a.py", "a/c.py", ".hidden/d.py", "venv/pyvenv.cfg", "venv/e.py"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    os.mkfifo(tmp_path / "b" / "pipe.py")
+    (tmp_path / "b" / "itself.py").symlink_to("itself.py")
+    (tmp_path / "b" / "link.py").symlink_to("a.py")
+    found = [(Path(folder).name, files) for folder, files in searched(tmp_path, environments=False)]
+    assert found == [(tmp_path.name, []), ("a", ["c.py"]), ("b", ["a.py", "link.py", "z.py"])]
+    assert list(searched(tmp_path / "none")) == []

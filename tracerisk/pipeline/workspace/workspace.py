@@ -87,15 +87,34 @@ def searched(
     """Yield the folders below one with the names of their files, in order.
 
     Hidden folders and those `left_out` are not entered, nor are environments of Python if not so.
+    A pipe is no file: who opens one waits for somebody who writes.
     """
-    for folder, folders, files in os.walk(top):
-        if not environments and "pyvenv.cfg" in files:
-            folders.clear()
+    waiting = [str(top)]
+    while waiting:
+        folder = waiting.pop()
+        try:
+            with os.scandir(folder) as listed:
+                entries = sorted(listed, key=lambda each: each.name)
+        except OSError:
             continue
-        folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in left_out
-        )
-        yield folder, sorted(files)
+        files = [each.name for each in entries if _is_file(each)]
+        if not environments and "pyvenv.cfg" in files:
+            continue
+        yield folder, files
+        waiting += [
+            each.path
+            for each in reversed(entries)
+            if each.is_dir(follow_symlinks=False)
+            and not each.name.startswith(".")
+            and each.name not in left_out
+        ]
+
+
+def _is_file(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_file()
+    except OSError:  # a link to itself
+        return False
 
 
 def _modules_named(name: str, top: Path) -> Iterator[Path]:
