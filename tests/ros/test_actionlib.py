@@ -103,6 +103,36 @@ def test_done_cb_has_run_before_wait_for_result_returns(run_node):
     assert log[:3] == ["active", 7, ("done", 3, 0)]
 
 
+@pytest.mark.parametrize(("callback_s", "heard"), [(0.0, [0, 1, 2]), (0.15, [0, 1])])
+def test_feedback_just_before_the_result_is_heard_unless_an_earlier_one_holds_it_up(
+    run_node, callback_s, heard
+):
+    def main():
+        import rospy
+        from actionlib.msg import TestFeedback, TestGoal
+
+        rospy.init_node("n")
+        log = []
+
+        def execute(goal):
+            for number in range(3):
+                rospy.sleep(0.1)
+                server.publish_feedback(TestFeedback(number))
+            server.set_succeeded()
+
+        def hear(feedback):
+            log.append(feedback.feedback)
+            rospy.sleep(callback_s)
+
+        server = serve(execute)
+        client = make_client()
+        client.send_goal(TestGoal(1), feedback_cb=hear)
+        client.wait_for_result()
+        return list(log)
+
+    assert run_node(main) == heard
+
+
 def test_a_zero_duration_waits_for_ever_and_another_for_its_time(run_node):
     def main():
         import rospy

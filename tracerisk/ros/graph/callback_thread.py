@@ -38,6 +38,11 @@ class CallbackThread:
             self._is_started = True
             self._scheduler.spawn(self._serve, self._name, inherit=False, is_controllers=False)
 
+    def give_turn(self) -> None:
+        """Give the thread its turn now; one within a call that waits takes none."""
+        if self._calls:
+            self._scheduler.pass_until(self._scheduler.now_ns)
+
     def close(self) -> None:
         """Drop what waits and end the thread."""
         self._is_closed = True

@@ -9,14 +9,13 @@ class Counter:
         self.server.start()
 
     def count(self, goal):
-        # A client drops what comes before it knows of its own goal.
-        rospy.sleep(0.1)
         for number in range(goal.goal):
             if self.server.is_preempt_requested():
                 self.server.set_preempted(TestResult(number), "stopped")
                 return
-            self.server.publish_feedback(TestFeedback(number))
+            # A client drops what comes before it knows of its own goal.
             rospy.sleep(0.1)
+            self.server.publish_feedback(TestFeedback(number))
         if goal.goal == 2:
             self.server.set_aborted(TestResult(-1), "two is too few")
         else:

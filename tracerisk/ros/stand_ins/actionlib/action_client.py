@@ -318,8 +318,11 @@ class ActionClient:
 
         def update() -> None:
             root: Any = nullcontext()
-            if is_over and tracer is not None:
-                root = tracer.root("done_callback")
+            if is_over:
+                # It was published before.
+                self._feedback.give_turn()
+                if tracer is not None:
+                    root = tracer.root("done_callback")
             with root:
                 call_back(lambda: machine.update(status, result), self._name)
 
