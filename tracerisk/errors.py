@@ -233,9 +233,9 @@ class Readable:
 
 
 def interruption(error: BaseException) -> KeyboardInterrupt | SystemExit | None:
-    """Return the interruption of which an error came, `None` where it came of something else.
+    """Return the Ctrl-C or the exit that caused an error, `None` where neither did.
 
-    A signal may come amid an import, or a walk of a library, which raises its own error then.
+    A library may turn one that comes during an import into an error of its own.
     """
     found: BaseException | None = error
     while found is not None and not isinstance(found, KeyboardInterrupt | SystemExit):

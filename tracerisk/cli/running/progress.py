@@ -47,10 +47,9 @@ def progress_bar(
         # Nobody knows when a new controller will end: the bar says that it runs, not how far it is.
         task = bar.add_task("reading", total=None, simulated="", left="")
         first: tuple[float, float] | None = None  # wall and simulated time [s] of the first sign
-        drawn = "reading"
 
         def notify(phase: str, simulated_s: float) -> None:
-            nonlocal first, drawn
+            nonlocal first
             most = "" if most_s is None else f" of at most {most_s:g}"
             simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
             left, done, total = "", None, None
@@ -68,10 +67,9 @@ def progress_bar(
                 left=left,
                 total=total,
                 completed=done,
-                # A phase that is over at once is shown too.
-                refresh=phase != drawn,
+                # A new phase is drawn at once: it may be over before the next regular draw.
+                refresh=phase != bar.tasks[0].description,
             )
-            drawn = phase
 
         yield notify
 

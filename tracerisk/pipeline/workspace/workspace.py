@@ -87,7 +87,7 @@ def searched(
     """Yield the folders below one with the names of their files, in order.
 
     Hidden folders and those `left_out` are not entered, nor are environments of Python if not so.
-    A pipe is no file: who opens one waits for somebody who writes.
+    Pipes, sockets and devices are left out: opening a pipe blocks until something writes to it.
     """
     waiting = [str(top)]
     while waiting:

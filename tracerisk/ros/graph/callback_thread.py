@@ -39,7 +39,7 @@ class CallbackThread:
             self._scheduler.spawn(self._serve, self._name, inherit=False, is_controllers=False)
 
     def give_turn(self) -> None:
-        """Give the thread its turn now; one within a call that waits takes none."""
+        """Run now what was handed to it, unless it is blocked within an earlier call."""
         if self._calls:
             self._scheduler.pass_until(self._scheduler.now_ns)
 

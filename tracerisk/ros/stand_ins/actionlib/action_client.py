@@ -319,7 +319,7 @@ class ActionClient:
         def update() -> None:
             root: Any = nullcontext()
             if is_over:
-                # It was published before.
+                # Feedback that was published before the result is heard before it.
                 self._feedback.give_turn()
                 if tracer is not None:
                     root = tracer.root("done_callback")

@@ -61,7 +61,7 @@ def process_replacements(
         )
         yield multiprocessing, name, for_controller(scheduler, make, vars(multiprocessing)[name])
     yield concurrent.futures, "ProcessPoolExecutor", ProcessPoolExecutor
-    # Nobody can wait for the controller's when its time is over.
+    # Those of the controller end with the run: this process must not join them when it exits.
     yield multiprocessing.process, "_children", set()
 
 
