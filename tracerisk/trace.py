@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NewType, get_args
 
 from tracerisk.errors import Location
+from tracerisk.outcome.outcome import Outcome
 from tracerisk.records import dataclass, field, replace
 
 QualifiedName = NewType("QualifiedName", str)
@@ -451,6 +452,8 @@ class Trace:
     inputs: tuple[str, ...] = ()
     cycle: Cycle | None = None
     verdict: Verdict | None = None
+    outcome: Outcome | None = None
+    """What the run brought about; `None` in a recording of a real robot and in a log."""
 
     @property
     def drafted(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import types
 import typing
 from collections.abc import Mapping
@@ -128,7 +129,8 @@ def _read(kind: Any, value: Any, path: str) -> Any:
 def _read_dataclass(kind: type, value: Any, path: str) -> Any:
     if not isinstance(value, dict):
         raise _MismatchError(path, "expected an object")
-    hints = typing.get_type_hints(kind, vars(trace_module))
+    names = {**vars(trace_module), **vars(sys.modules[kind.__module__])}
+    hints = typing.get_type_hints(kind, names)
     known = {field.name: field for field in fields(kind)}
     for key in value:
         if key not in known:

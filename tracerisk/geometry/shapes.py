@@ -29,6 +29,14 @@ class Shape:
     pad: bool = False
 
 
+def is_round(shape: Shape) -> bool:
+    """Return whether a shape looks the same however its body is turned about its z axis."""
+    is_on_axis = shape.xyz[:2] == (0.0, 0.0) and shape.rpy[:2] == (0.0, 0.0)
+    return shape.kind != "box" and (
+        is_on_axis or (shape.kind == "sphere" and not any(shape.xyz[:2]))
+    )
+
+
 def read_shapes(entry: YamlMap) -> tuple[Shape, ...]:
     """Return the shapes in the list `shapes` of a YAML mapping."""
     return tuple(_shape(shape) for shape in entry.maps("shapes"))

@@ -71,6 +71,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
+from tracerisk.ros.scenario.cell_log import CELL, CellLog
 from tracerisk.ros.scenario.objects import with_objects, with_start
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
@@ -160,6 +161,7 @@ def _run(
     clock[0] = lambda: scheduler.now_ns
     workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
     runtime = runtime_of(request, scenario, scheduler, tracer, twin, recorder, workspace)
+    cell = CellLog(runtime.graph)
     companions = Companions(request.companions, runtime, recorder)
     watch = RunWatch(scheduler, recorder)
     note_given(recorder, scenario)
@@ -204,6 +206,7 @@ def _run(
 
     def run_over(cause: str) -> None:
         runtime.client(SensorReading).finish()
+        recorder.note(CELL, **cell.note())
         watch.run_over(cause)
         if fate is not None:
             fate.note_end()

@@ -18,7 +18,7 @@ from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.unmet_needs import JudgedEnd
-from tracerisk.pipeline.trace.run_files import NEEDS, SCENARIO
+from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.source.python_2 import METHODS, NAMES
@@ -85,7 +85,9 @@ class ControllerEnd:
         if cause in _BY_ITSELF:
             self.outlast()
         self.recorder.note(
-            "objects", found=[dataclasses.asdict(each) for each in self.twin.object_offsets()]
+            OBJECTS,
+            found=[dataclasses.asdict(offset) for offset in self.twin.object_offsets()],
+            bearing=self.twin.bearing(),
         )
         judged = self.judge(cause, message, location)
         if judged.scenario:

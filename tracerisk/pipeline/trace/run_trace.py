@@ -16,8 +16,17 @@ from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
+from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
-from tracerisk.pipeline.trace.run_files import CYCLE, ELSEWHERE, ENTRY, GIVEN, LAUNCH, MISSION_END
+from tracerisk.pipeline.trace.run_files import (
+    CYCLE,
+    ELSEWHERE,
+    ENTRY,
+    GIVEN,
+    LAUNCH,
+    MISSION_END,
+    OBJECTS,
+)
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
@@ -93,6 +102,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
         inputs=tuple(_launched(recording)["inputs"]),
         verdict=verdict,
+        outcome=run_outcome(ran, samples, contacts) if samples is not None else None,
     )
 
 
@@ -175,7 +185,7 @@ def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 
 def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
-    note = recording.note("objects")
+    note = recording.note(OBJECTS)
     return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
 
 

@@ -149,7 +149,7 @@ class ActionClientEnd:
             scheduler.bound(on_feedback),
             data=data,
         )
-        self.actions.count_goal(self.name)
+        self.actions.count_goal(goal)
         if server is not None:
             server.is_called = True
             server.goals.append(goal)
@@ -198,9 +198,12 @@ class Actions:
         graph_listens = self.scheduler.listens
         self.scheduler.listens = lambda: graph_listens() or self._listens()
 
-    def count_goal(self, name: str) -> None:
+    def count_goal(self, goal: ActionGoal) -> None:
         """Count a goal that the controller sent."""
-        self._runtime.graph.counts[name] += 1
+        graph = self._runtime.graph
+        graph.counts[goal.client.name] += 1
+        if graph.cell is not None:
+            graph.cell.sent(goal)
 
     def _listens(self) -> bool:
         return any(each.by_controller for known in self._servers.values() for each in known)

@@ -11,10 +11,10 @@ from __future__ import annotations
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
@@ -23,6 +23,9 @@ from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.action_goal import ActionGoal
 
 # Served by a library in the controller, for tools: buffers of tf2, servers of parameters, what
 # state a lifecycle node is in.
@@ -81,6 +84,8 @@ class Publication:
         if self.by_controller and only is None:
             self.graph.counts[self.topic] += 1
         receivers = self.subscriptions if only is None else (only,)
+        if self.by_controller and only is None and self.graph.cell is not None:
+            self.graph.cell.published(self, receivers, message)
         if not receivers:
             if self.topic not in self.graph._unheard:
                 self.graph._unheard[self.topic] = self, asking_place()
@@ -120,6 +125,8 @@ class Subscription:
     place: Location | None = None
     hears_scenario: bool = False
     closed: bool = False
+    process: NodeProcess | None = None
+    """The node beside the controller that it belongs to; `None` for the controller's own."""
     on_close: list[Callable[[], None]] = field(default_factory=list)
 
     @property
@@ -162,6 +169,8 @@ class ServiceServer:
     place: Location | None = None
     is_called: bool = False
     process: NodeProcess | None = None
+    is_scenario: bool = False
+    """Whether a scenario plays it."""
 
     def close(self) -> None:
         """Stop serving; calls that run go on."""
@@ -174,6 +183,21 @@ class _Topic:
     subscriptions: list[Subscription] = field(default_factory=list)
 
 
+class CellWatch(Protocol):
+    """What is notified of what the controller sends to anything but itself."""
+
+    def published(
+        self, publication: Publication, receivers: Sequence[Subscription], message: Any
+    ) -> None:
+        """Note a message and who receives it."""
+
+    def called(self, server: ServiceServer, request: Any) -> Callable[[Any], None] | None:
+        """Note a call; return what wants its response, or None where it fails."""
+
+    def sent(self, goal: ActionGoal) -> None:
+        """Note a goal."""
+
+
 class ServiceFailedError(Exception):
     """A handler could not answer; raised in the caller with what the handler says."""
 
@@ -183,7 +207,8 @@ class Graph:
 
     `tracer` makes each service handler a root. `warn` gets what a user should know, such as
     two types on one topic; by default it is an error line on standard error.
-    `counts` is how many messages, calls and goals of the controller went to each name.
+    `counts` is how many messages, calls and goals of the controller went to each name; `cell` is
+    notified of each.
     """
 
     def __init__(
@@ -199,6 +224,7 @@ class Graph:
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
         self.counts: Counter[str] = Counter()
+        self.cell: CellWatch | None = None
         self._unheard: dict[str, tuple[Publication, Location | None]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._callers: dict[Need, Missed] = {}
@@ -349,6 +375,7 @@ class Graph:
         *,
         node: str,
         is_callback: bool = True,
+        is_scenario: bool = False,
     ) -> ServiceServer:
         """Answer calls of a service; a later server of the name takes the place of the first.
 
@@ -358,6 +385,7 @@ class Graph:
         place = asking_place() if is_callback else None
         server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
         server.process = self.scheduler.process if is_callback else None
+        server.is_scenario = is_scenario
         self._services[name] = server
         self._report("served", name, type_name)
         return server
@@ -466,6 +494,18 @@ class Graph:
         self.scheduler.raise_if_over()
         server.is_called = True
         self.counts[server.name] += 1
+        answered = None if self.cell is None else self.cell.called(server, request)
+        try:
+            response = self._answer(server, request)
+        except BaseException:
+            if answered is not None:
+                answered(None)
+            raise
+        if answered is not None:
+            answered(response)
+        return response
+
+    def _answer(self, server: ServiceServer, request: Any) -> Any:
         if not server.is_callback:
             return server.handle(request)
         self.scheduler.ask(server.process)

@@ -121,7 +121,12 @@ class ScenarioService:
         if entry.type_name is not None:
             self._replies = self._templates(entry.type_name)
         runtime.graph.serve(
-            entry.name, entry.type_name or ANY_TYPE, self._answer, node=NODE, is_callback=False
+            entry.name,
+            entry.type_name or ANY_TYPE,
+            self._answer,
+            node=NODE,
+            is_callback=False,
+            is_scenario=True,
         )
 
     @property

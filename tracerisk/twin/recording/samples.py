@@ -43,7 +43,8 @@ class SampleHeader:
     `controls` are the actuators; `joints` have position, velocity and torque each; `pads` are
     the finger links whose contact force is measured; `n_pose` is the length of one pose.
     `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
-    one: three coordinates [m], then the quaternion, w first.
+    one: three coordinates [m], then the quaternion, w first. `round_bodies` are those that look
+    the same however they are turned about their own z axis.
     """
 
     robot: str
@@ -55,6 +56,7 @@ class SampleHeader:
     n_pose: int
     free_bodies: tuple[str, ...] = ()
     free_at: tuple[int, ...] = ()
+    round_bodies: tuple[str, ...] = ()
 
     @property
     def width(self) -> int:

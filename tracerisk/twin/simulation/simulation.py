@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.geometry.shapes import is_round
+from tracerisk.outcome.outcome import FLOOR
 from tracerisk.twin.faults.armed import ArmedFaults
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.faults.sensing import SensorFaults
@@ -271,6 +273,28 @@ class Simulation:
                 found = float(force[0]), link, other
         return found[1:] if found[1] else None
 
+    def bearing(self) -> dict[str, tuple[str, ...]]:
+        """Return what each object of the scene touches now, without the robot's links, sorted.
+
+        What sleeps has no contacts in the simulation, so they are looked for in a state beside it.
+        """
+        touching: dict[str, set[str]] = {thing.name: set() for thing in self.scene.objects}
+        if not touching:
+            return {}
+        model, awake = self._model, mujoco.MjData(self._model)
+        awake.qpos[:] = self._data.qpos
+        flags = model.opt.enableflags
+        model.opt.enableflags = flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+        mujoco.mj_forward(model, awake)
+        model.opt.enableflags = flags
+        links = frozenset(self.robot.link_names)
+        for geoms in awake.contact.geom[: awake.ncon]:
+            one, two = (model.body(model.geom_bodyid[geom]).name for geom in geoms)
+            for name, other in ((one, two), (two, one)):
+                if name in touching and other not in links:
+                    touching[name].add(FLOOR if other == "world" else other)
+        return {name: tuple(sorted(others)) for name, others in touching.items()}
+
     def object_pose(self, name: str) -> Pose:
         """Return where an object of the scene, or a declared body, is in the world frame.
 
@@ -326,6 +350,9 @@ class Simulation:
             free_at=tuple(
                 int(self._model.jnt_qposadr[self._model.body(thing.name).jntadr[0]])
                 for thing in self.scene.objects
+            ),
+            round_bodies=tuple(
+                thing.name for thing in self.scene.objects if all(map(is_round, thing.shapes))
             ),
         )
 

@@ -59,7 +59,7 @@ class Twin:
         self.watch_touches = parts.watch_touches
         self.joint_state, self.posture = parts.joint_state, parts.posture
         self.wrench, self.load_on, self.touch_on = parts.wrench, parts.load_on, parts.touch_on
-        self.object_pose = parts.object_pose
+        self.object_pose, self.bearing = parts.object_pose, parts.bearing
         self.planning_among, self.planning_under = self._clearance.among, self._clearance.keeping
         self.plan_joints, self.plan_pose = self._planner.joints, self._planner.pose
         self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime

@@ -47,6 +47,7 @@ from tracerisk.ros.live.message_modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.frames import DESCRIPTION
+from tracerisk.ros.scenario.cell_log import CELL, CellLog
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
 from tracerisk.sandbox.limited_process import mark_start
@@ -95,6 +96,7 @@ class _LiveRun:
         self._runtime = runtime_of(
             request, scenario, self._scheduler, tracer, self._twin, recorder, self._workspace
         )
+        self._cell = CellLog(self._runtime.graph)
         self._threads = RemoteThreads(self._scheduler)
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch
@@ -155,6 +157,7 @@ class _LiveRun:
         self._scheduler.outlast()
         self._report_end(over, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
+        self._recorder.note(CELL, **self._cell.note())
         self._twin.close()
         WallTime(time.perf_counter() - began, 0.0).write(Path(self._request.folder))
 

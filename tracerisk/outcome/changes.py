@@ -1,0 +1,463 @@
+"""Compare what two runs brought about: result, way and pace, in sentences.
+
+The result is where objects end, what is held, what the cell was asked for and the last rest. The
+way are rests, gripper uses and the order of all steps, aligned as sequences are. The pace, how long
+the arm rests and moves, is named and decides nothing.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+
+from tracerisk.outcome.outcome import (
+    CellUse,
+    GripperUse,
+    ObjectOutcome,
+    Outcome,
+    Position,
+    Rest,
+    Step,
+)
+from tracerisk.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """By how much two outcomes may differ and count as the same."""
+
+    place_m: float = 0.002
+    """Of objects and of the tool at rest, [m]."""
+    angle_deg: float = 2.0
+    """Of an object's tilt and heading, [deg]."""
+    joint: float = 0.005
+    """Of a joint at rest, [rad or m]."""
+
+
+TOLERANCES = Tolerances()
+_ROUNDING = 1.0001  # of a tolerance: figures are kept in whole steps
+_OPENING = 0.1  # of a gripper's range
+_WAY_M = 0.015  # how far the tool's way between two rests may pass beside another [m]
+_PACE_S, _PACE_RATIO = 0.5, 1.5  # a time is another one that differs by more of both
+_FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
+_NUMBER = re.compile(r"(?<![\w'])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w'])")
+_MOST = 6
+"""Sentences of one kind; more are counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class OutcomeChanges:
+    """How what a later run brought about differs from that of an earlier one, in sentences."""
+
+    result: tuple[str, ...] = ()
+    """What ends otherwise: objects, what is held, the cell, the last rest."""
+    lost: tuple[str, ...] = ()
+    """What of the earlier way the later one does not go."""
+    added: tuple[str, ...] = ()
+    """What the later way has beside all of the earlier one."""
+    pace: tuple[str, ...] = ()
+    """Which rests and ways take another time."""
+
+    def __bool__(self) -> bool:
+        return bool(self.result or self.lost or self.added or self.pace)
+
+    @property
+    def does_something_else(self) -> bool:
+        """Whether the later mission is another one, or lacks some of the way."""
+        return bool(self.result or self.lost)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All of them, the gravest first."""
+        return (*self.result, *self.lost, *self.added, *self.pace)
+
+
+def outcome_changes(
+    old: Outcome, new: Outcome, tolerances: Tolerances = TOLERANCES
+) -> OutcomeChanges:
+    """Return how what a later run brought about differs from that of an earlier one."""
+    comparison = _Comparison(old, new, tolerances)
+    if old.arms != new.arms and old.arms and new.arms:
+        joints = comparison.other_joints()
+        return OutcomeChanges(result=(*comparison.objects(), *joints, *comparison.cell()))
+    lost, added = comparison.way()
+    result = (*comparison.objects(), *comparison.cell(), *comparison.last_rest())
+    return OutcomeChanges(
+        _at_most(result), _at_most(lost), _at_most(added), _at_most(comparison.pace())
+    )
+
+
+def _at_most(sentences: Sequence[str]) -> tuple[str, ...]:
+    shown = tuple(dict.fromkeys(sentences))
+    if len(shown) <= _MOST:
+        return shown
+    return (*shown[:_MOST], f"and {len(shown) - _MOST} more of the kind")
+
+
+class _Comparison:
+    """Two outcomes, their steps aligned."""
+
+    def __init__(self, old: Outcome, new: Outcome, tolerances: Tolerances) -> None:
+        self._old, self._new, self._tolerances = old, new, tolerances
+        self._before, self._after = old.steps, new.steps
+        self._pairs = _aligned(self._before, self._after, self._is_same)
+
+    # The result
+
+    def objects(self) -> list[str]:
+        """Return what of the objects ends otherwise."""
+        before = {found.name: found for found in self._old.objects}
+        after = {found.name: found for found in self._new.objects}
+        lines: list[str] = []
+        for name in sorted({*before, *after}):
+            if name not in after:
+                lines.append(f"{name} is not in the scene any more")
+            elif name not in before:
+                lines.append(f"{name} is new in the scene")
+            else:
+                lines += self._object(before[name], after[name])
+        return lines
+
+    def _object(self, old: ObjectOutcome, new: ObjectOutcome) -> Iterator[str]:
+        name, limits = old.name, self._tolerances
+        if old.held_in != new.held_in:
+            yield f"{name} ends {_held(new)}, before: {_held(old)}"
+            return
+        off = math.dist(old.end_m, new.end_m)
+        tipped = abs(old.tilt_deg - new.tilt_deg)
+        if off > limits.place_m * _ROUNDING:
+            was_moved = math.dist(old.begin_m, old.end_m) > limits.place_m
+            is_moved = math.dist(new.begin_m, new.end_m) > limits.place_m
+            if was_moved and not is_moved:
+                yield f"{name} is no longer moved"
+            elif is_moved and not was_moved:
+                yield f"{name} is moved by {_mm(math.dist(new.begin_m, new.end_m))}, before: not"
+            else:
+                yield f"{name} ends {_mm(off)} from where it ended"
+        if tipped > limits.angle_deg * _ROUNDING:
+            yield f"{name} ends tilted by {new.tilt_deg:.0f} deg, before: {old.tilt_deg:.0f} deg"
+        elif old.heading_deg is not None and new.heading_deg is not None and new.tilt_deg < 45.0:
+            turned = abs((old.heading_deg - new.heading_deg + 180.0) % 360.0 - 180.0)
+            if turned > limits.angle_deg * _ROUNDING:
+                yield f"{name} ends turned by {turned:.0f} deg from how it ended"
+        if old.rests_on != new.rests_on and off > limits.place_m * _ROUNDING:
+            yield f"{name} ends on {new.rests_on or 'nothing'}, before: {old.rests_on or 'nothing'}"
+
+    def cell(self) -> list[str]:
+        """Return what was asked of the cell otherwise."""
+        lines: list[str] = []
+        for name in sorted({use.interface for use in (*self._old.cell, *self._new.cell)}):
+            before = [use for use in self._old.cell if use.interface == name]
+            after = [use for use in self._new.cell if use.interface == name]
+            lines += self._interface(name, before, after)
+        for name in sorted({*self._old.streams} ^ {*self._new.streams}):
+            counted = {use.interface for use in (*self._old.cell, *self._new.cell)}
+            if name not in counted:
+                is_new = name in self._new.streams
+                lines.append(
+                    f"messages on {name} are sent at a steady rate"
+                    + ("" if is_new else " no longer")
+                    + (", before: none" if is_new else "")
+                )
+        return lines
+
+    def _interface(
+        self, name: str, before: Sequence[CellUse], after: Sequence[CellUse]
+    ) -> Iterator[str]:
+        kind = (*after, *before)[0].kind
+        if name in self._old.streams or name in self._new.streams:
+            return
+        if len(before) != len(after):
+            yield f"{name} {_VERBS[kind]} {_times(len(after))}, before: {_times(len(before))}"
+            return
+        well = [sum(use.succeeded for use in uses) for uses in (before, after)]
+        if well[0] != well[1]:
+            yield f"{name} succeeds {_times(well[1])}, before: {_times(well[0])}"
+            return
+        gone, come = list(before), []
+        for use in after:
+            same = next((was for was in gone if _is_same_content(was.content, use.content)), None)
+            if same is None:
+                come.append(use)
+            else:
+                gone.remove(same)
+        for was, use in zip(gone, come, strict=False):
+            yield f"{name} gets {use.content or 'defaults'}, before: {was.content or 'defaults'}"
+
+    def last_rest(self) -> list[str]:
+        """Return where the arm ends otherwise."""
+        lines = []
+        for number in range(max(len(self._old.arms), len(self._new.arms))):
+            before = [rest for rest in self._old.rests if rest.arm == number]
+            after = [rest for rest in self._new.rests if rest.arm == number]
+            if before and after and not self._is_same(before[-1], after[-1]):
+                lines.append(f"the arm ends {self._apart(before[-1], after[-1])} where it ended")
+            elif before and not after:
+                lines.append("the arm never comes to rest, before: it did")
+        return lines
+
+    def other_joints(self) -> list[str]:
+        """Return which joints are commanded only in one run."""
+        before = {name for arm in self._old.arms for name in arm}
+        after = {name for arm in self._new.arms for name in arm}
+        lines = []
+        if before - after:
+            lines.append(f"never commanded any more: {', '.join(sorted(before - after))}")
+        if after - before:
+            lines.append(f"newly commanded: {', '.join(sorted(after - before))}")
+        return lines or ["the joints of the arms are commanded together otherwise"]
+
+    # The way
+
+    def way(self) -> tuple[list[str], list[str]]:
+        """Return what of the way is lost, and what is added."""
+        lost: list[str] = []
+        added: list[str] = []
+        for gone, come in self._gaps():
+            rests = [step for step in gone if isinstance(step, Rest)]
+            others = [step for step in come if isinstance(step, Rest)]
+            for old, new in zip(rests, others, strict=False):
+                lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
+            lost += [f"{self._rest_name(old)} is no longer reached" for old in rests[len(others) :]]
+            added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
+            lost += _grip_changes(gone, come, added)
+        lost += self._moved_uses()
+        lost += self._other_ways()
+        if self._old.left_out != self._new.left_out:
+            lost.append(
+                f"{self._new.left_out} steps more were not kept, before: {self._old.left_out}"
+            )
+        return lost, added
+
+    def _gaps(self) -> Iterator[tuple[Sequence[Step], Sequence[Step]]]:
+        """Yield the steps of both runs between those that are the same."""
+        i = j = 0
+        for one, other in (*self._pairs, (len(self._before), len(self._after))):
+            if one > i or other > j:
+                yield self._before[i:one], self._after[j:other]
+            i, j = one + 1, other + 1
+
+    def _moved_uses(self) -> Iterator[str]:
+        """Yield uses of the cell that come as often, and at another point of the mission."""
+        kept_old = {i for i, _ in self._pairs}
+        kept_new = {j for _, j in self._pairs}
+        counts = [Counter(use.interface for use in uses.cell) for uses in (self._old, self._new)]
+        for i, step in enumerate(self._before):
+            if not isinstance(step, CellUse) or i in kept_old:
+                continue
+            place = next(
+                (
+                    j
+                    for j, other in enumerate(self._after)
+                    if j not in kept_new
+                    and isinstance(other, CellUse)
+                    and self._is_same(step, other)
+                ),
+                None,
+            )
+            if place is None or counts[0][step.interface] != counts[1][step.interface]:
+                continue
+            kept_new.add(place)
+            now, was = _rests_before(self._after, place), _rests_before(self._before, i)
+            yield (
+                f"{step.interface} {_VERBS[step.kind]} {_after_rest(now)}, before: "
+                f"{_after_rest(was)}"
+                if now != was
+                else f"{step.interface} {_VERBS[step.kind]} at another point after rest {now}"
+            )
+
+    def _other_ways(self) -> Iterator[str]:
+        """Yield rests that are reached by another way of the tool."""
+        before: Rest | None = None
+        for i, j in self._pairs:
+            old, new = self._before[i], self._after[j]
+            if not isinstance(old, Rest) or not isinstance(new, Rest):
+                continue
+            if before is not None and (old.via_m or new.via_m):
+                ends = before.tool_m, old.tool_m
+                off = _ways_apart((ends[0], *old.via_m, ends[1]), (ends[0], *new.via_m, ends[1]))
+                if off > _WAY_M:
+                    yield f"the way to {self._rest_name(old)} passes {_mm(off)} beside the old one"
+            before = old
+
+    def pace(self) -> list[str]:
+        """Return which rests and ways take another time."""
+        lines = []
+        pairs = [(self._before[i], self._after[j]) for i, j in self._pairs]
+        for place, (old, new) in enumerate(pairs):
+            if not isinstance(old, Rest) or not isinstance(new, Rest):
+                continue
+            if _is_other_time(old.took_s, new.took_s):
+                lines.append(
+                    f"the way to {self._rest_name(old)} takes {new.took_s:.1f} s, before: "
+                    f"{old.took_s:.1f} s"
+                )
+            if place + 1 < len(pairs) and _is_other_time(old.held_s, new.held_s):
+                lines.append(
+                    f"the arm stays {new.held_s:.1f} s in {self._rest_name(old)}, before: "
+                    f"{old.held_s:.1f} s"
+                )
+        return lines
+
+    # Steps
+
+    def _is_same(self, old: Step, new: Step) -> bool:
+        if isinstance(old, Rest) and isinstance(new, Rest):
+            return self._is_same_rest(old, new)
+        if isinstance(old, GripperUse) and isinstance(new, GripperUse):
+            is_as_open = bool(old.holds) or abs(old.opened - new.opened) <= _OPENING
+            return old.gripper == new.gripper and old.holds == new.holds and is_as_open
+        if isinstance(old, CellUse) and isinstance(new, CellUse):
+            is_alike = (old.kind, old.interface, old.succeeded) == (
+                new.kind,
+                new.interface,
+                new.succeeded,
+            )
+            return is_alike and _is_same_content(old.content, new.content)
+        return False
+
+    def _is_same_rest(self, old: Rest, new: Rest) -> bool:
+        if old.arm != new.arm or len(old.joints) != len(new.joints):
+            return False
+        limits = self._tolerances
+        return math.dist(old.tool_m, new.tool_m) <= limits.place_m * _ROUNDING and all(
+            abs(one - other) <= limits.joint * _ROUNDING
+            for one, other in zip(old.joints, new.joints, strict=True)
+        )
+
+    def _apart(self, old: Rest, new: Rest) -> str:
+        off = math.dist(old.tool_m, new.tool_m)
+        if off > self._tolerances.place_m * _ROUNDING:
+            return f"{_mm(off)} from"
+        names = self._old.arms[old.arm]
+        turned = [abs(one - other) for one, other in zip(old.joints, new.joints, strict=True)]
+        worst = turned.index(max(turned))
+        return f"with {names[worst]} {turned[worst]:.3f} rad or m from"
+
+    def _rest_name(self, rest: Rest) -> str:
+        rests = [found for found in self._old.rests if found.arm == rest.arm]
+        number = 1 + sum(1 for found in rests if found.order < rest.order)
+        return f"rest {number} of {len(rests)} at {_place(rest.tool_m)}"
+
+
+_VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}
+
+
+def _aligned(
+    before: Sequence[Step], after: Sequence[Step], same: Callable[[Step, Step], bool]
+) -> list[tuple[int, int]]:
+    """Return the places of a longest common subsequence of both."""
+    first = 0
+    while first < min(len(before), len(after)) and same(before[first], after[first]):
+        first += 1
+    end = 0
+    most = min(len(before), len(after)) - first
+    while end < most and same(before[-1 - end], after[-1 - end]):
+        end += 1
+    rows, columns = before[first : len(before) - end], after[first : len(after) - end]
+    lengths = [[0] * (len(columns) + 1) for _ in range(len(rows) + 1)]
+    alike = [[same(row, column) for column in columns] for row in rows]
+    for i in range(len(rows) - 1, -1, -1):
+        for j in range(len(columns) - 1, -1, -1):
+            lengths[i][j] = (
+                lengths[i + 1][j + 1] + 1
+                if alike[i][j]
+                else max(lengths[i + 1][j], lengths[i][j + 1])
+            )
+    pairs = [(place, place) for place in range(first)]
+    i = j = 0
+    while i < len(rows) and j < len(columns):
+        if alike[i][j]:
+            pairs.append((first + i, first + j))
+            i, j = i + 1, j + 1
+        elif lengths[i + 1][j] >= lengths[i][j + 1]:
+            i += 1
+        else:
+            j += 1
+    ends = range(end, 0, -1)
+    return pairs + [(len(before) - place, len(after) - place) for place in ends]
+
+
+def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:
+    old = [step for step in gone if isinstance(step, GripperUse)]
+    new = [step for step in come if isinstance(step, GripperUse)]
+    for was, now in zip(old, new, strict=False):
+        yield f"{now.gripper} {_grip(now)}, before: {_grip(was)}"
+    for was in old[len(new) :]:
+        yield f"{was.gripper} no longer {_grip(was)}"
+    added += [f"{now.gripper} newly {_grip(now)}" for now in new[len(old) :]]
+
+
+def _grip(use: GripperUse) -> str:
+    if use.holds:
+        return f"grips {use.holds}"
+    if use.opened >= 1.0 - _OPENING:
+        return "opens"
+    if use.opened <= _OPENING:
+        return "closes on nothing"
+    return f"goes to {100.0 * use.opened:.0f} % of its opening"
+
+
+def _rests_before(steps: Sequence[Step], place: int) -> int:
+    return sum(1 for step in steps[:place] if isinstance(step, Rest))
+
+
+def _after_rest(number: int) -> str:
+    return f"after rest {number}" if number else "before the first rest"
+
+
+def _ways_apart(one: Sequence[Position], other: Sequence[Position]) -> float:
+    """Return how far the corners of two ways lie from the other way at most [m]."""
+    return max(
+        max((_from_way(corner, other) for corner in one), default=0.0),
+        max((_from_way(corner, one) for corner in other), default=0.0),
+    )
+
+
+def _from_way(point: Position, way: Sequence[Position]) -> float:
+    return min(_from_line(point, begin, end) for begin, end in pairwise(way))
+
+
+def _from_line(point: Position, begin: Position, end: Position) -> float:
+    along = [b - a for a, b in zip(begin, end, strict=True)]
+    to = [p - a for a, p in zip(begin, point, strict=True)]
+    length = sum(value * value for value in along)
+    share = sum(a * b for a, b in zip(along, to, strict=True)) / length if length else 0.0
+    share = min(max(share, 0.0), 1.0)
+    return math.dist(to, [share * value for value in along])
+
+
+def _is_same_content(one: str, other: str) -> bool:
+    """Return whether two contents say the same, figures within 1 %."""
+    if one == other:
+        return True
+    if _NUMBER.sub("#", one) != _NUMBER.sub("#", other):
+        return False
+    figures = zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True)
+    return all(
+        math.isclose(float(a), float(b), rel_tol=_FIGURE_SHARE, abs_tol=_FIGURE_LEAST)
+        for a, b in figures
+    )
+
+
+def _is_other_time(one: float, other: float) -> bool:
+    return abs(one - other) > _PACE_S and max(one, other) > _PACE_RATIO * min(one, other)
+
+
+def _held(found: ObjectOutcome) -> str:
+    return f"held in {found.held_in}" if found.held_in else "free"
+
+
+def _times(number: int) -> str:
+    return {0: "never", 1: "once", 2: "twice"}.get(number, f"{number} times")
+
+
+def _mm(length: float) -> str:
+    return f"{1000.0 * length:.0f} mm"
+
+
+def _place(place: Position) -> str:
+    return f"({', '.join(f'{value:.3f}' for value in place)}) m"

@@ -1,0 +1,220 @@
+"""An outcome as the lock keeps it: short lines that a person can read, a few kB at most."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from tracerisk.outcome.outcome import (
+    CellUse,
+    CellUseKind,
+    GripperUse,
+    ObjectOutcome,
+    Outcome,
+    Position,
+    Rest,
+)
+from tracerisk.records import replace
+
+OUTCOME = "outcome"
+MOST_BYTES = 3900
+"""What an outcome may take in the lock; way points go first, then the last steps."""
+_KINDS: dict[str, CellUseKind] = {"C": "call", "M": "message", "G": "goal"}
+_LETTERS = {kind: letter for letter, kind in _KINDS.items()}
+_STEP = ";"
+
+
+def outcome_summary(outcome: Outcome | None) -> dict[str, Any]:
+    """Return what the lock keeps of an outcome; nothing where none is known."""
+    if outcome is None:
+        return {}
+    kept = _data(outcome)
+    if _size(kept) > MOST_BYTES:
+        bare = tuple(replace(rest, via_m=()) for rest in outcome.rests)
+        outcome = replace(outcome, rests=bare)
+        kept = _data(outcome)
+    number = len(outcome.steps)
+    while _size(kept) > MOST_BYTES and number > 0:
+        number = number * 9 // 10
+        outcome = _first(outcome, number)
+        kept = _data(outcome)
+    return {OUTCOME: kept}
+
+
+def kept_outcome(summary: Mapping[str, Any]) -> Outcome | None:
+    """Return the outcome that a lock's summary keeps; `None` where it is unknown or malformed."""
+    data = summary.get(OUTCOME)
+    if not isinstance(data, dict):
+        return None
+    try:
+        return _outcome(data)
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError):
+        return None
+
+
+def _size(data: Mapping[str, Any]) -> int:
+    """Return what it takes in the lock, where each line stands five levels deep."""
+    text = json.dumps(data, indent=1)
+    return len(text) + 4 * text.count("\n")
+
+
+def _first(outcome: Outcome, number: int) -> Outcome:
+    """Return an outcome with its first steps alone."""
+    return replace(
+        outcome,
+        rests=tuple(step for step in outcome.rests if step.order < number),
+        grips=tuple(step for step in outcome.grips if step.order < number),
+        cell=tuple(step for step in outcome.cell if step.order < number),
+        left_out=outcome.left_out + max(0, len(outcome.steps) - number),
+    )
+
+
+# Out
+
+
+def _data(outcome: Outcome) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "arms": [" ".join(arm) for arm in outcome.arms],
+        "grippers": _grippers(outcome),
+        "objects": [_object_text(found) for found in outcome.objects],
+        "way": list(_way_lines(outcome)),
+    }
+    if outcome.streams:
+        data["streams"] = list(outcome.streams)
+    if outcome.left_out:
+        data["left_out"] = outcome.left_out
+    return {key: value for key, value in data.items() if value}
+
+
+def _grippers(outcome: Outcome) -> list[str]:
+    return sorted({use.gripper for use in outcome.grips})
+
+
+def _object_text(found: ObjectOutcome) -> str:
+    heading = "-" if found.heading_deg is None else f"{found.heading_deg:.0f}"
+    return (
+        f"{found.name}|{_steps(found.begin_m)}|{_steps(found.end_m)}|{found.tilt_deg:.0f} "
+        f"{heading}|{found.rests_on}|{found.held_in}"
+    )
+
+
+def _way_lines(outcome: Outcome) -> Iterator[str]:
+    """Yield the steps in order, as many in a line as are easy to read."""
+    known: dict[tuple[int, tuple[float, ...], Position], int] = {}
+    grippers = _grippers(outcome)
+    line: list[str] = []
+    for step in outcome.steps:
+        if isinstance(step, Rest):
+            text = _rest_text(step, known)
+        elif isinstance(step, GripperUse):
+            number = grippers.index(step.gripper)
+            text = f"g{number} {100.0 * step.opened:.0f} {step.holds}".rstrip()
+        else:
+            mark = "" if step.succeeded else "!"
+            text = f"{_LETTERS[step.kind]}{mark} {step.interface} {_escaped(step.content)}".rstrip()
+        if line and sum(map(len, line)) + len(text) > _WIDTH:
+            yield _STEP.join(line)
+            line = []
+        line.append(text)
+    if line:
+        yield _STEP.join(line)
+
+
+_WIDTH = 400
+
+
+def _rest_text(rest: Rest, known: dict[tuple[int, tuple[float, ...], Position], int]) -> str:
+    """Return a rest in whole mrad and mm; one that was there before by its number."""
+    key = rest.arm, rest.joints, rest.tool_m
+    times = f"{_tenths(rest.took_s)} {_tenths(rest.held_s)}"
+    via = f" via {','.join(map(_steps, rest.via_m))}" if rest.via_m else ""
+    if key in known:
+        return f"={known[key]} {times}{via}"
+    known[key] = len(known)
+    arm = f"{rest.arm}" if rest.arm else ""
+    return f"r{arm} {_steps(rest.joints)}@{_steps(rest.tool_m)}@{times}{via}"
+
+
+def _steps(values: Sequence[float]) -> str:
+    return " ".join(str(round(1000.0 * value)) for value in values)
+
+
+def _tenths(seconds: float) -> str:
+    return str(round(10.0 * seconds))
+
+
+def _escaped(text: str) -> str:
+    return text.replace(_STEP, ",").replace("\n", " ")
+
+
+# Back
+
+
+def _outcome(data: Mapping[str, Any]) -> Outcome:
+    rests: list[Rest] = []
+    grips: list[GripperUse] = []
+    cell: list[CellUse] = []
+    known: list[Rest] = []
+    texts = [text for line in data.get("way", ()) for text in line.split(_STEP)]
+    for order, text in enumerate(texts):
+        letter, _, rest = text.partition(" ")
+        if letter[0] in "r=":
+            rests.append(_read_rest(letter, rest, order, known))
+        elif letter[0] == "g":
+            opened, _, holds = rest.partition(" ")
+            gripper = data["grippers"][int(letter[1:])]
+            grips.append(GripperUse(order, gripper, int(opened) / 100.0, holds))
+        else:
+            interface, _, content = rest.partition(" ")
+            kind = _KINDS[letter[0]]
+            cell.append(CellUse(order, kind, interface, content, not letter.endswith("!")))
+    return Outcome(
+        arms=tuple(tuple(arm.split(" ")) for arm in data.get("arms", ())),
+        objects=tuple(map(_read_object, data.get("objects", ()))),
+        rests=tuple(rests),
+        grips=tuple(grips),
+        cell=tuple(cell),
+        streams=tuple(data.get("streams", ())),
+        left_out=int(data.get("left_out", 0)),
+    )
+
+
+def _read_object(text: str) -> ObjectOutcome:
+    name, begin, end, turned, rests_on, held_in = text.split("|")
+    tilt, heading = turned.split(" ")
+    return ObjectOutcome(
+        name,
+        _read_position(begin),
+        _read_position(end),
+        float(tilt),
+        None if heading == "-" else float(heading),
+        rests_on,
+        held_in,
+    )
+
+
+def _read_rest(letter: str, text: str, order: int, known: list[Rest]) -> Rest:
+    text, _, via = text.partition(" via ")
+    if letter[0] == "=":
+        before, times = known[int(letter[1:])], text
+        arm, joints, tool = before.arm, before.joints, before.tool_m
+    else:
+        joints_text, tool_text, times = text.split("@")
+        arm = int(letter[1:] or 0)
+        joints, tool = _read_steps(joints_text), _read_position(tool_text)
+    took, held = times.split(" ")
+    corners = tuple(_read_position(corner) for corner in via.split(",")) if via else ()
+    rest = Rest(order, joints, tool, int(held) / 10.0, int(took) / 10.0, arm, corners)
+    if letter[0] == "r":
+        known.append(rest)
+    return rest
+
+
+def _read_steps(text: str) -> tuple[float, ...]:
+    return tuple(int(value) / 1000.0 for value in text.split(" ")) if text else ()
+
+
+def _read_position(text: str) -> Position:
+    x, y, z = _read_steps(text)
+    return x, y, z

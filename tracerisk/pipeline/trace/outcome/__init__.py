@@ -1,0 +1,1 @@
+"""What a run brought about, made of what was recorded."""
