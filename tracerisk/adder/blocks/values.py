@@ -184,6 +184,23 @@ def component_fields(component: ComponentEntry) -> tuple[tuple[FieldKind, Field[
     )
 
 
+def block_fields(
+    block: RiskBlock, component: str | None = None
+) -> dict[str, tuple[FieldKind, Field[Any]]]:
+    """Return what a block states, by key: of the function itself, or of one of its components.
+
+    Nothing where the block lacks the component.
+    """
+    fields: list[tuple[FieldKind, Field[Any]]] = []
+    if component is None:
+        fields = [(CALL_SEQUENCE, block.call_sequence)]
+        fields += [] if block.next is None else [(NEXT, block.next)]
+    for entry in block.components:
+        if entry.name == component:
+            fields = list(component_fields(entry))
+    return {kind.key: (kind, value) for kind, value in fields if value.is_stated}
+
+
 def is_component_pinned(component: ComponentEntry) -> bool:
     """Return whether a user set anything in a component."""
     return (

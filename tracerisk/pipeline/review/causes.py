@@ -4,42 +4,102 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from typing import get_args
+from dataclasses import dataclass
+from typing import Any, get_args
 
-from tracerisk.adder.lock.digest import KINDS, DigestReading
+from tracerisk.adder.blocks.values import FieldKind, block_fields
+from tracerisk.adder.lock.digest import DigestReading
 from tracerisk.adder.lock.lock import WrittenBlock
-from tracerisk.adder.sources.published import read_c_blocks
-from tracerisk.adder.sources.read import read_blocks
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
+from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.prm.review.risk_change import Cause, ChangedField
 from tracerisk.source.code_digest import code_digest
 from tracerisk.source.language import is_c, is_c_like
-from tracerisk.trace import FunctionRef
 
 _OF_HARDWARE = frozenset({"hardware", "active"})
 
 
 def cause_finder(
-    before: ControllerVersion, after: ControllerVersion, refs: Mapping[str, FunctionRef]
+    before: ControllerVersion, after: ControllerVersion, functions: Mapping[str, FunctionSource]
 ) -> Callable[[ChangedField], tuple[Cause, ...]]:
     """Return a function that finds the cause of a change that no pin explains.
 
     A value that neither its block's digest nor the later lock knows is a user's edit. Else it is
     what the run depended on that differs: the controller's code, the hardware description,
     settings, other files. Where a version has no lock, its code decides.
-    `refs` are the functions of the later version by their names in the model.
+    `functions` are those of the later version by their names in the model.
     """
     of_run = _run_causes(before, after)
 
     def cause_of(field: ChangedField) -> tuple[Cause, ...]:
-        if _is_the_tools(field, after, refs):
+        values = [
+            _BlockValue(functions[function], field.component, key)
+            for function, key in field.stated
+            if function in functions and not field.is_gone
+        ]
+        if len(values) == len(field.stated) and all(value.is_the_tools for value in values):
             return of_run
-        if _is_edited(field, after, refs):
+        if any(value.is_edited(after) for value in values):
             return ("edit",)
         return of_run or ("edit",)
 
     return cause_of
+
+
+@dataclass(frozen=True, slots=True)
+class _BlockValue:
+    """A value in a block of the later version."""
+
+    function: FunctionSource
+    component: str | None
+    """`None` for a value of the function itself."""
+    key: str | None
+    """`None` for the whole component, or the whole block."""
+
+    @property
+    def stated(self) -> tuple[FieldKind, Any] | None:
+        """How the value is read, and the value; `None` where the block states none."""
+        found = block_fields(self.function.block, self.component).get(self.key or "")
+        return None if found is None else (found[0], found[1].value)
+
+    @property
+    def is_the_tools(self) -> bool:
+        """Whether the digest of its block says that the tool wrote it, on any branch."""
+        digest = DigestReading(self.function.block)
+        if self.key is None and self.component is not None:
+            return digest.has_component(self.component)
+        if self.key is None:
+            return digest.is_there
+        return self.stated is not None and digest.vouches(self.component, *self.stated)
+
+    def is_edited(self, after: ControllerVersion) -> bool:
+        """Return whether the later lock knows that the tool wrote something else there."""
+        if after.entry is None:
+            return False
+        file, name = os.path.relpath(self.function.file, after.folder), self.function.name
+        candidates = [
+            written[file][name]
+            for written in after.entry.all_blocks
+            if name in written.get(file, {})
+        ]
+        return bool(candidates) and not any(map(self._is_as_in, candidates))
+
+    def _is_as_in(self, written: WrittenBlock) -> bool:
+        values = written.values
+        if self.component is not None:
+            if self.component not in written.components:
+                return False
+            values = written.components[self.component].values
+        if self.key is None:
+            return True
+        if self.key not in values:
+            # An earlier version of the tool wrote no `next`.
+            return self.component is None
+        if self.stated is None:
+            return False
+        kind, value = self.stated
+        return kind.same(kind.read(values[self.key]), value)
 
 
 def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[str, ...]:
@@ -98,53 +158,3 @@ def _codes(version: ControllerVersion) -> set[str]:
         repr(source) if is_c_like(file) and not is_c(file) else code_digest(source, file)
         for file, source in version.sources.items()
     }
-
-
-def _is_the_tools(
-    field: ChangedField, after: ControllerVersion, refs: Mapping[str, FunctionRef]
-) -> bool:
-    """Return whether the digest of its block says that the tool wrote a value, on any branch."""
-    ref = refs.get(field.function)
-    source = None if ref is None or field.is_gone else after.sources.get(ref.file)
-    if ref is None or source is None:
-        return False
-    blocks = (
-        {block.name: block for block in read_c_blocks(source, ref.file)}
-        if is_c_like(ref.file)
-        else {placed.function: placed.block for placed in read_blocks(source, ref.file)}
-    )
-    for name, block in blocks.items():
-        if name == ref.name:
-            digest = DigestReading(block)
-            if field.component is not None and field.key is None:
-                return digest.has_component(field.component)
-            if field.key is None or field.after is None:
-                return digest.is_there
-            kind = KINDS[field.key]
-            return digest.vouches(field.component, kind, kind.read(field.after))
-    return False
-
-
-def _is_edited(
-    field: ChangedField, after: ControllerVersion, refs: Mapping[str, FunctionRef]
-) -> bool:
-    """Return whether the later lock knows that the tool wrote something else there."""
-    ref = refs.get(field.function)
-    if after.entry is None or ref is None or field.is_gone:
-        return False
-    file = os.path.relpath(ref.file, after.folder)
-    candidates = [
-        written[file][ref.name]
-        for written in after.entry.all_blocks
-        if ref.name in written.get(file, {})
-    ]
-    return bool(candidates) and all(_differs(field, each) for each in candidates)
-
-
-def _differs(field: ChangedField, written: WrittenBlock) -> bool:
-    if field.component is None:
-        return field.key is not None and written.values.get(field.key) not in (None, field.after)
-    component = written.components.get(field.component)
-    if component is None:
-        return True
-    return field.key is not None and component.values.get(field.key) != field.after

@@ -134,11 +134,12 @@ def difference(
     """
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
+    functions = {} if after is None else _functions(after, new)
     renamed = {}
     if before is not None and after is not None:
         renamed = renamed_functions(
             _functions(before, old),
-            _functions(after, new),
+            functions,
             (controller.before.sources, controller.after.sources),
         )
     found = compare(
@@ -147,7 +148,7 @@ def difference(
         name=controller.name,
         was=controller.was,
         renamed=renamed,
-        cause_of=cause_finder(controller.before, controller.after, new),
+        cause_of=cause_finder(controller.before, controller.after, functions),
         inputs=input_changes(controller.before, controller.after),
     )
     verdicts = None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.values import CALL_SEQUENCE, NEXT, component_fields
+from tracerisk.adder.blocks.values import NEXT, block_fields
 from tracerisk.prm.review.component_changes import ComponentItem, alike, component_items
 from tracerisk.prm.review.contributions import contribution
 from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
@@ -19,6 +19,7 @@ from tracerisk.prm.review.model_parts import (
 )
 from tracerisk.prm.review.pin_changes import pin_changes
 from tracerisk.prm.review.risk_change import (
+    ENTRY,
     KIND_OF_CAUSE,
     Cause,
     CauseKind,
@@ -102,8 +103,9 @@ def _changes(
     def explained(field: ChangedField) -> ChangedField:
         """Return a change with its cause: a user's pin, else what the caller knows."""
         pinned = any(
-            field.function in blocks and _is_pinned(blocks[field.function], field)
+            function in blocks and _is_pinned(blocks[function], field.component, key)
             for blocks in (before.blocks, after.blocks)
+            for function, key in field.stated
         )
         return replace(field, causes=("pin",) if pinned else cause_of(field))
 
@@ -232,7 +234,7 @@ def _flow_summaries(group: Sequence[FlowItem]) -> Iterator[str]:
     elif following:
         yield f"next of {_listed([field.function for field in following])}"
     for item in group:
-        if item.field.key == CALL_SEQUENCE.key:
+        if item.field.key == ENTRY:
             yield f"the mission starts with {item.field.after}, no longer {item.field.before}"
 
 
@@ -287,22 +289,15 @@ def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SingleP
     )
 
 
-def _is_pinned(block: RiskBlock, field: ChangedField) -> bool:
-    if field.component is not None:
-        for entry in block.components:
-            if entry.name == field.component:
-                if field.key is None:
-                    return entry.added or entry.omitted
-                return any(
-                    kind.key == field.key and value.pinned
-                    for kind, value in component_fields(entry)
-                )
-        return False
-    if field.key == NEXT.key:
-        return block.next is not None and block.next.pinned
-    if field.key == CALL_SEQUENCE.key:
-        return block.call_sequence.pinned
-    return block.added
+def _is_pinned(block: RiskBlock, component: str | None, key: str | None) -> bool:
+    if key is not None:
+        fields = block_fields(block, component)
+        return key in fields and fields[key][1].pinned
+    if component is None:
+        return block.added
+    return any(
+        entry.name == component and (entry.added or entry.omitted) for entry in block.components
+    )
 
 
 def _functions(

@@ -13,7 +13,7 @@ from typing import Any
 from tracerisk.adder.blocks.block import Field
 from tracerisk.prm.hybrid.hybrid import DONE
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, Steps
-from tracerisk.prm.review.risk_change import ChangedField, Mark, is_noise
+from tracerisk.prm.review.risk_change import ENTRY, ChangedField, Mark, is_noise
 from tracerisk.strong_components import joined_parts
 
 Edit = Callable[[ModelParts], None]
@@ -90,7 +90,7 @@ def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) ->
 def _entry(before: RiskVersion, after: RiskVersion, once: set[str]) -> FlowItem:
     old, new = before.model.entry, after.model.entry
     place = after.blocks[new].call_sequence.location
-    changed = ChangedField("entry", new, None, "callSequence", old, new, place)
+    changed = ChangedField(ENTRY, new, None, ENTRY, old, new, place)
 
     def edit(parts: ModelParts) -> None:
         parts.entry = new

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
 from tracerisk.trace import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
@@ -31,24 +32,40 @@ Mark = Literal["new_state", "lost_state", "new_next", "lost_redundancy", "single
 """What a reviewer should see of a change, whatever it does to the figure."""
 
 
+ENTRY = "entry"
+"""The key of the function that runs first, which no line of a block states."""
+
+
 @dataclass(frozen=True, slots=True)
 class ChangedField:
-    """One value of one block that differs between the versions.
-
-    `path` is dotted: `place.gripper.probability`, `place.next`, `place` for a whole block.
-    `before` and `after` are the texts, `None` where the version has no such value.
-    `location` is where it stands in the later version; in the earlier one if `is_gone`.
-    """
+    """One thing that differs between the versions: a value of a block, a block, the entry."""
 
     path: str
+    """Dotted: `place.gripper.probability`, `place.next`, `place` for a whole block, `entry`."""
     function: str
+    """The function of the block; of the entry, the one that runs first in the later version."""
     component: str | None
     key: str | None
+    """The key of the value in its block, or `ENTRY`; `None` for a whole block or component."""
     before: str | None
+    """What to print for the earlier version; `None` where it has no such value."""
     after: str | None
+    """What to print for the later version; `None` where it has no such value."""
     location: Location | None
+    """The place in the later version; in the earlier one if `is_gone`."""
     is_gone: bool = False
     causes: tuple[Cause, ...] = ()
+
+    @property
+    def stated(self) -> tuple[tuple[str, str | None], ...]:
+        """The values of blocks that make the change: the function and the key of each.
+
+        Two make the entry: the ranks of the function that runs first now, and of the one that did.
+        """
+        if self.key != ENTRY:
+            return ((self.function, self.key),)
+        names = dict.fromkeys(name for name in (self.after, self.before) if name is not None)
+        return tuple((name, CALL_SEQUENCE.key) for name in names)
 
 
 @dataclass(frozen=True, slots=True)
