@@ -2,9 +2,10 @@
 # Whether the blocks can be trusted as they stand, and the run behind them; never simulates.
 source "${0%/*}/shared.sh"
 limits=()
-if [ -n "${BASE:-}" ]; then
-    fetch_base
-    limits+=(--base "$BASE")
-fi
+[ -z "${BASE:-}" ] || limits+=(--base "$BASE")
 [ -z "${MIN_COVERAGE:-}" ] || limits+=("--min-coverage=$MIN_COVERAGE")
-keep_code tracerisk check "${limits[@]}" --sarif "$folder/sarif/tracerisk.sarif" -- "${files[@]}"
+check() {
+    [ -z "${BASE:-}" ] || fetch_base || return
+    tracerisk check "${limits[@]}" --sarif "$folder/sarif/tracerisk.sarif" -- "${files[@]}"
+}
+keep_code check

@@ -1,11 +1,15 @@
 #!/usr/bin/env bash
 # Keep one comment on the pull request up to date; keep still where there is nothing to say.
+# Nothing to say there is only where the comparison ended with 0 or 1: DIFF.
 # A comment that cannot be written fails nothing: alerts, report and verdict come after it.
 source "${0%/*}/shared.sh"
 cd "$RUNNER_TEMP"
 body="$folder/comment.md"
-tag='<!-- tracerisk-diff -->'
-[ -f "$body" ] || exit 0
+mkdir -p "$folder"
+case "${DIFF:-}" in
+    0 | 1) ;;
+    *) undetermined "${DIFF:-unknown}" >"$body" ;;
+esac
 
 give_up() {
     echo "::warning title=tracerisk::no comment could be written: the token needs pull-requests: write, which a pull request from a fork has not"

@@ -39,21 +39,31 @@ quoted() {
     return "$code"
 }
 
-# Run a command, keep what it prints, and hand on its exit code instead of stopping.
+# Run a command, keep what it prints, and hand on its exit code, also as `code`, instead of stopping.
 keep_code() {
-    local code=0
+    code=0
     quoted "$@" || code=$?
     echo "code=$code" >>"$GITHUB_OUTPUT"
+}
+
+# What begins a comment by which it is found again.
+tag='<!-- tracerisk-diff -->'
+
+# Print the comment of a comparison that ended with a code which says nothing of the risk.
+undetermined() {
+    printf '%s\n**The change of risk could not be determined** (exit code %s): %s.\n' \
+        "$tag" "$1" 'the log says why'
 }
 
 # Have a commit here, which a checkout of depth 1 may lack: of this name, or what a name stands for.
 fetch_commit() {
     if ! [[ "$1" =~ ^[0-9a-f]{40}([0-9a-f]{24})?$ ]]; then
         echo "what is to be compared is no commit: nothing is compared" >&2
-        exit 2
+        return 2
     fi
     git cat-file -e "$1^{commit}" 2>/dev/null ||
-        git fetch --quiet --no-tags --no-recurse-submodules "${@:3}" origin "${2:-$1}"
+        git fetch --quiet --no-tags --no-recurse-submodules "${@:3}" origin "${2:-$1}" ||
+        return
     git cat-file -e "$1^{commit}"
 }
 

@@ -7,7 +7,9 @@ if [ "${CHECK:-0}" -ne 0 ]; then
     code=$CHECK
 fi
 if [ "${DIFF:-0}" -ne 0 ]; then
-    echo "::error title=tracerisk diff::a limit on the risk is exceeded, the run went wrong, or it cannot be determined (exit code $DIFF)"
+    what="a limit on the risk is exceeded, or the run went wrong"
+    [ "$DIFF" -eq 1 ] || what="the change of risk could not be determined"
+    echo "::error title=tracerisk diff::$what (exit code $DIFF)"
     [ "$code" -ne 0 ] || code=$DIFF
 fi
 exit "$code"

@@ -140,12 +140,12 @@ class Runner:
         for step in self.steps:
             if "run" not in step or step["id"] == "install":
                 continue
-            if (
-                "find.outputs.number" in step.get("if", "")
-                and not values["steps.find.outputs.number"]
-            ):
-                continue
             values.setdefault("steps.find.outputs.number", "")
+            condition = step.get("if", "")
+            if "find.outputs.number" in condition and not values["steps.find.outputs.number"]:
+                continue
+            if "diff.outputs.code > 1" in condition and int(values["steps.diff.outputs.code"]) < 2:
+                continue
             output = self.temp / f"{step['id']}.output"
             environment = {
                 **os.environ,
@@ -155,7 +155,7 @@ class Runner:
                 "COMMENTS": str(self.comments_file),
                 **(around or {}),
                 **{
-                    name: EXPRESSION.sub(lambda found: values[found[1]], str(text))
+                    name: EXPRESSION.sub(lambda found: values.get(found[1], ""), str(text))
                     for name, text in step["env"].items()
                 },
             }
@@ -248,6 +248,72 @@ def test_one_comment_is_written_and_kept_up_to_date(runner, steps):
     assert runner.comments == [
         "<!-- tracerisk-diff -->\n**No change of risk worth a comment any more.**\n"
     ]
+
+
+@pytest.fixture
+def ended(prefix):
+    """Makes an environment whose `tracerisk diff` prints half a comment and ends as told."""
+
+    def make(ending: str) -> Path:
+        warm = shlex.join(program(os.environ))
+        return prefix(
+            f'[ "$1" != diff ] || {{ printf "<!-- tracerisk-diff -->\\n**cell"; {ending}; }}\n'
+            f'exec {warm} "$@"'
+        )
+
+    return make
+
+
+def undetermined(code: int) -> str:
+    return (
+        "<!-- tracerisk-diff -->\n**The change of risk could not be determined** "
+        f"(exit code {code}): the log says why.\n"
+        f"\n[The reports, as a download]({REPORTS})\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("ending", "code"), [("exit 2", 2), ("exit 5", 5), ("kill -KILL $$", 137), ("exit 127", 127)]
+)
+def test_a_change_that_cannot_be_determined_is_never_no_change(runner, steps, ended, ending, code):
+    base = commit(runner, steps("= 4e-07"))
+    runner.run(base, files="cell.py")
+    (first,) = runner.comments
+    codes = runner.run(base, prefix=ended(ending), files="cell.py")
+    assert runner.comments == [undetermined(code)]
+    assert codes["verdict"] != "0"
+    assert f"the change of risk could not be determined (exit code {code})" in runner.log
+    runner.run(base, files="cell.py")
+    assert runner.comments == [first]
+
+
+def test_without_an_earlier_comment_what_cannot_be_determined_is_one(runner, steps, ended):
+    base = commit(runner, steps())
+    summary = runner.temp.parent / "summary.md"
+    runner.run(
+        base, prefix=ended("exit 5"), files="cell.py", around={"GITHUB_STEP_SUMMARY": str(summary)}
+    )
+    assert runner.comments == [undetermined(5)]
+    assert "could not be determined" in summary.read_text()
+
+
+@pytest.mark.parametrize("base", ["0" * 40, "main"])
+def test_a_base_that_git_does_not_have_leaves_the_change_undetermined(runner, steps, base):
+    commit(runner, steps("= 4e-07"))
+    codes = runner.run(base, files="cell.py")
+    (comment,) = runner.comments
+    assert "could not be determined" in comment
+    assert codes["verdict"] != "0"
+
+
+def test_a_comparison_that_never_ran_leaves_the_change_undetermined(runner, steps):
+    """As where a step before it failed: the comment is written all the same."""
+    (step,) = (each for each in runner.steps if each.get("id") == "comment")
+    assert "!cancelled()" in step["if"]
+    runner.steps = [each for each in runner.steps if each.get("id") not in ("diff", "verdict")]
+    runner.run(commit(runner, steps()), files="cell.py")
+    (comment,) = runner.comments
+    assert "could not be determined** (exit code unknown)" in comment
 
 
 def test_a_change_that_no_reviewer_need_see_is_passed_over(runner, steps):
@@ -359,6 +425,15 @@ def test_a_pull_request_from_a_fork_is_compared_without_being_checked_out(fork):
     (comment,) = runner.comments
     assert comment.startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
     assert not (runner.repository.folder / "venv.py").exists()
+
+
+def test_a_fork_whose_change_cannot_be_determined_fails_and_says_so(fork, ended):
+    runner, run = fork
+    assert "verdict" not in run()
+    runner.prefix = ended("exit 5")
+    assert run()["verdict"] == "5"
+    (comment,) = runner.comments
+    assert "could not be determined** (exit code 5)" in comment
 
 
 @pytest.mark.parametrize("found", ["", "7 main", "7 $(touch x)", "seven " + "0" * 40])

@@ -129,6 +129,23 @@ def test_one_note_is_kept_up_to_date(repository, annotated_source, server, job):
     assert server.notes[1].endswith("**No change of risk worth a comment any more.**\n")
 
 
+@pytest.mark.parametrize(("base", "code"), [("HEAD~1", 2), ("0" * 40, 2)])
+def test_a_change_that_cannot_be_determined_is_never_no_change(
+    repository, annotated_source, server, job, base, code
+):
+    repository.write("cell.py", annotated_source(place=("done 1", "gripper = 2e-07")))
+    repository.commit()
+    repository.write("cell.py", annotated_source(place=("gone 1", "gripper = 2e-07")))
+    repository.commit()
+    server.notes.append("<!-- tracerisk-diff -->\n**an earlier note**")
+    assert job(base) == code
+    assert server.notes[1:] == [
+        "<!-- tracerisk-diff -->\n**The change of risk could not be determined** "
+        f"(exit code {code}): the log says why.\n"
+    ]
+    assert "could not be determined" in repository.read("tracerisk.md").decode()
+
+
 def test_no_token_writes_no_note(repository, annotated_source, server, job):
     repository.write("cell.py", annotated_source(place=("done 1", "gripper = 2e-07")))
     base = repository.commit()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -70,6 +72,25 @@ def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     assert {name: after[name] for name in written if name != "src/pick.py"} == {
         name: written[name] for name in written if name != "src/pick.py"
     }
+
+
+@pytest.mark.parametrize("ends", [0, 1, 2, 5, 137])
+def test_the_job_of_gitlab_says_where_no_change_could_be_determined(cell, ends):
+    assert cell.run("init", "--yes", "--ci", "gitlab").code == 0
+    _, line = YAML(typ="safe").load(cell.read(".gitlab-ci.yml"))["risk"]["script"]
+    cell.write("tools/tracerisk", f"#!/bin/sh\nexit {ends}\n").chmod(0o700)
+    done = subprocess.run(
+        ["/bin/sh", "-ec", line],
+        env={
+            "PATH": f"{cell.folder / 'tools'}:{os.environ['PATH']}",
+            "CI_MERGE_REQUEST_DIFF_BASE_SHA": "main",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    said = "The change of risk could not be determined.\n" if ends > 1 else ""
+    assert (done.returncode, done.stdout) == (ends, said)
 
 
 @pytest.mark.parametrize(
