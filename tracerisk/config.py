@@ -74,6 +74,8 @@ class Settings:
     files and folders that it may reach besides, `env` the names of variables that it gets.
     `evidence`: whether the values of blocks take what failures on the twin showed;
     `evidence_cells` is how many of them are drawn first.
+    `outcome_place_mm` [mm], `outcome_angle_deg` [deg] and `outcome_joint_mrad` [mrad, or mm] are by
+    how much what two runs brought about may differ and count as the same.
     """
 
     robot: str | None = None
@@ -108,6 +110,9 @@ class Settings:
     env: tuple[str, ...] = ()
     evidence: bool = False
     evidence_cells: int = 200
+    outcome_place_mm: float = 2.0
+    outcome_angle_deg: float = 2.0
+    outcome_joint_mrad: float = 5.0
 
     @property
     def run_duration_s(self) -> float:

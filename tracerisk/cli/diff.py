@@ -27,6 +27,8 @@ words [REV|FILE ...]  REV, A..B or A...B as git reads them (HEAD against the wor
 --max-failure-probability, --max-risk P
                       exit 1 if a mission's failure probability is above P after the change
 --no-new-accepts      exit 1 if the change accepts a reason of its run that was not accepted before
+--no-outcome-change   exit 1 if the mission brings about something else: objects, rests, grips, uses
+                      of the cell
 --silent-below R      print nothing where no mission's failure probability changes by more than R
                       of it
 --textconv FILE       print a source with its risk model below it, for `git diff`: docs/review.md
@@ -56,6 +58,7 @@ def run(options: argparse.Namespace) -> int:
         for each in found.controllers
         for line in (
             *_new_accepts(each, options),
+            *_other_outcome(each, options),
             *_exceeded(each, options.max_increase, options.max_failure_probability),
         )
     ]
@@ -118,6 +121,14 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     ]
 
 
+def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
+    if not options.no_outcome_change or diff.outcome is None:
+        return []
+    first, *more = diff.outcome.of_mission or ("",)
+    rest = f" (and {len(more)} more)" if more else ""
+    return [f"{diff.name}: {first}{rest}; --no-outcome-change"] if first else []
+
+
 def _bad_run(diff: RiskDiff) -> str | None:
     """Return why the newer run keeps a change from being compared; `None` where it does not."""
     verdicts = diff.verdicts
@@ -147,7 +158,7 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
     found = []
     risk = diff.after.failure_probability
     bad = _bad_run(diff)
-    # Of two runs of unknown verdict the figures are all there is.
+    # Of two runs of unknown verdict, and of two missions, the figures are all there is.
     unknown = diff.verdicts is not None and diff.verdicts == RunVerdicts(None, None)
     if max_increase is not None and bad is not None:
         found.append(f"{diff.name}: {bad}; --max-increase {max_increase:g}")
@@ -155,13 +166,14 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
         max_increase is not None
         and diff.before is not None
         and not diff.is_unchanged
-        and (diff.is_comparable or unknown)
+        and (diff.is_comparable or unknown or not diff.is_same_mission)
     ):
         before = diff.before.failure_probability
+        is_apart = unknown or not diff.is_same_mission
         if risk > before * (1.0 + max_increase):
             rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
             found.append(
-                f"{diff.name}: mission failure {'is more' if unknown else 'rises'} by {rise}, "
+                f"{diff.name}: mission failure {'is more' if is_apart else 'rises'} by {rise}, "
                 f"over --max-increase {max_increase:g}"
             )
     if limit is not None and risk > limit:

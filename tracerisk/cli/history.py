@@ -114,6 +114,7 @@ def _data(points: list[HistoryPoint], above: HistoryPoint | None) -> dict[str, A
         "commits": [
             {
                 **picked(point, "change", "commit", "date", "error", "path", "subject"),
+                "outcome": point.outcome_mark,
                 "failure_probability": point.failure_probability,
                 "verdict": None if point.verdict is None else point.verdict.kind,
             }

@@ -44,6 +44,7 @@ _WAY_M = 0.015  # how far the tool's way between two rests may pass beside anoth
 _PACE_S, _PACE_RATIO = 0.5, 1.5  # a time is another one that differs by more of both
 _FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
 _NUMBER = re.compile(r"(?<![\w'])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w'])")
+_IN_A_ROW = 3
 _MOST = 6
 """Sentences of one kind; more are counted."""
 
@@ -70,9 +71,14 @@ class OutcomeChanges:
         return bool(self.result or self.lost)
 
     @property
+    def of_mission(self) -> tuple[str, ...]:
+        """All but the pace, the gravest first."""
+        return (*self.result, *self.lost, *self.added)
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """All of them, the gravest first."""
-        return (*self.result, *self.lost, *self.added, *self.pace)
+        return (*self.of_mission, *self.pace)
 
 
 def outcome_changes(
@@ -94,7 +100,7 @@ def _at_most(sentences: Sequence[str]) -> tuple[str, ...]:
     shown = tuple(dict.fromkeys(sentences))
     if len(shown) <= _MOST:
         return shown
-    return (*shown[:_MOST], f"and {len(shown) - _MOST} more of the kind")
+    return (*shown[:_MOST], f"and {len(shown) - _MOST} more")
 
 
 class _Comparison:
@@ -133,6 +139,7 @@ class _Comparison:
             is_moved = math.dist(new.begin_m, new.end_m) > limits.place_m
             if was_moved and not is_moved:
                 yield f"{name} is no longer moved"
+                return
             elif is_moved and not was_moved:
                 yield f"{name} is moved by {_mm(math.dist(new.begin_m, new.end_m))}, before: not"
             else:
@@ -221,7 +228,7 @@ class _Comparison:
             others = [step for step in come if isinstance(step, Rest)]
             for old, new in zip(rests, others, strict=False):
                 lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
-            lost += [f"{self._rest_name(old)} is no longer reached" for old in rests[len(others) :]]
+            lost += self._lost_rests(rests[len(others) :])
             added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
             lost += _grip_changes(gone, come, added)
         lost += self._moved_uses()
@@ -231,6 +238,15 @@ class _Comparison:
                 f"{self._new.left_out} steps more were not kept, before: {self._old.left_out}"
             )
         return lost, added
+
+    def _lost_rests(self, rests: Sequence[Rest]) -> Iterator[str]:
+        """Yield rests in a row that are not reached, many of them in one sentence."""
+        if len(rests) < _IN_A_ROW:
+            yield from (f"{self._rest_name(rest)} is no longer reached" for rest in rests)
+            return
+        first, last = (self._number(rest) for rest in (rests[0], rests[-1]))
+        total = sum(rest.arm == rests[0].arm for rest in self._old.rests)
+        yield f"rests {first} to {last} of {total} are no longer reached"
 
     def _gaps(self) -> Iterator[tuple[Sequence[Step], Sequence[Step]]]:
         """Yield the steps of both runs between those that are the same."""
@@ -338,9 +354,12 @@ class _Comparison:
         return f"with {names[worst]} {turned[worst]:.3f} rad or m from"
 
     def _rest_name(self, rest: Rest) -> str:
+        total = sum(found.arm == rest.arm for found in self._old.rests)
+        return f"rest {self._number(rest)} of {total} at {_place(rest.tool_m)}"
+
+    def _number(self, rest: Rest) -> int:
         rests = [found for found in self._old.rests if found.arm == rest.arm]
-        number = 1 + sum(1 for found in rests if found.order < rest.order)
-        return f"rest {number} of {len(rests)} at {_place(rest.tool_m)}"
+        return 1 + sum(found.order < rest.order for found in rests)
 
 
 _VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}

@@ -1,4 +1,4 @@
-"""An outcome as the lock keeps it: short lines that a person can read, a few kB at most."""
+"""An outcome as the lock keeps it: short lines that a reviewer can read, a few kB at most."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from tracerisk.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.outcome.outcome import (
     CellUse,
     CellUseKind,
@@ -15,7 +16,7 @@ from tracerisk.outcome.outcome import (
     Position,
     Rest,
 )
-from tracerisk.records import replace
+from tracerisk.records import asdict, replace
 
 OUTCOME = "outcome"
 MOST_BYTES = 3900
@@ -25,8 +26,11 @@ _LETTERS = {kind: letter for letter, kind in _KINDS.items()}
 _STEP = ";"
 
 
-def outcome_summary(outcome: Outcome | None) -> dict[str, Any]:
-    """Return what the lock keeps of an outcome; nothing where none is known."""
+def outcome_summary(outcome: Outcome | None, tolerances: Tolerances = TOLERANCES) -> dict[str, Any]:
+    """Return what the lock keeps of an outcome; nothing where none is known.
+
+    `tolerances` that the settings give are kept with it.
+    """
     if outcome is None:
         return {}
     kept = _data(outcome)
@@ -39,7 +43,21 @@ def outcome_summary(outcome: Outcome | None) -> dict[str, Any]:
         number = number * 9 // 10
         outcome = _first(outcome, number)
         kept = _data(outcome)
+    if tolerances != TOLERANCES:
+        kept["tolerances"] = asdict(tolerances)
     return {OUTCOME: kept}
+
+
+def kept_tolerances(summary: Mapping[str, Any]) -> Tolerances:
+    """Return the tolerances that are kept with an outcome; the usual ones where there are none."""
+    data = summary.get(OUTCOME)
+    given = data.get("tolerances") if isinstance(data, dict) else None
+    if not isinstance(given, dict) or given.keys() != asdict(TOLERANCES).keys():
+        return TOLERANCES
+    values = list(given.values())
+    if not all(type(value) is float and value > 0.0 for value in values):
+        return TOLERANCES
+    return Tolerances(**given)
 
 
 def kept_outcome(summary: Mapping[str, Any]) -> Outcome | None:

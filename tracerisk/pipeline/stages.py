@@ -28,6 +28,7 @@ from tracerisk.dependencies import require_simulator
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.hardware.formats import load_hardware as load_hardware
 from tracerisk.hardware.model import Hardware
+from tracerisk.outcome.changes import Tolerances
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
@@ -261,7 +262,14 @@ def annotate(
         lock,
         fingerprint=inputs.fingerprint,
         trace=trace_summary(
-            _at_bare_lines(trace, before, controller), computed.instances, kept=kept
+            _at_bare_lines(trace, before, controller),
+            computed.instances,
+            kept=kept,
+            tolerances=Tolerances(
+                settings.outcome_place_mm / 1000.0,
+                settings.outcome_angle_deg,
+                settings.outcome_joint_mrad / 1000.0,
+            ),
         ),
         inputs=inputs.data(),
         policy=policy,

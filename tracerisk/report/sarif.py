@@ -108,6 +108,14 @@ RULES: tuple[Rule, ...] = (
         "hardware description if there is any; what is new in a change deserves a look.",
     ),
     Rule(
+        "changed-outcome",
+        "warning",
+        "The mission brings about something else.",
+        "Objects, rests, grips or uses of the cell differ from those of the earlier run. Check "
+        "that the change of the mission is meant; figures of different missions cannot be "
+        "compared.",
+    ),
+    Rule(
         "lost-redundancy",
         "warning",
         "A component lost its redundancy.",

@@ -14,6 +14,7 @@ from tracerisk.adder.figures.computed import ComputedBlocks
 from tracerisk.cli.shared.output import note, place_data, scenario_advice, write_file
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.outcome.outcome import moved_line
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
@@ -44,7 +45,12 @@ def headline(trace: Trace) -> str:
 
 
 def object_lines(trace: Trace) -> list[str]:
-    """Return one line on the things of the scene that have a goal, and one for each astray."""
+    """Return which objects moved, how many stand at their goal, and a line for each astray."""
+    moved = moved_line(trace.outcome)
+    return [*([moved] if moved else []), *_goal_lines(trace)]
+
+
+def _goal_lines(trace: Trace) -> list[str]:
     with_goal = [each for each in trace.objects if each.goal is not None]
     if not with_goal:
         return []

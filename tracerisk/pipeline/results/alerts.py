@@ -94,13 +94,19 @@ def check_alerts(
 
 
 def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
-    """Return the alerts of a change: redundancy that it took, single points that it made, and
-    components that it leaves out by hand.
+    """Return the alerts of a change: what the mission brings about otherwise, redundancy that it
+    took, single points that it made, and components that it leaves out by hand.
 
     `folder` is where the places of the review stand, the root of the repository.
     """
     alerts = []
     for diff in review.controllers:
+        if diff.outcome is not None:
+            place = Location(diff.name, 1)
+            alerts += [
+                _alert("changed-outcome", line, place, folder, subject=line)
+                for line in diff.outcome.of_mission
+            ]
         for change in diff.changes:
             field = next((each for each in change.fields if not each.is_gone), None)
             place = None if field is None else field.location

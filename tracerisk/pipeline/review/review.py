@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.outcome.changes import OutcomeChanges, outcome_changes
+from tracerisk.outcome.kept import kept_outcome, kept_tolerances
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.annotated_files import annotated_files
@@ -162,10 +164,24 @@ def difference(
             after is not None,
         )
     changes_of_run = run_changes(controller.before, controller.after, renamed)
-    unrun = unrun_files(controller.after)
-    found = replace(found, of_run=changes_of_run, verdicts=verdicts, unrun=unrun)
+    found = replace(
+        found,
+        of_run=changes_of_run,
+        verdicts=verdicts,
+        unrun=unrun_files(controller.after),
+        outcome=_outcome_changes(controller, before is not None and after is not None),
+    )
     # Where a run went wrong, no cause of a difference is one.
     return found if found.is_comparable else replace(found, causes=())
+
+
+def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
+    """Return how the outcomes of two versions differ; `None` where a lock keeps none."""
+    entries = controller.before.entry, controller.after.entry
+    old, new = (None if entry is None else kept_outcome(entry.trace) for entry in entries)
+    if not in_both or old is None or new is None or entries[1] is None:
+        return None
+    return outcome_changes(old, new, kept_tolerances(entries[1].trace))
 
 
 def _built(

@@ -10,8 +10,8 @@ from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.figures.instances import ComponentInstances
 from tracerisk.adder.merge.merge import NOISE
-from tracerisk.outcome.changes import outcome_changes
-from tracerisk.outcome.kept import OUTCOME, kept_outcome, outcome_summary
+from tracerisk.outcome.changes import TOLERANCES, Tolerances, outcome_changes
+from tracerisk.outcome.kept import OUTCOME, kept_outcome, kept_tolerances, outcome_summary
 from tracerisk.pipeline.trace.kept_verdict import verdict_summary
 from tracerisk.pipeline.trace.last_run import last_run_summary
 from tracerisk.trace import FunctionRef, Trace
@@ -22,6 +22,7 @@ def trace_summary(
     instances: Sequence[ComponentInstances] = (),
     *,
     kept: Mapping[str, Any] | None = None,
+    tolerances: Tolerances = TOLERANCES,
 ) -> dict[str, Any]:
     """Return what the lock keeps of a trace: by function the exposures of each element [s].
 
@@ -63,16 +64,20 @@ def trace_summary(
         "functions": functions,
         **verdict_summary(trace.verdict),
         **last_run_summary(trace),
-        **_outcome(trace, kept or {}),
+        **_outcome(trace, kept or {}, tolerances),
     }
 
 
-def _outcome(trace: Trace, kept: Mapping[str, Any]) -> dict[str, Any]:
+def _outcome(trace: Trace, kept: Mapping[str, Any], tolerances: Tolerances) -> dict[str, Any]:
     """Return the outcome as the lock keeps it: what it has, where that says the same."""
-    before = kept_outcome(kept)
-    found = outcome_summary(trace.outcome)
-    now = kept_outcome(found)
-    if before is not None and now is not None and not outcome_changes(before, now):
+    found = outcome_summary(trace.outcome, tolerances)
+    before, now = kept_outcome(kept), kept_outcome(found)
+    if (
+        before is not None
+        and now is not None
+        and kept_tolerances(kept) == tolerances
+        and not outcome_changes(before, now, tolerances)
+    ):
         return {OUTCOME: kept[OUTCOME]}
     return found
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.errors import Location
+from tracerisk.outcome.changes import OutcomeChanges
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
 from tracerisk.trace import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
 
@@ -274,6 +275,8 @@ class RiskDiff:
     verdicts: RunVerdicts | None = None
     causes: tuple[CauseShare, ...] = ()
     unrun: tuple[str, ...] = ()
+    outcome: OutcomeChanges | None = None
+    """How what the later run brought about differs; `None` where it is unknown of one of them."""
 
     @property
     def is_comparable(self) -> bool:
@@ -282,9 +285,24 @@ class RiskDiff:
         A run that broke does less, so that a figure which falls with it says nothing.
         """
         if self.verdicts is None:
+            return self.is_same_mission
+        falls = self._falls and self.verdicts.does_less
+        return self.verdicts.is_comparable and not falls and self.is_same_mission
+
+    @property
+    def is_same_mission(self) -> bool:
+        """Whether the later figure may be said to rise or fall, by what the runs brought about.
+
+        A mission with another result is another one. One that lacks some of the way does less, so
+        that it must not look safer.
+        """
+        if self.outcome is None:
             return True
-        falls = self.increase < 0.0 and not self.is_unchanged
-        return self.verdicts.is_comparable and not (falls and self.verdicts.does_less)
+        return not self.outcome.result and not (self._falls and self.outcome.lost)
+
+    @property
+    def _falls(self) -> bool:
+        return self.increase < 0.0 and not self.is_unchanged
 
     @property
     def increase(self) -> float:
@@ -312,7 +330,7 @@ class RiskDiff:
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):
             return True
-        if self.unrun:
+        if self.unrun or (self.outcome is not None and self.outcome.of_mission):
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:

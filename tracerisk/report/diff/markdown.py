@@ -28,6 +28,10 @@ def render_diff_markdown(review: Review) -> str:
     for line in (*verdicts, *accepted):
         lines += [_escaped(line), ""]
     lines += [f"**{_escaped(sentences.headline(review, below_verdicts=True))}**", ""]
+    for each in shown:
+        for title, entries in sentences.of_missions(each):
+            of = "" if len(shown) == 1 else f", {each.name}"
+            lines += _list(title + _escaped(of), entries)
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
@@ -72,8 +76,6 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
 
 
 def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
-    for title, entries in sentences.broken_and_repaired(diff):
-        yield from _list(title, entries)
     if diff.changes and diff.is_comparable:
         small = sentences.small_changes(diff)
         large = [change for change in diff.changes if change not in small]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tracerisk.outcome.changes import OutcomeChanges
 from tracerisk.prm.review.risk_change import (
     NOISE,
     CauseShare,
@@ -21,6 +22,8 @@ from tracerisk.source.language import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 OF_RUN = "What the run showed that it did not before"
+OF_OUTCOME = "What the mission brings about otherwise"
+OF_PACE = "What takes another time"
 OF_INPUTS = "What the runs behind the blocks depended on"
 
 _MARKS: dict[Mark, str] = {
@@ -94,15 +97,33 @@ def acceptances(diff: RiskDiff) -> list[str]:
     return [f"newly accepted: {each}" for each in found]
 
 
-def broken_and_repaired(diff: RiskDiff) -> list[tuple[str, list[str]]]:
-    """Return what broke in the later run and what was repaired, each with its title."""
-    if diff.verdicts is None:
-        return []
-    found = [
-        ("What broke", [str(each) for each in diff.verdicts.broke]),
-        ("What was repaired", [str(each) for each in diff.verdicts.repaired]),
-    ]
+def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what the later run brought about otherwise, and what broke and was repaired.
+
+    Each comes with its title, before any figure is shown.
+    """
+    found: list[tuple[str, list[str]]] = []
+    if diff.outcome is not None:
+        found += [(OF_OUTCOME, list(diff.outcome.of_mission)), (OF_PACE, list(diff.outcome.pace))]
+    if diff.verdicts is not None:
+        found += [
+            ("What broke", [str(reason) for reason in diff.verdicts.broke]),
+            ("What was repaired", [str(reason) for reason in diff.verdicts.repaired]),
+        ]
     return [(title, lines) for title, lines in found if lines]
+
+
+def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:
+    """Return what another mission does otherwise, and both figures side by side."""
+    figures = [version for version in (diff.before, diff.after) if version is not None]
+    first, *more = (*outcome.result, *outcome.lost)
+    rest = f" (and {len(more)} more)" if more else ""
+    old, new = figures[0].failure_probability, figures[-1].failure_probability
+    what = "does something else" if outcome.result else "does less"
+    return (
+        f"{diff.name} {what}: {first}{rest}; mission failure is {probability(new)} now and was "
+        f"{probability(old)}, of different missions"
+    )
 
 
 def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool) -> str:
@@ -125,8 +146,16 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
     return f"{text}; the two runs cannot be compared"
 
 
+def _can_tell(diff: RiskDiff) -> bool:
+    """Return whether both runs went well, so that what they brought about is all that differs."""
+    verdicts = diff.verdicts
+    return verdicts is None or (verdicts.is_comparable and not verdicts.does_less)
+
+
 def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
+    if diff.outcome is not None and not diff.is_same_mission and _can_tell(diff):
+        return _other_mission(diff, diff.outcome) + _unrun(diff)
     if diff.verdicts is not None and not diff.is_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:
@@ -145,6 +174,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         )
     if diff.is_unchanged:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
+        if diff.outcome is not None and diff.outcome.of_mission:
+            text += f", yet the way is another: {(*diff.outcome.lost, *diff.outcome.added)[0]}"
         return text + (f", yet {_structural(diff)}{_unrun(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (

@@ -38,6 +38,8 @@ def render_diff(review: Review, *, width: int = 80) -> str:
 
 
 def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
+    for title, entries in sentences.of_missions(diff):
+        yield from _list(title, entries, room)
     yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room)
     missions = diff.before, diff.after
     whole = [None if each is None else each.failure_probability for each in missions]
@@ -45,8 +47,6 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
     yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
     yield ""
-    for title, entries in sentences.broken_and_repaired(diff):
-        yield from _list(title, entries, room)
     if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
         small = sentences.small_changes(diff)

@@ -55,6 +55,9 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     ]
     lines += sentences.pins(review, diff)
     lines += (*diff.of_run, *diff.inputs)
+    lines[:0] = [
+        f"{title}: {entry}" for title, lines in sentences.of_missions(diff) for entry in lines
+    ]
     if diff.within_noise:
         lines.append(
             f"values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"

@@ -55,7 +55,17 @@ class HistoryPoint:
             return bool(self.error)
         verdicts = self.diff.verdicts
         is_judged = verdicts is not None and verdicts.before != verdicts.after
-        return not self.diff.is_unchanged or is_judged
+        outcome = self.diff.outcome
+        is_other = outcome is not None and bool(outcome.of_mission)
+        return not self.diff.is_unchanged or is_judged or is_other
+
+    @property
+    def outcome_mark(self) -> str:
+        """What the commit did to what the mission brings about: `result`, `way` or nothing."""
+        outcome = None if self.diff is None else self.diff.outcome
+        if outcome is None or not outcome.of_mission:
+            return ""
+        return "result" if outcome.result else "way"
 
     @property
     def change(self) -> str:
@@ -71,20 +81,24 @@ class HistoryPoint:
 def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER) -> str:
     """Return the table of one controller for a terminal, the oldest commit first."""
     table = table_of(name)
-    for heading in ("commit", "date", "mission failure", "ratio", "verdict", "subject"):
+    marked = [row.outcome_mark for row in rows]
+    changes = ("changes",) if any(marked) else ()
+    for heading in ("commit", "date", "mission failure", "ratio", *changes, "verdict", "subject"):
         is_number = heading in ("mission failure", "ratio")
         table.add_column(heading, justify="right" if is_number else "left", overflow="fold")
     last: float | None = None
     for row in rows:
         figure = row.failure_probability
         change = ""
-        if figure is not None and last:
+        # The figures of another result are of different missions.
+        if figure is not None and last and row.outcome_mark != "result":
             change = f"x{figure / last:.3g}"
         table.add_row(
             row.name,
             row.date,
             "unreadable" if row.error else "-" if figure is None else f"{figure:.3e}",
             change,
+            *((row.outcome_mark,) if changes else ()),
             kind_of(row.verdict),
             row.subject,
         )

@@ -1,0 +1,151 @@
+"""What a diff says of two runs that brought about other things: first, and before any figure."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from tests.pipeline.review.test_review import lock_of, only, write
+from tracerisk.outcome.changes import Tolerances
+from tracerisk.outcome.kept import outcome_summary
+from tracerisk.outcome.outcome import ObjectOutcome, Outcome, Rest
+from tracerisk.pipeline.review.review import review
+from tracerisk.trace import Coverage, Verdict
+from tracerisk.trace_json import plain_data
+
+HOME, PLACE = Rest(0, (0.0,), (0.3, 0.0, 0.5), 0.0, 1.0), Rest(1, (0.5,), (0.3, 0.2, 0.5), 0.0, 1.0)
+CUP = ObjectOutcome("cup", (0.3, 0.0, 0.1), (0.3, 0.2, 0.1), 0.0, None, "table", "")
+WHOLE = Outcome(arms=(("joint1",),), objects=(CUP,), rests=(HOME, PLACE))
+HALF = replace(WHOLE, objects=(replace(CUP, end_m=CUP.begin_m),), rests=(HOME,))
+LONGER = replace(
+    WHOLE,
+    rests=(HOME, replace(PLACE, joints=(0.2,), tool_m=(0.3, 0.1, 0.5)), replace(PLACE, order=2)),
+)
+WITHOUT_DETOUR, WITH_DETOUR = WHOLE, LONGER
+COMPLETE = plain_data(Verdict("complete", (), Coverage(1, 1)))
+
+
+@pytest.fixture
+def both(repository, annotated_source):
+    """Two versions of a controller, with the figure and the outcome of each."""
+
+    def make(before: Outcome, after: Outcome, *, figures=("4e-07", "2e-07"), **tolerances):
+        for figure, outcome in zip(figures, (before, after), strict=True):
+            source = {"pick.py": annotated_source(place=("done 1", f"gripper = {figure}"))}
+            limits = replace(Tolerances(), **tolerances)
+            trace = {"verdict": COMPLETE, **outcome_summary(outcome, limits)}
+            write(repository, source, ("pick.py", replace(lock_of(source, "pick.py"), trace=trace)))
+            if figure == figures[0] and outcome is before:
+                repository.commit()
+        return repository
+
+    return make
+
+
+def test_half_of_the_work_never_looks_safer(both):
+    repository = both(WHOLE, HALF)
+    diff = only(review([], repository.folder))
+    assert diff.outcome is not None
+    assert "cup is no longer moved" in diff.outcome.result
+    assert not diff.is_comparable
+    outcome = repository.run("diff", "HEAD", "pick.py")
+    assert "falls" not in outcome.out
+    lines = outcome.out.splitlines()
+    first = next(i for i, line in enumerate(lines) if "cup is no longer moved" in line)
+    figure = next(i for i, line in enumerate(lines) if line.startswith("  mission failure"))
+    assert first < figure
+    assert "does something else: cup is no longer moved" in " ".join(lines)
+    assert "of different missions" in " ".join(lines)
+
+
+def test_a_shorter_way_to_the_same_result_is_not_called_safer(both):
+    repository = both(WITH_DETOUR, WITHOUT_DETOUR)
+    out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
+    assert "does less: rest 2 of 3 at (0.300, 0.100, 0.500) m is no longer reached" in out
+    assert "falls" not in out
+
+
+@pytest.mark.parametrize(
+    ("figures", "verb"), [(("4e-07", "2e-07"), "falls"), (("2e-07", "4e-07"), "rises")]
+)
+def test_a_longer_way_to_the_same_result_rises_or_falls(both, figures, verb):
+    repository = both(WHOLE, LONGER, figures=figures)
+    out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
+    assert f"mission failure {verb} from" in out
+    assert "a rest at (0.300, 0.100, 0.500) m is new" in out
+
+
+def test_a_shorter_way_that_costs_more_rises(both):
+    repository = both(WITH_DETOUR, WITHOUT_DETOUR, figures=("2e-07", "4e-07"))
+    assert "mission failure rises from" in repository.run("diff", "HEAD", "pick.py").out
+
+
+def test_the_same_outcome_says_nothing(both):
+    repository = both(WHOLE, WHOLE)
+    out = repository.run("diff", "HEAD", "pick.py").out
+    assert "mission failure falls" in out
+    assert "otherwise" not in out
+
+
+def test_the_gate_is_on_just_that(both):
+    repository = both(WHOLE, HALF)
+    assert repository.run("diff", "HEAD", "pick.py").code == 0
+    outcome = repository.run("diff", "HEAD", "pick.py", "--no-outcome-change")
+    assert outcome.code == 1
+    assert "pick.py: cup is no longer moved (and 2 more); --no-outcome-change" in outcome.err
+
+
+def test_the_gate_passes_another_pace(both):
+    slower = replace(WHOLE, rests=(HOME, replace(PLACE, took_s=9.0)))
+    repository = both(WHOLE, slower, figures=("2e-07", "4e-07"))
+    outcome = repository.run("diff", "HEAD", "pick.py", "--no-outcome-change")
+    assert outcome.code == 0, outcome.err
+    assert "takes 9.0 s, before: 1.0 s" in " ".join(outcome.out.split())
+
+
+def test_a_rise_of_another_mission_is_held_by_the_limit(both):
+    repository = both(WHOLE, HALF, figures=("2e-07", "4e-07"))
+    outcome = repository.run("diff", "HEAD", "pick.py", "--max-increase", "0.5")
+    assert outcome.code == 1
+    assert "mission failure is more by 100 %" in outcome.err
+
+
+def test_tolerances_of_the_settings_are_those_of_the_later_run(both):
+    moved = replace(WHOLE, objects=(replace(CUP, end_m=(0.3, 0.206, 0.1)),))
+    assert only(review([], both(WHOLE, moved).folder)).outcome.result
+    wide = both(WHOLE, moved, place_m=0.01)
+    assert not only(review([], wide.folder)).outcome.result
+
+
+def test_every_format_says_it_first(both):
+    repository = both(WHOLE, HALF)
+    data = repository.run("diff", "--json", "HEAD", "pick.py", "--sarif", "out.sarif").json
+    (controller,) = data["controllers"]
+    assert controller["outcome"]["result"][0] == "cup is no longer moved"
+    assert (controller["ratio"], controller["increase"]) == (None, None)
+    assert data["headline"].startswith("pick.py does something else")
+    alerts = json.loads((repository.folder / "out.sarif").read_text())["runs"][0]["results"]
+    assert {alert["ruleId"] for alert in alerts} == {"changed-outcome"}
+    markdown = repository.run("diff", "--format", "markdown", "HEAD", "pick.py").out
+    assert markdown.index("cup is no longer moved") < markdown.index("| controller |")
+
+
+def test_a_quiet_bot_speaks_of_another_outcome(both):
+    repository = both(WHOLE, HALF, figures=("2e-07", "2.0001e-07"))
+    assert repository.run("diff", "HEAD", "pick.py", "--silent-below", "0.5").out
+
+
+def test_history_marks_the_commit_that_changed_the_result(both):
+    repository = both(WHOLE, HALF)
+    repository.commit()
+    out = repository.run("history", "pick.py").out
+    last = out.splitlines()[-4:]
+    assert any("result" in line for line in last), out
+    assert "x0.5" not in out
+    data = repository.run("history", "pick.py", "--json").json
+    assert [point["outcome"] for point in data["controllers"]["pick.py"]["commits"]] == [
+        "",
+        "result",
+    ]
