@@ -30,6 +30,17 @@ LOST = "lost:"
 WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
 """The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
+CommandEnd = Literal[
+    "arrived",  # it came to its goal, or fingers came to rest on something
+    "replaced",  # another command took its joints
+    "cancelled",  # the controller stopped or cancelled it
+    "left_on",  # a velocity that nobody took back, until the end of the run or a limit
+    "aborted",  # it ended short of its goal by itself
+    "refused",  # a goal that was not taken
+    "ignored",  # a message that moved nothing
+    "cut_by_end",  # the run ended while it was on its way
+]
+"""How a command ended."""
 EndCause = Literal[
     "ended",  # the controller returned, or called exit with 0
     "quiescent",  # every thread waits and no event is due
@@ -180,6 +191,30 @@ class Visit:
     exposures: Mapping[str, Exposure | None]
     payloads: tuple[Payload, ...] = ()
     contacts: tuple[Contact, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TracedCommand:
+    """A call that was to make hardware act, and how it ended."""
+
+    function: FunctionRef
+    """The function that issued it: the innermost of the controller's on its stack."""
+    line: int
+    """Where in its file it was issued; 0 where that is unknown."""
+    kind: str
+    """How it was given: `move_group`, `follow_joint_trajectory`, `gripper_command`..."""
+    elements: tuple[str, ...]
+    """The joints and grippers that it addressed; none where it was refused or ignored."""
+    issue_s: float
+    """When it was issued, in simulated time [s]."""
+    end_s: float | None
+    """When it ended [s]; `None` where the run was over before."""
+    end: CommandEnd
+    """How it ended."""
+    way_done: float | None = None
+    """Which fraction of its way was done then, by the joint that had the farthest to go."""
+    replaced_by: int | None = None
+    """The place in `Trace.commands`, from 0, of the command that replaced it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -434,6 +469,7 @@ class Trace:
     `verdict` says how far the run can be taken for the mission; `None` in the log of another tool.
     `inputs` are the files from which it was given parameters without being asked to: launch
     files, and the files of parameters that they name, from the controller's root, sorted.
+    `commands` are in the order of issue, those that were refused or ignored among them.
     """
 
     controller: str
@@ -454,6 +490,7 @@ class Trace:
     verdict: Verdict | None = None
     outcome: Outcome | None = None
     """What the run brought about; `None` in a recording of a real robot and in a log."""
+    commands: tuple[TracedCommand, ...] = ()
 
     @property
     def drafted(self) -> str:
@@ -497,6 +534,10 @@ class Trace:
                 replace(each, location=_moved(each.location, line_of)) for each in self.findings
             ),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
+            commands=tuple(
+                replace(command, line=line(command.function, command.line))
+                for command in self.commands
+            ),
         )
 
     def with_files(self, file_of: Callable[[str], str]) -> Trace:
@@ -517,6 +558,9 @@ class Trace:
             ),
             files=tuple(map(file_of, self.files)),
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),
+            commands=tuple(
+                replace(command, function=named(command.function)) for command in self.commands
+            ),
         )
 
     def _repr_html_(self) -> str:

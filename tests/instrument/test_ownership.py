@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import Location
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.ownership import Attribution, attribute
-from tracerisk.instrument.recording import Command, Recording
+from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import FunctionRef, QualifiedName, TracedFunction
+from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName, TracedFunction
 
 MS = 1_000_000
 STEP = 2 * MS
@@ -36,9 +38,9 @@ def stack(*calls: tuple[str, int]) -> tuple[Frame, ...]:
 
 
 def recording(
-    *commands: tuple[tuple[Frame, ...], Sequence[str], int, int | None, str | None],
+    *commands: tuple[tuple[Frame, ...], Sequence[str], int, int | None, CommandEnd | None],
 ) -> Recording:
-    """Return a recording of (stack, elements, issue [ms], end [ms], outcome)."""
+    """Return a recording of (stack, elements, issue [ms], end [ms], how it ended)."""
     return Recording(
         tuple(
             Command(
@@ -47,10 +49,10 @@ def recording(
                 tuple(elements),
                 frames,
                 issue * MS,
-                None if end is None else end * MS,
-                outcome,
+                None if end_ms is None else end_ms * MS,
+                end,
             )
-            for k, (frames, elements, issue, end, outcome) in enumerate(commands, start=1)
+            for k, (frames, elements, issue, end_ms, end) in enumerate(commands, start=1)
         )
     )
 
@@ -64,10 +66,10 @@ def visits_of(found: Attribution) -> list[tuple[str, int, int, str]]:
 def test_a_visit_is_one_activation_of_its_owner() -> None:
     found = attribute(
         recording(
-            (stack(("m", 1), ("pick", 2)), ARM, 0, 10, "succeeded"),
-            (stack(("m", 1), ("pick", 2)), HAND, 10, 20, "succeeded"),
+            (stack(("m", 1), ("pick", 2)), ARM, 0, 10, "arrived"),
+            (stack(("m", 1), ("pick", 2)), HAND, 10, 20, "arrived"),
             (stack(("m", 1), ("place", 3)), ARM, 20, 30, "aborted"),
-            (stack(("m", 1), ("pick", 4)), ARM, 30, 40, "succeeded"),
+            (stack(("m", 1), ("pick", 4)), ARM, 30, 40, "arrived"),
         ),
         end_ns=40 * MS,
     )
@@ -85,8 +87,8 @@ def test_a_visit_is_one_activation_of_its_owner() -> None:
 def test_next_activation_is_a_new_visit_when_the_command_ended_even_at_that_instant() -> None:
     found = attribute(
         recording(
-            (stack(("m", 1), ("step", 2)), ARM, 0, 10, "succeeded"),
-            (stack(("m", 1), ("step", 3)), ARM, 10, 20, "succeeded"),
+            (stack(("m", 1), ("step", 2)), ARM, 0, 10, "arrived"),
+            (stack(("m", 1), ("step", 3)), ARM, 10, 20, "arrived"),
         ),
         end_ns=20 * MS,
     )
@@ -100,7 +102,7 @@ def test_a_stream_of_set_points_is_one_visit() -> None:
             ARM,
             10 * k,
             10 * k + (10 if k < 99 else 40),
-            "preempted" if k < 99 else "succeeded",
+            "replaced" if k < 99 else "arrived",
         )
         for k in range(1, 100)
     ]
@@ -112,9 +114,9 @@ def test_a_stream_of_set_points_is_one_visit() -> None:
 def test_a_stream_is_one_visit_though_another_owner_commands_in_between() -> None:
     found = attribute(
         recording(
-            (stack(("tick", 1)), ARM, 0, 50, "preempted"),
-            (stack(("m", 2), ("grip", 3)), HAND, 20, 30, "succeeded"),
-            (stack(("tick", 4)), ARM, 50, 100, "succeeded"),
+            (stack(("tick", 1)), ARM, 0, 50, "replaced"),
+            (stack(("m", 2), ("grip", 3)), HAND, 20, 30, "arrived"),
+            (stack(("tick", 4)), ARM, 50, 100, "arrived"),
         ),
         end_ns=100 * MS,
     )
@@ -125,8 +127,8 @@ def test_a_stream_that_another_owner_took_over_begins_a_new_visit() -> None:
     found = attribute(
         recording(
             (stack(("tick", 1)), ARM, 0, None, None),
-            (stack(("m", 2), ("stop", 3)), ARM, 20, 30, "succeeded"),
-            (stack(("tick", 4)), ARM, 50, 100, "succeeded"),
+            (stack(("m", 2), ("stop", 3)), ARM, 20, 30, "arrived"),
+            (stack(("tick", 4)), ARM, 50, 100, "arrived"),
         ),
         end_ns=100 * MS,
     )
@@ -140,9 +142,9 @@ def test_a_stream_that_another_owner_took_over_begins_a_new_visit() -> None:
 def test_visit_of_a_helper_is_the_activation_of_its_owner() -> None:
     found = attribute(
         recording(
-            (stack(("m", 1), ("pick", 2), ("go", 3)), ARM, 0, 10, "succeeded"),
-            (stack(("m", 1), ("pick", 2), ("go", 4)), ARM, 10, 20, "succeeded"),
-            (stack(("m", 1), ("place", 5), ("go", 6)), ARM, 20, 30, "succeeded"),
+            (stack(("m", 1), ("pick", 2), ("go", 3)), ARM, 0, 10, "arrived"),
+            (stack(("m", 1), ("pick", 2), ("go", 4)), ARM, 10, 20, "arrived"),
+            (stack(("m", 1), ("place", 5), ("go", 6)), ARM, 20, 30, "arrived"),
         ),
         end_ns=30 * MS,
     )
@@ -153,9 +155,9 @@ def test_visit_of_a_helper_is_the_activation_of_its_owner() -> None:
 def test_each_element_belongs_to_the_latest_live_command_that_addresses_it() -> None:
     found = attribute(
         recording(
-            (stack(("left", 1)), ("l1", "l2"), 4, 20, "succeeded"),
-            (stack(("right", 2)), ("r1",), 8, 12, "succeeded"),
-            (stack(("hand", 3)), ("l2",), 14, 16, "succeeded"),
+            (stack(("left", 1)), ("l1", "l2"), 4, 20, "arrived"),
+            (stack(("right", 2)), ("r1",), 8, 12, "arrived"),
+            (stack(("hand", 3)), ("l2",), 14, 16, "arrived"),
         ),
         end_ns=24 * MS,
     )
@@ -170,8 +172,8 @@ def test_each_element_belongs_to_the_latest_live_command_that_addresses_it() -> 
 def test_an_element_that_nobody_addressed_goes_with_the_current_visit() -> None:
     found = attribute(
         recording(
-            (stack(("grip", 1)), HAND, 0, 4, "succeeded"),
-            (stack(("move", 2)), ARM, 6, 10, "succeeded"),
+            (stack(("grip", 1)), HAND, 0, 4, "arrived"),
+            (stack(("move", 2)), ARM, 6, 10, "arrived"),
         ),
         end_ns=12 * MS,
     )
@@ -195,10 +197,10 @@ def test_a_command_that_never_ended_lives_until_the_run_does() -> None:
 def test_two_owners_with_live_commands_are_reported_once() -> None:
     found = attribute(
         recording(
-            (stack(("left", 1)), ("l1",), 0, 20, "succeeded"),
-            (stack(("right", 2)), ("r1",), 8, 30, "succeeded"),
-            (stack(("left", 3)), ("l1",), 22, 40, "succeeded"),
-            (stack(("last", 4)), ("l1",), 40, 50, "succeeded"),
+            (stack(("left", 1)), ("l1",), 0, 20, "arrived"),
+            (stack(("right", 2)), ("r1",), 8, 30, "arrived"),
+            (stack(("left", 3)), ("l1",), 22, 40, "arrived"),
+            (stack(("last", 4)), ("l1",), 40, 50, "arrived"),
         ),
         end_ns=50 * MS,
     )
@@ -211,7 +213,7 @@ def test_two_owners_with_live_commands_are_reported_once() -> None:
 def test_a_hundred_hertz_stream_of_five_minutes_is_assigned_quickly() -> None:
     frames = stack(("tick", 1))
     found = attribute(
-        recording(*((frames, ARM, 10 * k, 10 * k + 10, "preempted") for k in range(30_000))),
+        recording(*((frames, ARM, 10 * k, 10 * k + 10, "replaced") for k in range(30_000))),
         end_ns=300_000 * MS,
     )
     assert len(found.visits) == 1
@@ -225,17 +227,19 @@ N_STEPS = 200
 
 
 @st.composite
-def missions(draw: st.DrawFn) -> list[tuple[int, tuple[str, ...], int, int | None, str | None]]:
-    """Draw (step of the task, elements, issue, end, outcome) of up to twelve commands [ms]."""
-    commands: list[tuple[int, tuple[str, ...], int, int | None, str | None]] = []
+def missions(
+    draw: st.DrawFn,
+) -> list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]]:
+    """Draw (step of the task, elements, issue, end [ms], how it ended) of up to twelve commands."""
+    commands: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]] = []
     now = draw(st.integers(0, 20))
     for _ in range(draw(st.integers(1, 12))):
         step = draw(st.integers(0, 4))
         elements = draw(st.lists(st.sampled_from(ELEMENTS), min_size=1, unique=True))
         length = draw(st.integers(0, 60))
-        outcome = draw(st.sampled_from(["succeeded", "aborted", "preempted", None]))
-        end = None if outcome is None else now + length
-        commands.append((step, tuple(elements), now, end, outcome))
+        end = draw(st.sampled_from([*get_args(CommandEnd), None]))
+        end_ms = None if end is None else now + length
+        commands.append((step, tuple(elements), now, end_ms, end))
         now += draw(st.integers(0, 40))
     return commands
 
@@ -257,7 +261,7 @@ def cuts(draw: st.DrawFn) -> Cut:
 
 
 def cut_into_functions(
-    mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut
+    mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]], cut: Cut
 ) -> Attribution:
     return attribute(
         recording(
@@ -273,7 +277,7 @@ def cut_into_functions(
 @settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_every_step_of_every_element_belongs_to_exactly_one_visit(
-    mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut
+    mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]], cut: Cut
 ) -> None:
     found = cut_into_functions(mission, cut)
     for element in (*ELEMENTS, "camera"):
@@ -289,7 +293,9 @@ def test_every_step_of_every_element_belongs_to_exactly_one_visit(
 @settings(max_examples=40)
 @given(mission=missions(), cut=cuts(), other=cuts())
 def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
-    mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut, other: Cut
+    mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]],
+    cut: Cut,
+    other: Cut,
 ) -> None:
     """Split, merge, inline: each step stays with its command, only visits are named anew."""
     one, two = cut_into_functions(mission, cut), cut_into_functions(mission, other)
@@ -317,7 +323,7 @@ def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
 @settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_renaming_functions_renames_owners_and_nothing_else(
-    mission: list[tuple[int, tuple[str, ...], int, int | None, str | None]], cut: Cut
+    mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]], cut: Cut
 ) -> None:
     renamed = {
         step: tuple((f"z_{name[::-1]}", activation) for name, activation in calls)
@@ -332,7 +338,7 @@ def test_renaming_functions_renames_owners_and_nothing_else(
 
 
 def test_names_that_overrule_reach_the_rules() -> None:
-    run = recording((stack(("m", 1), ("pick", 2)), ARM, 0, 10, "succeeded"))
+    run = recording((stack(("m", 1), ("pick", 2)), ARM, 0, 10, "arrived"))
     owner = attribute(run, helpers=["pick"], end_ns=10 * MS).functions[0].ref.name
     assert owner == "m"
     with pytest.raises(ValueError, match="both"):

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import Location, LogError
-from tracerisk.instrument.recording import Command, Recorder, Recording, read_recording
+from tracerisk.instrument.commands import Command
+from tracerisk.instrument.recording import Recorder, Recording, read_recording
 from tracerisk.instrument.tracer import Frame
 from tracerisk.source.python_source import FunctionSite
 from tracerisk.trace import Finding, FunctionRef, QualifiedName
@@ -26,7 +27,7 @@ def record(path: Path) -> Recording:
         first = recorder.command("trajectory", ["j1", "j2"], STACK)
         recorder.function_ran(PICK, 4)
         now[0] = 1_500_000_000
-        recorder.command_ended(first, "succeeded")
+        recorder.command_ended(first, "arrived", way_done=1.0)
         recorder.command("gripper", ["hand"], STACK[:1])
         recorder.finding("planning", "out of reach", Location("c.py", 6, 9))
         recorder.run_ended("raised", "ValueError: no", Location("c.py", 7))
@@ -38,7 +39,7 @@ def record(path: Path) -> Recording:
 def test_what_was_recorded_is_read(tmp_path: Path) -> None:
     recording = record(tmp_path / "events.jsonl")
     assert recording.commands == (
-        Command(1, "trajectory", ("j1", "j2"), STACK, 2_000_000, 1_500_000_000, "succeeded"),
+        Command(1, "trajectory", ("j1", "j2"), STACK, 2_000_000, 1_500_000_000, "arrived", (), 1.0),
         Command(2, "gripper", ("hand",), STACK[:1], 1_500_000_000),
     )
     assert recording.functions_ran == (FunctionSite(MODULE, 1), FunctionSite(PICK, 4))

@@ -48,7 +48,7 @@ def move(issue_s: float, **parts) -> IssuedCommand:
         "location": HERE,
         "elements": ("joint1",),
         "end_s": issue_s + 1.0,
-        "outcome": "succeeded",
+        "end": "arrived",
         "goal": (0.5,),
         "callers": ("run", "move"),
         "path": ("run", "move"),
@@ -120,7 +120,7 @@ def test_an_error_logged_between_a_failure_and_its_retry_is_settled_with_it():
 
 
 def test_an_aborted_command_is_a_reason_in_the_words_of_its_finding():
-    aborted = move(1.0, outcome="aborted")
+    aborted = move(1.0, end="aborted")
     text = finding(
         "execution_failure", function="move", message="a goal was aborted", target=(0.5,)
     )
@@ -134,19 +134,19 @@ def test_an_aborted_command_is_a_reason_in_the_words_of_its_finding():
 
 
 def test_an_aborted_command_that_no_finding_speaks_of_is_a_reason_all_the_same():
-    (reason,) = judge(recorded(commands=(move(1.0, outcome="aborted"),))).reasons
+    (reason,) = judge(recorded(commands=(move(1.0, end="aborted"),))).reasons
     assert reason.code == "command-aborted"
     assert "joint1" in reason.words
 
 
 def test_a_command_of_the_same_function_and_goal_that_succeeds_later_is_its_retry():
-    aborted = move(1.0, outcome="aborted")
+    aborted = move(1.0, end="aborted")
     assert codes(recorded(commands=(aborted, move(3.0)))) == []
 
 
 @pytest.mark.parametrize("other", [{"goal": (0.9,)}, {"function": "lift"}, {"kind": "move_group"}])
 def test_another_goal_function_or_kind_is_no_retry(other):
-    aborted = move(1.0, outcome="aborted")
+    aborted = move(1.0, end="aborted")
     assert codes(recorded(commands=(aborted, move(3.0, **other)))) == ["command-aborted"]
 
 
@@ -157,7 +157,7 @@ def test_a_refused_goal_that_is_met_later_is_no_reason():
 
 
 def test_a_preempted_command_is_no_reason():
-    assert codes(recorded(commands=(move(1.0, outcome="preempted"), move(1.5)))) == []
+    assert codes(recorded(commands=(move(1.0, end="cancelled"), move(1.5)))) == []
 
 
 @pytest.mark.parametrize(
@@ -409,18 +409,18 @@ def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
 
 
 @pytest.mark.parametrize(
-    ("outcome", "expected"),
+    ("end", "expected"),
     [
-        ("preempted", ["past-limit"]),
+        ("cancelled", ["past-limit"]),
         (None, ["past-limit"]),
-        ("succeeded", ["past-limit"]),
+        ("arrived", ["past-limit"]),
         # Its abort tells what happened.
         ("aborted", ["command-aborted"]),
     ],
 )
-def test_a_goal_past_a_limit_is_a_fault_however_its_motion_ended(outcome, expected):
+def test_a_goal_past_a_limit_is_a_fault_however_its_motion_ended(end, expected):
     words = "to 9, past its limits [-2.9, 2.9]"
-    past = move(1.0, outcome=outcome, past_limit="joint1", past_words=words)
+    past = move(1.0, end=end, past_limit="joint1", past_words=words)
     found = judge(recorded(commands=(past, move(3.0, goal=(0.1,)))))
     assert [each.code for each in found.reasons] == expected
     assert found.reasons[0].object == "joint1"

@@ -54,4 +54,4 @@ def test_a_goal_that_is_published_is_pursued_and_can_be_cancelled(run_on_twin):
     # Five times a second, and at each change.
     assert 20 <= len(ran["arrays"]) <= 24
     assert ran.owners == ["send", "send"]
-    assert [each.outcome for each in ran.recording.commands] == ["succeeded", "preempted"]
+    assert [command.end for command in ran.recording.commands] == ["arrived", "cancelled"]

@@ -59,7 +59,7 @@ here = measured()
     assert abs(seen[20].desired.velocities[3]) > 0.05
     (command,) = result.recording.commands
     assert command.elements == tuple(f"panda_joint{i}" for i in range(1, 8))
-    assert command.outcome == "succeeded"
+    assert command.end == "arrived"
 
 
 @pytest.mark.parametrize(
@@ -164,7 +164,11 @@ still = measured()["panda_joint1"]
 """)
     assert (result["first"], result["second"]) == (2, 2)
     assert abs(result["stopped"] - result["still"]) < 1e-3
-    assert [each.outcome for each in result.recording.commands] == ["preempted", "preempted"]
+    assert [command.end for command in result.recording.commands] == ["replaced", "cancelled"]
+    first, second = result.recording.commands
+    assert (first.replaced_by, second.replaced_by) == (second.id, None)
+    # One second of five, on its way from rest to rest.
+    assert first.way_done == pytest.approx(0.1, abs=0.05)
 
 
 def test_a_gripper_opens_and_stalls_on_nothing(ran):
@@ -313,4 +317,4 @@ rospy.sleep(4.0)
 def test_a_motion_is_owned_by_the_function_that_commanded_it(ran, how, owners):
     result = ran(OWNERS[how])
     assert result.owners == owners
-    assert all(each.outcome == "succeeded" for each in result.recording.commands)
+    assert all(command.end == "arrived" for command in result.recording.commands)

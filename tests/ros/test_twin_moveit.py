@@ -56,7 +56,7 @@ points = len(move.get_result().planned_trajectory.joint_trajectory.points)
     assert (result["state"], result["code"]) == (3, 1)
     assert result["points"] > 5
     assert result.owners == ["go"]
-    assert [each.outcome for each in result.recording.commands] == ["succeeded"]
+    assert [command.end for command in result.recording.commands] == ["arrived"]
 
 
 def test_a_plan_alone_moves_nothing_and_its_trajectory_can_be_executed(ran):
@@ -162,7 +162,7 @@ move.wait_for_result()
 state = move.get_state()
 """)
     assert result["state"] == 2
-    assert [each.outcome for each in result.recording.commands] == ["preempted"]
+    assert [command.end for command in result.recording.commands] == ["cancelled"]
 
 
 def test_stop_on_the_topic_of_events_ends_a_motion_preempted(ran):

@@ -47,7 +47,7 @@ here = measured()
 """)
     assert result["here"]["panda_joint2"] == pytest.approx(-0.785, abs=0.005)
     (command,) = result.recording.commands
-    assert (command.kind, command.outcome) == ("joint_trajectory", "succeeded")
+    assert (command.kind, command.end) == ("joint_trajectory", "arrived")
     assert result.owners == ["send"]
     assert 2.0e9 <= command.end_ns - command.issue_ns < 2.6e9
 
@@ -70,7 +70,7 @@ here = measured()
 """)
     assert result["here"]["panda_joint1"] == pytest.approx(0.1, abs=0.005)
     (command,) = result.recording.commands
-    assert (command.kind, command.outcome) == ("joint_state_command", "succeeded")
+    assert (command.kind, command.end) == ("joint_state_command", "arrived")
     assert result.owners == ["send"]
 
 
@@ -133,7 +133,7 @@ here = measured()["panda_joint1"]
     assert abs(result["here"] - 0.3 * __import__("math").sin(10.0)) < 0.02
     assert len(result.recording.commands) <= 2
     last = result.recording.commands[-1]
-    assert last.outcome == "succeeded"
+    assert last.end == "arrived"
     assert 5.2e9 < last.end_ns < 6.2e9
 
 
@@ -179,10 +179,10 @@ right()
 left()
 """)
     assert result.owners == ["left", "right", "left"]
-    assert [each.outcome for each in result.recording.commands] == [
-        "succeeded",
-        "preempted",
-        "succeeded",
+    assert [command.end for command in result.recording.commands] == [
+        "arrived",
+        "replaced",
+        "arrived",
     ]
 
 

@@ -82,7 +82,7 @@ send("speedj([0.2, 0, 0, 0, 0, 0], 0.5, 1.0)", "stopj(2.0)", seconds=3.0)
 """,
         ros=2,
     )
-    assert [each.outcome for each in ran.recording.commands] == ["preempted", "succeeded"]
+    assert [command.end for command in ran.recording.commands] == ["replaced", "arrived"]
     assert abs(ran.position("elbow_joint")) < 1.5
 
 

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import Location
 from tracerisk.instance_name import instance_name
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.helper_rule import helper_rule
-from tracerisk.instrument.recording import Command, Recording
+from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import Finding, FunctionRef, TracedFunction, VisitOutcome
+from tracerisk.trace import CommandEnd, Finding, FunctionRef, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
 _MOST_INSTANCES = 50  # of one function that are distinguished: more are named as they are made
-_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
+_OUTCOME_OF: dict[CommandEnd | None, VisitOutcome] = {
+    "arrived": "succeeded",
+    "aborted": "aborted",
+    "replaced": "preempted",
+    "cancelled": "preempted",
+}
+"""What a visit has come to by the end of its last command; `unfinished` by any other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,15 +179,15 @@ class _OpenVisit:
     live: list[Command] = field(default_factory=list)
 
     def closed(self) -> OwnedVisit:
-        outcome = self.commands[-1].outcome
-        if outcome not in _OUTCOMES or any(each.end_ns is None for each in self.commands):
+        outcome = _OUTCOME_OF.get(self.commands[-1].end, "unfinished")
+        if any(command.end in (None, "cut_by_end") for command in self.commands):
             outcome = "unfinished"
         return OwnedVisit(
             self.function,
             self.line,
             self.commands[0].issue_ns,
             tuple(each.id for each in self.commands),
-            cast(VisitOutcome, outcome),
+            outcome,
         )
 
 
@@ -246,7 +252,7 @@ def _still_live(visit: _OpenVisit, command: Command, last_on_element: dict[str, 
             return True
         return (
             each.end_ns == command.issue_ns
-            and each.outcome == "preempted"
+            and each.end in ("replaced", "cancelled")
             and not command_elements.isdisjoint(held)
         )
 

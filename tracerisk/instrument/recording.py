@@ -13,44 +13,22 @@ import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol, get_args
+from typing import Any, BinaryIO, Protocol, cast, get_args
 
 from tracerisk.errors import Location, LogError, one_of
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame
 from tracerisk.source.python_source import FunctionSite
 from tracerisk.text.bounded import loads_json
-from tracerisk.trace import EndCause, Finding, FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd, EndCause, Finding, FunctionRef, QualifiedName
 
 _SECOND_NS = 1_000_000_000
 _FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
+_WAY_DIGITS = 4  # of a fraction: what processors round differently is less
 
 
 STOPS = "stops"
 """The note of the calls that brought the arm to rest: file, line and column of each."""
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A call that made hardware act, from its issue to its end, simulated time [ns].
-
-    `elements` are the names of those that it addresses; `stack` is never empty, root first.
-    `end_ns` and `outcome` are `None` where the run ended first. `goal` are the positions to which
-    it leads, one a joint [rad or m].
-    """
-
-    id: int
-    kind: str
-    elements: tuple[str, ...]
-    stack: tuple[Frame, ...]
-    issue_ns: int
-    end_ns: int | None = None
-    outcome: str | None = None
-    goal: tuple[float, ...] = ()
-
-    def with_times(self, changed: Callable[[int], int]) -> Command:
-        """Return it with other times [ns], each by what it was."""
-        end_ns = None if self.end_ns is None else changed(self.end_ns)
-        return replace(self, issue_ns=changed(self.issue_ns), end_ns=end_ns)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +53,14 @@ class RecordedEnd:
 class Recording:
     """All that one run left in its events file.
 
-    `commands` are in the order of issue; `functions_ran` in the order of their first run;
+    `commands` are in the order of issue, and so are the `refused`, which moved nothing;
+    `functions_ran` in the order of their first run;
     `sources` are the files of the controller that were compiled, with their bytes;
     `last_ns` is the time of the last event [ns]; `end` is `None` where the child died untold.
     """
 
     commands: tuple[Command, ...] = ()
+    refused: tuple[Command, ...] = ()
     functions_ran: tuple[FunctionSite, ...] = ()
     findings: tuple[Finding, ...] = ()
     notes: tuple[Note, ...] = ()
@@ -102,8 +82,8 @@ class CommandWatch(Protocol):
     def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
         """Note that a command was issued, and the positions to which it leads."""
 
-    def ended(self, command_id: int, outcome: str) -> None:
-        """Note that a command ended."""
+    def ended(self, command_id: int, end: CommandEnd) -> None:
+        """Note that a command ended, and how."""
 
 
 class Recorder:
@@ -146,31 +126,52 @@ class Recorder:
         if self.watch is not None:
             self.watch.before_command(stack)
         command_id = self._next_command()
-        frames = [
-            [
-                self._function(frame.function, frame.line),
-                *(frame.activation, *frame.site, frame.root),
-                *(() if frame.instance is None else (frame.instance,)),
-            ]
-            for frame in stack
-        ]
         self._write(
             "command",
             id=command_id,
             kind=kind,
             elements=list(elements),
-            stack=frames,
+            stack=self._frames(stack),
             goal=[float(each) for each in goal],
         )
         if self.watch is not None:
             self.watch.issued(command_id, stack, goal)
         return command_id
 
-    def command_ended(self, command_id: int, outcome: str) -> None:
-        """Record that a command ends now: `succeeded`, `aborted` or `preempted`."""
-        self._write("command_ended", id=command_id, outcome=outcome)
+    def command_ended(
+        self,
+        command_id: int,
+        end: CommandEnd,
+        *,
+        way_done: float | None = None,
+        replaced_by: int | None = None,
+        goal: Sequence[float] | None = None,
+    ) -> None:
+        """Record how a command ends now.
+
+        `way_done` is the fraction of its way, `replaced_by` the id of the command that took over,
+        `goal` where it led in the end if that is not where it was issued to [rad or m].
+        """
+        details: dict[str, Any] = {}
+        if way_done is not None:
+            details["way_done"] = round(way_done, _WAY_DIGITS)
+        if replaced_by is not None:
+            details["replaced_by"] = replaced_by
+        if goal is not None:
+            details["goal"] = [float(value) for value in goal]
+        self._write("command_ended", id=command_id, end=end, **details)
         if self.watch is not None:
-            self.watch.ended(command_id, outcome)
+            self.watch.ended(command_id, end)
+
+    def refused(self, kind: str, end: CommandEnd, stack: Sequence[Frame]) -> None:
+        """Record a command that moves nothing: a `refused` goal, or an `ignored` message.
+
+        Raises:
+            ValueError: the stack is empty.
+        """
+        if not stack:
+            raise ValueError("a command has at least one function on its stack")
+        self._write("refused", kind=kind, end=end, stack=self._frames(stack))
 
     def function_ran(self, ref: FunctionRef, line: int) -> None:
         """Record the first run of a function; what a `Tracer` calls on each first run."""
@@ -251,6 +252,16 @@ class Recorder:
         """Record the end of the run; only the first one counts."""
         self._write("end", cause=cause, message=message, location=_location_data(location))
 
+    def _frames(self, stack: Sequence[Frame]) -> list[list[Any]]:
+        return [
+            [
+                self._function(frame.function, frame.line),
+                *(frame.activation, *frame.site, frame.root),
+                *(() if frame.instance is None else (frame.instance,)),
+            ]
+            for frame in stack
+        ]
+
     def _function(self, ref: FunctionRef, line: int) -> int:
         """Return the number that stands for a function, which its first use writes."""
         key = (ref, line)
@@ -319,6 +330,7 @@ def read_recording(path: Path | str) -> Recording:
 class _Reader:
     functions: list[FunctionSite] = field(default_factory=list)
     commands: dict[int, Command] = field(default_factory=dict)
+    refused: list[Command] = field(default_factory=list)
     ran: dict[FunctionRef, FunctionSite] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
@@ -334,6 +346,7 @@ class _Reader:
             "source": self._source,
             "command": self._command,
             "command_ended": self._command_ended,
+            "refused": self._refused,
             "finding": self._finding,
             "recovered": self._recovered,
             "note": self._note,
@@ -349,6 +362,7 @@ class _Reader:
     def recording(self) -> Recording:
         return Recording(
             tuple(self.commands.values()),
+            tuple(self.refused),
             tuple(self.ran.values()),
             tuple(self.findings),
             tuple(self.notes),
@@ -371,15 +385,11 @@ class _Reader:
         self.sources[_text(event["file"])] = _text(event["latin1"]).encode("latin-1")
 
     def _command(self, event: dict[str, Any]) -> None:
-        frames = []
-        for number, activation, line, column, root, *instance in event["stack"]:
-            site = self.functions[number]
-            frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
         self.commands[event["id"]] = Command(
             event["id"],
             _text(event["kind"]),
             tuple(map(_text, event["elements"])),
-            tuple(frames),
+            self._stack(event),
             event["ns"],
             goal=tuple(map(float, event.get("goal", ()))),
         )
@@ -387,9 +397,30 @@ class _Reader:
     def _command_ended(self, event: dict[str, Any]) -> None:
         command = self.commands[event["id"]]
         if command.end_ns is None:
+            way_done, by = event.get("way_done"), event.get("replaced_by")
+            if by is not None and by not in self.commands:
+                raise ValueError(f"no command {by!r} was issued that could replace it")
             self.commands[event["id"]] = replace(
-                command, end_ns=event["ns"], outcome=event["outcome"]
+                command,
+                end_ns=event["ns"],
+                end=_end(event),
+                way_done=None if way_done is None else float(way_done),
+                replaced_by=by,
+                goal=tuple(map(float, event.get("goal", command.goal))),
             )
+
+    def _refused(self, event: dict[str, Any]) -> None:
+        stack, time_ns = self._stack(event), event["ns"]
+        self.refused.append(
+            Command(0, _text(event["kind"]), (), stack, time_ns, time_ns, _end(event))
+        )
+
+    def _stack(self, event: dict[str, Any]) -> tuple[Frame, ...]:
+        frames = []
+        for number, activation, line, column, root, *instance in event["stack"]:
+            site = self.functions[number]
+            frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
+        return tuple(frames)
 
     def _finding(self, event: dict[str, Any]) -> None:
         time_s = event["ns"] / _SECOND_NS
@@ -421,6 +452,12 @@ class _Reader:
             self.end = RecordedEnd(
                 event["cause"], _text(event["message"]), event["ns"], _location(event["location"])
             )
+
+
+def _end(event: dict[str, Any]) -> CommandEnd:
+    if event["end"] not in get_args(CommandEnd):
+        raise ValueError(f"unknown end of a command {event['end']!r}")
+    return cast(CommandEnd, event["end"])
 
 
 def _text(value: Any) -> str:

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
     from tracerisk.ros.graph.runtime import Runtime
 
-_FOREVER_S = 1000.0
-
 
 _NEEDED: Mapping[InterfaceKind, NeedKind] = {
     "services": "service",
@@ -359,7 +357,7 @@ class DescribedDriver(TwinNode):
             return
         if case.effect == "velocity" and "joints" in case.roles:
             asked = arm.motions.speeds(case, request)
-            for_s = request.seconds(case.roles.get("duration")) or _FOREVER_S
+            for_s = request.seconds(case.roles.get("duration")) or None
             self._streams.go_on_at(topic, kind, asked, for_s)
             if not any(asked.values()):
                 arm.motion.stop()

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, LogError
-from tracerisk.instrument.recording import Command
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.pipeline.recordings.names import COMMANDS
 from tracerisk.pipeline.recordings.probed import Boundaries, elements_of, lines_of, probed
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName
 from tracerisk.twin.robots.robot import Robot
 
 TEXT = "std_msgs/msg/String"
@@ -29,8 +29,9 @@ _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 _GOAL = "control_msgs/msg/FollowJointTrajectoryActionGoal"
 _RESULT = "control_msgs/msg/FollowJointTrajectoryActionResult"
 _STATUS2 = "action_msgs/msg/GoalStatusArray"
-_ENDS1 = {3: "succeeded", 2: "preempted", 8: "preempted"}
-_ENDS2 = {4: "succeeded", 5: "preempted", 6: "aborted"}
+# A status says that a goal was preempted, and not by whom.
+_ENDS1: dict[int, CommandEnd] = {3: "arrived", 2: "cancelled", 8: "cancelled"}
+_ENDS2: dict[int, CommandEnd] = {4: "arrived", 5: "cancelled", 6: "aborted"}
 _EXECUTING2 = 2
 _SECOND_NS = 1_000_000_000
 _MOST_LINES = 1_000_000
@@ -76,7 +77,7 @@ def _visit(number: int, name: str, controller: str, begin_ns: int, end_ns: int |
     """Return the one command that stands for a visit of a function."""
     ref = FunctionRef(controller, QualifiedName(name))
     frame = Frame(ref, 0, number, (0, 0), "main")
-    return Command(number, "visit", (), (frame,), begin_ns, end_ns, "succeeded")
+    return Command(number, "visit", (), (frame,), begin_ns, end_ns, "arrived")
 
 
 def _visits(
@@ -182,7 +183,7 @@ class _Goal:
 
     begin_ns: int
     end_ns: int | None
-    outcome: str
+    end: CommandEnd | None
     name: str
     elements: tuple[str, ...] = ()
 
@@ -201,7 +202,7 @@ def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:
             known = by_id.get(value.status.goal_id.id)
             if known is not None:
                 known.end_ns = each.time_ns
-                known.outcome = _ENDS1.get(value.status.status, "aborted")
+                known.end = _ENDS1.get(value.status.status, "aborted")
             continue
         else:
             goals = _sent(
@@ -216,7 +217,7 @@ def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:
         replace(
             _visit(number, goal.name, controller, goal.begin_ns, goal.end_ns),
             elements=goal.elements,
-            outcome=None if goal.end_ns is None else goal.outcome,
+            end=None if goal.end_ns is None else goal.end,
         )
         for number, goal in enumerate(found, 1)
     )
@@ -231,7 +232,7 @@ def _sent(topic: str, time_ns: int, trajectory: Any, robot: Robot) -> list[_Goal
     last = trajectory.points[-1].time_from_start
     end_ns = time_ns + last.sec * _SECOND_NS + last.nanosec
     elements = elements_of(list(trajectory.joint_names), robot)
-    return [_Goal(time_ns, end_ns, "succeeded", _called(topic), elements)]
+    return [_Goal(time_ns, end_ns, "arrived", _called(topic), elements)]
 
 
 def _followed(topic: str, time_ns: int, value: Any, by_id: dict[str, _Goal]) -> list[_Goal]:
@@ -243,10 +244,10 @@ def _followed(topic: str, time_ns: int, value: Any, by_id: dict[str, _Goal]) -> 
         key = bytes(status.goal_info.goal_id.uuid).hex()
         known = by_id.get(key)
         if status.status == _EXECUTING2 and known is None:
-            by_id[key] = _Goal(time_ns, None, "", _called(topic))
+            by_id[key] = _Goal(time_ns, None, None, _called(topic))
             begun.append(by_id[key])
         elif known is not None and known.end_ns is None and status.status in _ENDS2:
-            known.end_ns, known.outcome = time_ns, _ENDS2[status.status]
+            known.end_ns, known.end = time_ns, _ENDS2[status.status]
     return begun
 
 

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from tracerisk.errors import LogError
+from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.ownership import attribute
-from tracerisk.instrument.recording import Command, Recording
+from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.recordings.boundaries import boundaries
 from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.joint_states import JointStates, read_joint_states
@@ -86,6 +87,7 @@ def _trace(
             name: each for name, each in _without_wear(active, unknown).items() if each is not None
         },
         findings=attribution.findings,
+        commands=traced_commands(commands),
         assumptions=(
             f"{MEASURED} by {file.path.name}; functions by {bounds.told_by}",
             *states.assumptions,

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any, cast, get_args
 
 from tracerisk.errors import Location, LogError, Readable
-from tracerisk.instrument.recording import Command
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame, RootKind
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName
 from tracerisk.twin.robots.robot import Robot
 
-_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
+# The probe does not see whether another command took over: it names both `preempted`.
+_ENDS: dict[str, CommandEnd] = {"succeeded": "arrived", "preempted": "cancelled"}
 _SECOND_NS = 1_000_000_000
 _MOST_TEXT = 512 * 1024**2
 _TRANSPORT_NS = 20_000_000  # a difference of clocks below this is that of transport
@@ -79,8 +80,8 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
                 pairs.append((received, t_ns))
             if kind == "end":
                 if key in commands:
-                    outcome = data["outcome"] if data["outcome"] in _OUTCOMES else "aborted"
-                    commands[key] = replace(commands[key], end_ns=t_ns, outcome=outcome)
+                    end = _ENDS.get(data["outcome"], "aborted")
+                    commands[key] = replace(commands[key], end_ns=t_ns, end=end)
             elif not is_motion(kind, str(data["type"])):
                 passed_over += 1
             else:
@@ -159,7 +160,7 @@ def _probe_command(
         tuple(frames),
         t_ns,
         t_ns if ends_now else None,
-        "succeeded" if ends_now else None,
+        "arrived" if ends_now else None,
     )
 
 

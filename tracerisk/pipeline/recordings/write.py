@@ -23,7 +23,8 @@ import numpy as np
 from tracerisk import trace_json
 from tracerisk.dependencies import is_installed, missing_extra
 from tracerisk.errors import InputError, Location, SettingsError
-from tracerisk.instrument.recording import Command, read_recording
+from tracerisk.instrument.commands import Command
+from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.recordings.cdr import (
     FRAMES,
     LOG,
@@ -112,7 +113,8 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
     check_rate(rate_hz)
     samples = read_samples(folder) if has_samples(folder) else None
     events = folder / EVENTS
-    commands = read_recording(events).commands if events.is_file() else ()
+    recording = read_recording(events) if events.is_file() else Recording()
+    commands = (*recording.commands, *recording.refused)
     beside = sorted([*_commands(commands), *_visits(trace), *_findings(trace)])
     frames = None
     if samples is not None and (folder / ROBOT).is_file():
@@ -265,7 +267,9 @@ def _commands(commands: Sequence[Command]) -> Iterator[_Message]:
             "stack": stack,
             "goal": each.goal,
             "duration_s": None if lasts_ns is None else lasts_ns / _SECOND_NS,
-            "outcome": each.outcome,
+            "end": each.end,
+            "way_done": each.way_done,
+            "replaced_by": each.replaced_by,
         }
         yield _Message(each.issue_ns, COMMANDS, _json(data))
 

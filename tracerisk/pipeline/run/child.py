@@ -69,6 +69,7 @@ from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.scenario.cell_log import CELL, CellLog
@@ -205,6 +206,7 @@ def _run(
     world.time_passed = [watch.time_passed, stall.time_passed]
 
     def run_over(cause: str) -> None:
+        runtime.client(TwinCommands).finish()
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
         watch.run_over(cause)

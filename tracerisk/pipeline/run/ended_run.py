@@ -177,7 +177,8 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     events = folder / EVENTS
     found = read_recording(events) if events.exists() else Recording()
     files = {site.ref.file for site in found.functions_ran}
-    files |= {frame.function.file for each in found.commands for frame in each.stack}
+    commands = (*found.commands, *found.refused)
+    files |= {frame.function.file for command in commands for frame in command.stack}
     root = Path(request.root)
     within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
     known = regular_within((str(root / each) for each in files), within)

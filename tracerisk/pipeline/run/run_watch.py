@@ -15,6 +15,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import CYCLE, MISSION_END
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.time.scheduler import ControllerThread, Scheduler
+from tracerisk.trace import CommandEnd
 
 CYCLES_SEEN = 3
 """How often the same cycle must have come."""
@@ -119,11 +120,11 @@ class RunWatch:
                 current.goals.append(tuple(goal))
         self._iteration_of[command_id] = [loop.current for loop in loops]
 
-    def ended(self, command_id: int, outcome: str) -> None:
-        """Note that a command ends."""
+    def ended(self, command_id: int, end: CommandEnd) -> None:
+        """Note that a command ends, and how."""
         self._last_command_ns = self._scheduler.now_ns
         for iteration in self._iteration_of.pop(command_id, ()):
-            iteration.has_reached |= outcome == "succeeded"
+            iteration.has_reached |= end == "arrived"
 
     @property
     def has_commanded(self) -> bool:

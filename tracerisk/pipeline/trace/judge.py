@@ -192,7 +192,7 @@ def _command_reason(code: str, words: str, command: IssuedCommand, object_name: 
 def _of_commands(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were aborted and of which no retry succeeded."""
     for number, command in enumerate(run.commands):
-        if command.outcome != "aborted" or _retry(command, run.commands[number + 1 :]):
+        if command.end != "aborted" or _retry(command, run.commands[number + 1 :]):
             continue
         finding = _finding_of(command, run.findings)
         words = (
@@ -210,7 +210,7 @@ def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedComm
         (
             each
             for each in later
-            if each.outcome == "succeeded"
+            if each.end == "arrived"
             and each.kind == command.kind
             and each.function == command.function
             and each.elements == command.elements
@@ -233,7 +233,7 @@ def _finding_of(command: IssuedCommand, findings: Sequence[Finding]) -> Finding 
 
 
 def _is_about(finding: Finding, command: IssuedCommand) -> bool:
-    if command.outcome != "aborted" or finding.time_s is None or command.end_s is None:
+    if command.end != "aborted" or finding.time_s is None or command.end_s is None:
         return False
     return (
         finding.function == command.function
@@ -245,7 +245,7 @@ def _is_about(finding: Finding, command: IssuedCommand) -> bool:
 def _of_limits(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
     """Yield goals past a joint's limit that no other command's end reports."""
     for command in commands:
-        if command.past_limit and command.outcome != "aborted":
+        if command.past_limit and command.end != "aborted":
             words = f"a goal takes joint '{command.past_limit}' {command.past_words}"
             yield _command_reason("past-limit", words, command, command.past_limit)
 
@@ -278,7 +278,7 @@ def _is_reported_by_command(finding: Finding, commands: Sequence[IssuedCommand])
     if any(_is_about(finding, each) for each in commands):
         return True
     return bool(finding.target) and any(
-        each.outcome == "succeeded"
+        each.end == "arrived"
         and each.function == finding.function
         and each.issue_s >= (finding.time_s or 0.0)
         and is_near(each.goal, finding.target)
@@ -295,7 +295,7 @@ def _settled(run: RecordedRun) -> Iterator[_Span]:
         if finding.recovered_s is not None and finding.time_s is not None:
             yield frozenset({finding.function}), finding.time_s, finding.recovered_s
     for number, command in enumerate(run.commands):
-        if command.outcome == "aborted":
+        if command.end == "aborted":
             retry = _retry(command, run.commands[number + 1 :])
             if retry is not None and retry.end_s is not None:
                 yield frozenset(command.callers), command.issue_s, retry.end_s

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.errors import Location
-from tracerisk.trace import Coverage, Finding, RunEnd
+from tracerisk.trace import CommandEnd, Coverage, Finding, RunEnd
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
@@ -34,7 +34,7 @@ Grip = Literal["closes", "opens"]
 
 @dataclass(frozen=True, slots=True)
 class IssuedCommand:
-    """A command as the judge sees it, with its outcome; times in [s]."""
+    """A command as the judge sees it, with its end; times in [s]."""
 
     kind: str
     function: str
@@ -43,8 +43,12 @@ class IssuedCommand:
     elements: tuple[str, ...]
     issue_s: float
     end_s: float | None = None
-    outcome: str | None = None
-    """`succeeded`, `aborted`, `preempted`; `None` where the run ended first."""
+    end: CommandEnd | None = None
+    """How it ended; `None` where the controller's process died first."""
+    way_done: float | None = None
+    """The fraction of its way that was done when it ended."""
+    replaced_by: int | None = None
+    """The place in `RecordedRun.commands` of the command that replaced it."""
     goal: tuple[float, ...] = ()
     """Where it leads, one value a joint [rad or m]."""
     callers: tuple[str, ...] = ()

@@ -11,6 +11,7 @@ import numpy as np
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
+from tracerisk.instrument.commands import traced_commands
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
@@ -103,6 +104,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         inputs=tuple(_launched(recording)["inputs"]),
         verdict=verdict,
         outcome=run_outcome(ran, samples, contacts) if samples is not None else None,
+        commands=traced_commands(recording.commands, recording.refused),
     )
 
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.definitions import function_at, parse_python
 from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.commands import Command
 from tracerisk.instrument.motion_calls import missed_calls
-from tracerisk.instrument.recording import NEAR, STOPS, Command, Recording
+from tracerisk.instrument.recording import NEAR, STOPS, Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.grasp_place import grasp_place
@@ -202,6 +203,7 @@ def _commands(
     grippers = {gripper.name: gripper for gripper in robot.grippers}
     joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
+    place_of = {command.id: place for place, command in enumerate(recording.commands)}
     stage = None
     for number, command in enumerate(recording.commands):
         gripper = next((grippers[name] for name in command.elements if name in grippers), None)
@@ -216,7 +218,9 @@ def _commands(
             elements=command.elements,
             issue_s=command.issue_ns / 1e9,
             end_s=None if command.end_ns is None else command.end_ns / 1e9,
-            outcome=command.outcome,
+            end=command.end,
+            way_done=command.way_done,
+            replaced_by=place_of.get(command.replaced_by or 0),
             goal=command.goal,
             callers=tuple(frame.function.name for frame in command.stack),
             path=tuple((frame.function, frame.site) for frame in command.stack),

@@ -37,7 +37,6 @@ _STATUS_HZ = 10.0
 _UNITLESS = "unitless"
 _AHEAD = 0.01  # where it is seen whether a singularity nears [rad or m]
 _DIMENSIONS = 6
-_FOREVER_S = 1000.0
 _SLOW = 0.1  # of its speed: less is reported
 _JOINT_JOG, _TWIST, _POSE_GOAL = 0, 1, 2  # as moveit_msgs/ServoCommandType numbers them
 _NO_WARNING, _APPROACHING, _HALTED, _LEAVING = 0, 1, 2, 3  # as moveit_msgs/ServoStatus
@@ -261,8 +260,7 @@ class Servo(TwinNode):
         return self._twin.jacobian(named, tool, self._arm.joints)
 
     def _go(self, topic: str, kind: str, asked: dict[str, float]) -> None:
-        for_s = self.settings.incoming_command_timeout or _FOREVER_S
-        self._streams.go_on_at(topic, kind, asked, min(for_s, _FOREVER_S))
+        self._streams.go_on_at(topic, kind, asked, self.settings.incoming_command_timeout or None)
 
     # Its services, and what it says of itself
 

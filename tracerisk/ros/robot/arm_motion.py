@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -262,7 +263,8 @@ class ArmMotion:
         here = self.tool_pose()
         shift, turned = [each * time for each in linear], [each * time for each in angular]
         there = moved(here, shift, turned, frame)
-        return self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
+        way = self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
+        return replace(way, is_endless=for_s is None)
 
     def at_speeds(
         self, speeds: Sequence[float], for_s: float | None = None

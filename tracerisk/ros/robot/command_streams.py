@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -34,8 +35,12 @@ class VelocityStream:
         self._twin = twin
         self._last: dict[tuple[str, ...], tuple[int, dict[str, float], dict[str, float]]] = {}
 
-    def next(self, asked: Mapping[str, float], now_ns: int, for_s: float) -> JointTrajectory | None:
+    def next(
+        self, asked: Mapping[str, float], now_ns: int, for_s: float | None
+    ) -> JointTrajectory | None:
         """Return the way of joints at velocities, which ends after `for_s` without another.
+
+        With `None` it goes on until another.
 
         None where they are at rest, or go on as they do. Who was at rest begins where the joints
         are: something else may have moved them.
@@ -45,12 +50,13 @@ class VelocityStream:
         if not any(asked.values()):
             self._last.pop(names, None)
             return None
-        if known is not None and now_ns - known[0] < min(_OFTEN_S, for_s / 4) * 1e9:
+        lasts_s = math.inf if for_s is None else for_s
+        if known is not None and now_ns - known[0] < min(_OFTEN_S, lasts_s / 4) * 1e9:
             rated = {name: self._twin.robot.joint(name).velocity_limit for name in names}
             if all(abs(asked[n] - known[2][n]) < _SAME * rated[n] for n in names):
                 return None
         start: dict[str, float] = {}
-        if known is not None and 0 < now_ns - known[0] <= for_s * 1e9:
+        if known is not None and 0 < now_ns - known[0] <= lasts_s * 1e9:
             passed = (now_ns - known[0]) * 1e-9
             for name in names:
                 joint = self._twin.robot.joint(name)
@@ -95,17 +101,20 @@ class CommandStreams:
             and self._commands.is_live(stream.command)
         )
         if goes_on and stream is not None:
-            stream.command.motion = motion
+            self._commands.lead(stream.command, motion, DWELL_NS)
         else:
             due_ns = now_ns + DWELL_NS
             command = self._commands.begin(kind, motion, stack, keep_until_ns=due_ns)
-            stream = self._streams[topic] = _Stream(command, place, trajectory.joints)
-        stream.command.keep_until_ns = now_ns + DWELL_NS
-        # The watch of the commands looks when the clock stops here.
-        self._commands.scheduler.call_at(stream.command.keep_until_ns, lambda: None)
+            self._streams[topic] = _Stream(command, place, trajectory.joints)
+            self._commands.lead(command, None, DWELL_NS)
 
-    def go_on_at(self, topic: str, kind: str, asked: Mapping[str, float], for_s: float) -> None:
-        """Move joints at velocities [rad/s or m/s], which end after `for_s` without another."""
+    def go_on_at(
+        self, topic: str, kind: str, asked: Mapping[str, float], for_s: float | None
+    ) -> None:
+        """Move joints at velocities [rad/s or m/s], which end after `for_s` without another.
+
+        With `None` they go on until another.
+        """
         now_ns = self._commands.scheduler.now_ns
         trajectory = self._velocities.next(asked, now_ns, for_s)
         if not any(asked.values()):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import STOPS
+from tracerisk.twin.motion.execution import Way
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
@@ -15,22 +16,35 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.time.scheduler import Scheduler
+    from tracerisk.trace import CommandEnd
     from tracerisk.twin.motion.execution import Motion
     from tracerisk.twin.simulation.twin import Twin
+
+_LEFT_NS = 1_000_000_000
+"""A velocity that goes on by itself for longer was left on [ns]."""
 
 
 @dataclass(slots=True, eq=False)
 class LiveCommand:
-    """A command whose motion goes on; `on_end` is called once, when it has ended.
+    """A command whose motion goes on.
 
-    A stream of set-points puts the next motion in the place of the one before and is not over
-    before `keep_until_ns`.
+    A stream of set-points puts the next motion in the place of the one before: `TwinCommands.lead`.
     """
 
     id: int
+    """Its number in the recording; 0 where it has no stack."""
     motion: Motion
+    """The motion that carries it out, the last one of a stream."""
     on_end: Callable[[Motion], None]
+    """What is called once, when it has ended."""
+    commanded_ns: int
+    """When the controller last commanded it, in simulated time [ns]."""
     keep_until_ns: int = 0
+    """Until when another set-point may follow [ns]."""
+    led_by: float = 0.0
+    """How far the earlier set-points of the stream have led [rad or m]."""
+    has_led_on: bool = False
+    """Whether it leads elsewhere than where it was issued to."""
 
 
 class TwinCommands:
@@ -69,14 +83,30 @@ class TwinCommands:
         command_id = 0
         if self._recorder is not None and stack:
             command_id = self._recorder.command(kind, motion.elements, stack, goal=motion.goal)
-        command = LiveCommand(command_id, motion, on_end, keep_until_ns)
-        # Those that this motion has just put an end to ended before it began to count.
-        self.poll()
+        now_ns = self.scheduler.now_ns
+        command = LiveCommand(command_id, motion, on_end, now_ns, keep_until_ns)
+        over = [live for live in self._live if self._is_over(live)]
         self._live.append(command)
+        # Those that this motion has just put an end to ended before it began to count.
+        self._close(over)
         if not self._is_watching:
             self._is_watching = True
             self.scheduler.spawn(self._watch, "twin", inherit=False, is_controllers=False)
         return command
+
+    def lead(self, command: LiveCommand, motion: Motion | None, for_ns: int) -> None:
+        """Go on with a stream, by the motion to its next set-point, `None` for the same again.
+
+        It is not over before another `for_ns` [ns].
+        """
+        command.commanded_ns = self.scheduler.now_ns
+        command.keep_until_ns = command.commanded_ns + for_ns
+        # The watch of the commands looks when the clock stops here.
+        self.scheduler.call_at(command.keep_until_ns, lambda: None)
+        if motion is not None:
+            before = command.motion.way
+            command.led_by += max(before.whole - before.left, 0.0)
+            command.motion, command.has_led_on = motion, True
 
     def stop(self, joints: Sequence[str]) -> None:
         """Bring joints to rest for the code that asked for it, whose call led to that."""
@@ -103,11 +133,53 @@ class TwinCommands:
 
     def poll(self) -> None:
         """Note which commands are over."""
-        for command in [each for each in self._live if self._is_over(each)]:
-            self._live.remove(command)
-            if self._recorder is not None and command.id:
-                self._recorder.command_ended(command.id, command.motion.outcome)
-            command.on_end(command.motion)
+        self._close([command for command in self._live if self._is_over(command)])
+
+    def _close(self, over: Sequence[LiveCommand]) -> None:
+        for command in over:
+            if command in self._live:
+                self._live.remove(command)
+                self._record_end(command, self._end_of(command))
+                command.on_end(command.motion)
+
+    def finish(self) -> None:
+        """Note how the commands end that the end of the run cuts; nothing moves any more."""
+        live, self._live = self._live, []
+        ends = [(command, self._end_at_last(command)) for command in live]
+        self.twin.stop()
+        for command, end in ends:
+            self._record_end(command, end)
+
+    def _record_end(self, command: LiveCommand, end: CommandEnd) -> None:
+        if self._recorder is None or not command.id:
+            return
+        motion = command.motion
+        way = Way(command.led_by + motion.way.whole, motion.way.left)
+        by = motion.replaced_by if end == "replaced" else None
+        self._recorder.command_ended(
+            command.id,
+            end,
+            way_done=None if motion.is_endless else way.done,
+            replaced_by=next((live.id for live in self._live if live.motion is by), 0) or None,
+            goal=motion.goal if command.has_led_on else None,
+        )
+
+    def _end_of(self, command: LiveCommand) -> CommandEnd:
+        """Return how a command ended that is over."""
+        motion = command.motion
+        if motion.outcome == "aborted":
+            return "aborted"
+        if motion.outcome == "preempted":
+            return "cancelled" if motion.replaced_by is None else "replaced"
+        if motion.is_endless and (motion.ended_ns or 0) - command.commanded_ns > _LEFT_NS:
+            return "left_on"
+        return "arrived"
+
+    def _end_at_last(self, command: LiveCommand) -> CommandEnd:
+        """Return how a command ends with the run."""
+        if command.motion.outcome != "active":
+            return self._end_of(command)
+        return "left_on" if command.motion.is_endless else "cut_by_end"
 
     def report(
         self,

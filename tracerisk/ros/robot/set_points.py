@@ -44,6 +44,7 @@ from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
+    from tracerisk.twin.motion.execution import Motion
     from tracerisk.twin.robots.robot import Robot
 
 TRAJECTORY = "trajectory_msgs/JointTrajectory"
@@ -57,7 +58,6 @@ _FEEDBACK = "joint_states"
 _QUANTITY = re.compile(
     r"(?<=[/_])(?:(pos|positions?)|(vel|velocity|velocities)|(efforts?|torques?))(?=[/_])"
 )
-_FOREVER_S = 1000.0
 _NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
 _SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
 Array = NDArray[np.float64]
@@ -192,7 +192,7 @@ class SetPoints(TrajectoryNode):
             self._refuse(topic, "a velocity is not finite")
             return
         asked = dict(zip(joints, speeds.tolist(), strict=True))
-        self._velocity_streams.go_on_at(topic, kind, asked, _FOREVER_S)
+        self._velocity_streams.go_on_at(topic, kind, asked, None)
 
     def _declared_joints(self, topic: str, count: int) -> tuple[str, ...] | None:
         """Return the joints of the workspace's controller for a topic, if the robot has them."""
@@ -298,26 +298,23 @@ class SetPoints(TrajectoryNode):
             stream = None
         if stream is not None and stream.place == place and np.array_equal(stream.target, target):
             # The same again: what goes on goes on.
-            self._keep(stream, now_ns)
+            self._keep(stream, now_ns, None)
             return
         trajectory = self._towards(joints, target, stream, now_ns, speed)
         if stream is not None and stream.place == place:
             # In the place of the one before, whose end is not the command's.
-            stream.command.motion = self._twin.follow(trajectory)
             stream.target = target
-            self._keep(stream, now_ns)
+            self._keep(stream, now_ns, self._twin.follow(trajectory))
             return
         motion = self._twin.follow(trajectory)
         command = self._commands.begin(kind, motion, stack, keep_until_ns=now_ns + DWELL_NS)
         stream = _Stream(command, place, joints, target, now_ns)
         self._streams[topic] = stream
-        self._keep(stream, now_ns)
+        self._keep(stream, now_ns, None)
 
-    def _keep(self, stream: _Stream, now_ns: int) -> None:
+    def _keep(self, stream: _Stream, now_ns: int, motion: Motion | None) -> None:
         stream.last_ns = now_ns
-        due_ns = stream.command.keep_until_ns = now_ns + DWELL_NS
-        # The watch of the commands looks when the clock stops here.
-        self._scheduler.call_at(due_ns, lambda: None)
+        self._commands.lead(stream.command, motion, DWELL_NS)
 
     def _towards(
         self,

@@ -35,23 +35,49 @@ _LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
 _LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class Way:
+    """How far something had to go, and still has to [rad or m]."""
+
+    whole: float = 0.0
+    """The length of the whole way, there and back counted twice."""
+    left: float = 0.0
+    """What is left of it."""
+
+    @property
+    def done(self) -> float:
+        """The fraction that is done, from 0 to 1."""
+        if self.whole <= 0.0:
+            return 1.0
+        return min(max(1.0 - self.left / self.whole, 0.0), 1.0)
+
+
 @dataclass(eq=False, repr=False)
 class Motion:
-    """A motion that the twin carries out, as its owner sees it.
-
-    `elements` are the names addressed: arm joints, and grippers by their name.
-    `goal` is where it leads each of `joints` [rad or m]; one value for both fingers of a gripper.
-    `stalled` says that a gripper stopped on an object, short of the position asked for.
-    """
+    """A motion that the twin carries out, as its owner sees it."""
 
     joints: tuple[str, ...]
+    """The joints that it moves."""
     elements: tuple[str, ...]
+    """The names addressed: arm joints, and grippers by their name."""
     started_ns: int
+    """When it began, in simulated time [ns]."""
     goal: tuple[float, ...] = ()
+    """Where it leads each of `joints` [rad or m]; one value for both fingers of a gripper."""
+    is_endless: bool = False
+    """Whether it is a velocity without a goal, which goes on until something stops it."""
     outcome: MotionOutcome = "active"
+    """What it has come to."""
     ended_ns: int | None = None
+    """When it ended [ns]; `None` while it goes on."""
     message: str = ""
+    """Why it ended so, in words."""
     stalled: bool = False
+    """Whether a gripper stopped on an object, short of the position asked for."""
+    replaced_by: Motion | None = None
+    """The motion that took its joints."""
+    way: Way = Way()
+    """The way of the joint that had the farthest to go; known when the motion has ended."""
     _open_parts: int = 0
 
     def __repr__(self) -> str:
@@ -62,10 +88,17 @@ class Motion:
         self._open_parts += 1
 
     def end_part(
-        self, outcome: MotionOutcome, message: str, time_ns: int, *, stalled: bool = False
+        self,
+        outcome: MotionOutcome,
+        message: str,
+        time_ns: int,
+        way: Way,
+        *,
+        stalled: bool = False,
     ) -> None:
         """Note that one part ended; the motion ends with its last part, or the first failure."""
         self._open_parts -= 1
+        self.way = max(self.way, way)
         if self.outcome != "active":
             return
         if message:
@@ -98,6 +131,9 @@ class Track(Protocol):
     motion: Motion | None
     actuators: Sequence[int]
     joints: Sequence[int]
+
+    def way(self, measured: Measured) -> Way:
+        """Return the way of the joint that has the farthest to go."""
 
     def steps_ahead(self) -> int:
         """Return for how many steps the set-points are known, at least 1."""
@@ -140,6 +176,7 @@ class ArmTrack:
     members: Sequence[Joint]
     position: Array  # (n_steps, n_joints)
     velocity: Array  # (n_steps, n_joints)
+    begin: Array  # (n_joints,) where they are when it begins
     goal: GoalTolerance = field(default_factory=GoalTolerance)
     _at: int = field(default=0, init=False)
     _waited: int = field(default=0, init=False)
@@ -174,6 +211,7 @@ class ArmTrack:
             members=[self.members[i] for i in kept],
             position=self.position[:, kept],
             velocity=self.velocity[:, kept],
+            begin=self.begin[kept],
         )
         track._at, track._waited = self._at, self._waited
         return track
@@ -184,6 +222,18 @@ class ArmTrack:
         if self._at >= len(self.position):
             return self.position[-1], np.zeros(len(self.members))
         return self.position[at], self.velocity[at]
+
+    def way(self, measured: Measured) -> Way:
+        """Return the way of the joint that has the farthest to go along the set-points."""
+        if self.motion is not None and self.motion.is_endless:
+            return Way()
+        steps = np.abs(np.diff(self.position, axis=0, prepend=self.begin[None, :]))
+        ways = steps.sum(axis=0)
+        farthest = int(np.argmax(ways))
+        lag = self.begin if self._at == 0 else self.position[min(self._at, len(steps)) - 1]
+        here = float(measured.position([self.joints[farthest]])[0])
+        ahead = float(steps[self._at :, farthest].sum())
+        return Way(float(ways[farthest]), ahead + abs(here - float(lag[farthest])))
 
     def steps_ahead(self) -> int:
         """Return how many set-points are left; a few while the arm settles."""
@@ -210,7 +260,7 @@ class ArmTrack:
         speed = np.abs(measured.velocity(self.joints))
         tolerance = self.goal.position
         if (miss <= tolerance).all() and (speed <= self._still).all():
-            self.motion.end_part("succeeded", "", time_ns)
+            self.motion.end_part("succeeded", "", time_ns, self.way(measured))
             return True
         if self._waited * STEP_S < self.goal.settle_s:
             return False
@@ -222,7 +272,7 @@ class ArmTrack:
         pressed = measured.pressed()
         if pressed is not None:
             text += f"; '{pressed[0]}' presses on '{pressed[1]}'"
-        self.motion.end_part("aborted", text, time_ns)
+        self.motion.end_part("aborted", text, time_ns, self.way(measured))
         return True
 
 
@@ -245,7 +295,7 @@ class GripperTrack:
         self.actuators: Sequence[int] = (actuator,)
         self.joints = joints
         self._gripper = gripper
-        self._target = target
+        self._begin, self._target = begin, target
         if timed is not None and len(timed[0]) > 1:
             way = _no_faster(timed, gripper.velocity_limit)
         else:
@@ -268,6 +318,11 @@ class GripperTrack:
         self._at = 0
         self._waited = 0
         self._moved_at = 0
+
+    def way(self, measured: Measured) -> Way:
+        """Return the way of a finger from where it began to where it is to be."""
+        whole = abs(self._target - self._begin)
+        return Way(whole, abs(self._target - self._here(measured)))
 
     def steps_ahead(self) -> int:
         """Return how many set-points are left; a few where they depend on the fingers."""
@@ -295,7 +350,7 @@ class GripperTrack:
         speed = float(np.abs(measured.velocity(self.joints)).max())
         still = speed < self._still
         if still and abs(here - self._target) <= self._tolerance:
-            self.motion.end_part("succeeded", "", time_ns)
+            self.motion.end_part("succeeded", "", time_ns, self.way(measured))
             return True
         if not still:
             self._moved_at = self._waited
@@ -303,11 +358,11 @@ class GripperTrack:
         if (self._waited - self._moved_at) * STEP_S >= _STALL_S:
             short = f"{self._target:.4f} {unit}"
             note = f"gripper '{name}' stalled at {here:.4f} {unit}, short of {short}"
-            self.motion.end_part("succeeded", note, time_ns, stalled=True)
+            self.motion.end_part("succeeded", note, time_ns, self.way(measured), stalled=True)
             return True
         if self._waited * STEP_S >= SETTLE_S:
             note = f"gripper '{name}' does not come to rest at {self._target:.4f} {unit}"
-            self.motion.end_part("aborted", note, time_ns)
+            self.motion.end_part("aborted", note, time_ns, self.way(measured))
             return True
         return False
 

@@ -63,17 +63,18 @@ class JointState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointTrajectory:
-    """A path of named joints in time.
-
-    time: (n_points,) from the start [s], rising, the first 0.
-    position: (n_points, n_joints) [rad or m].
-    velocity: (n_points, n_joints) [rad/s or m/s].
-    """
+    """A path of named joints in time."""
 
     joints: tuple[str, ...]
+    """The joints that it moves."""
     time: NDArray[np.float64]
+    """(n_points,) from the start, rising, the first 0 [s]."""
     position: NDArray[np.float64]
+    """(n_points, n_joints) [rad or m]."""
     velocity: NDArray[np.float64]
+    """(n_points, n_joints) [rad/s or m/s]."""
+    is_endless: bool = False
+    """Whether it is a velocity without a goal, which goes on until something stops it."""
 
     @property
     def duration_s(self) -> float:

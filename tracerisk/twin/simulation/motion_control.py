@@ -20,7 +20,7 @@ from tracerisk.twin.motion.execution import (
 )
 from tracerisk.twin.motion.timing import resample
 from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.physics.motion import JointTrajectory, MotionOutcome, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 from tracerisk.twin.simulation.simulation import Simulation
 
@@ -98,8 +98,9 @@ class MotionControl:
             self._elements_of(trajectory.joints),
             self._simulation.time_ns,
             tuple(trajectory.position[-1].tolist()),
+            trajectory.is_endless,
         )
-        self._preempt(motion.elements)
+        self._end("preempted", "preempted", motion.elements, by=motion)
         # A gripper may be called as its only finger is, which has no servo of its own.
         arm = {joint.name for joint in self._robot.arm_joints}
         columns = [i for i, name in enumerate(trajectory.joints) if name in arm]
@@ -112,6 +113,7 @@ class MotionControl:
                 [self._simulation.joint_index[name] for name in names],
                 [self._robot.joint(name) for name in names],
                 *resample(trajectory.time, position, velocity, STEP_S),
+                self._simulation.position([self._simulation.joint_index[name] for name in names]),
                 goal_tolerance or GoalTolerance(),
             )
             self._add(track)
@@ -145,7 +147,7 @@ class MotionControl:
         found = self._robot.gripper(gripper)
         motion = Motion(found.joints, (found.name,), self._simulation.time_ns, (position,))
         track = self._gripper_track(motion, found, position, max_effort)
-        self._preempt(motion.elements)
+        self._end("preempted", "preempted", motion.elements, by=motion)
         self._add(track)
         return motion
 
@@ -161,7 +163,12 @@ class MotionControl:
                     f"robot '{self._robot.name}' has no joint '{name}'; "
                     f"{one_of(self._simulation.joint_index, name)}"
                 )
-        self._preempt(self._elements_of(names))
+        self._end("preempted", "preempted", self._elements_of(names))
+
+    def abort(self, motion: Motion, message: str) -> None:
+        """End a motion as failed, for a reason of its owner's, and bring its joints to rest."""
+        if motion.outcome == "active":
+            self._end("aborted", message, motion.elements)
 
     def references(self) -> tuple[Array, Array]:
         """Return the set-points of all joints and their velocities; of fingers, as measured."""
@@ -182,15 +189,28 @@ class MotionControl:
             self._set_points = self._set_points.copy()
             self._set_points[track.actuators] = self._simulation.position(track.joints)
 
-    def _preempt(self, elements: Iterable[str]) -> None:
-        """End the motions that address any of the elements; their arm joints brake."""
+    def _end(
+        self,
+        outcome: MotionOutcome,
+        message: str,
+        elements: Iterable[str],
+        *,
+        by: Motion | None = None,
+    ) -> None:
+        """End the motions that address any of the elements; their arm joints brake.
+
+        `by` is the motion that takes these elements.
+        """
         wanted = set(elements)
         for track in [track for track in self._tracks if track.motion is not None]:
             motion = track.motion
             if motion is None or not wanted & set(motion.elements):
                 continue
             self._tracks.remove(track)
-            motion.end_part("preempted", "preempted", self._simulation.time_ns)
+            if motion.outcome == "active":
+                motion.replaced_by = by
+            way = track.way(self._simulation)
+            motion.end_part(outcome, message, self._simulation.time_ns, way)
             if isinstance(track, ArmTrack):
                 self._tracks.append(track.brake())
 

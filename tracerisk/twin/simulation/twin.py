@@ -64,7 +64,7 @@ class Twin:
         self.plan_joints, self.plan_pose = self._planner.joints, self._planner.pose
         self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime
         self.follow, self.stop = self._motions.follow, self._motions.stop
-        self.move_gripper = self._motions.move_gripper
+        self.move_gripper, self.abort = self._motions.move_gripper, self._motions.abort
 
     @classmethod
     def build(cls, robot: Robot, scene: Scene, *, samples: SampleWriter | None = None) -> Twin:
