@@ -238,7 +238,7 @@ assert code == CODE and (code < 0 or abs(at - 0.8) < 5e-3), (code, at)
     ("rules", "code", "reason"),
     [
         ("{past_limit: stop, tolerances: ignored}", 0, "stopped-at-limit"),
-        ("{past_limit: missed}", -5, "command-rejected"),
+        ("{past_limit: missed}", -5, "command-aborted"),
     ],
 )
 def test_a_driver_may_stop_at_limits_and_ignore_tolerances(mast, rules, code, reason):

@@ -213,18 +213,19 @@ class Recorder:
         asker: Hashable,
         object_name: str = "",
         target: Sequence[float] = (),
-    ) -> None:
+    ) -> bool:
         """Record that something failed which the code at `asker` may try again.
 
         While it is not tried again with success the same failure is recorded once, whatever the
-        figures in its message.
+        figures in its message. Return whether it was recorded now.
         """
         key = (kind, asker, object_name, _FIGURE.sub("", message), location)
         goal = tuple(map(float, target))
         if key in self._open and is_near(self._open[key][1], goal):
-            return
+            return False
         self._open[key] = (self._findings, goal)
         self.finding(kind, message, location, object_name=object_name, target=goal)
+        return True
 
     @property
     def has_open_failures(self) -> bool:

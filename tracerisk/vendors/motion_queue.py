@@ -125,18 +125,14 @@ class MotionQueue:
             return
         job.motion = motion
         self._live.append(job)
-        self._commands.begin(job.kind, motion, job.stack, lambda ended: self._ended(job, ended))
+        self._commands.begin(
+            job.kind, motion, job.stack, lambda ended: self._ended(job, ended), what=job.kind
+        )
 
     def _ended(self, job: Job, motion: Motion) -> None:
         if job in self._live:
             self._live.remove(job)
-        if motion.outcome == "aborted":
-            self._commands.report(
-                "execution_failure", f"{job.kind} was aborted: {motion.message}", job.stack
-            )
-            self._end(job, "aborted", motion.message)
-        else:
-            self._end(job, motion.outcome, motion.message)
+        self._end(job, motion.outcome, motion.message)
         while self._waiting and not self._live:
             self._begin(self._waiting.popleft())
 

@@ -35,7 +35,7 @@ values = arm.get_current_joint_values()
     assert ran["values"] == pytest.approx([ready[name] for name in ARM], abs=0.005)
     (command,) = ran.recording.commands
     assert command.elements == tuple(ARM)
-    assert command.outcome == "succeeded"
+    assert command.end == "arrived"
     assert command.issue_ns < command.end_ns
     assert command.stack[-1].function.name == "<module>"
 
@@ -233,7 +233,7 @@ scheduler.sleep(5_000_000_000)
     assert ran["asked"] is True
     (command,) = ran.recording.commands
     assert ran["returned_ns"] == command.issue_ns
-    assert command.outcome == "succeeded"
+    assert command.end == "arrived"
     assert 300_000_000 < command.end_ns - command.issue_ns < 4_000_000_000
 
 
@@ -249,7 +249,7 @@ arm.stop()
 """
     )
     (command,) = ran.recording.commands
-    assert command.outcome == "preempted"
+    assert command.end == "cancelled"
     assert command.end_ns == pytest.approx(command.issue_ns + 200_000_000, abs=5_000_000)
 
 
@@ -265,7 +265,8 @@ done = hand.go(wait=True)
 """
     )
     arm, hand = ran.recording.commands
-    assert (arm.outcome, hand.outcome) == ("preempted", "succeeded")
+    assert (arm.end, hand.end) == ("replaced", "arrived")
+    assert arm.replaced_by == hand.id
     assert arm.end_ns == hand.issue_ns
 
 

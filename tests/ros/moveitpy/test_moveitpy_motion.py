@@ -23,7 +23,7 @@ with monitor.read_only() as scene:
     (command,) = ran.recording.commands
     assert command.elements == ARM
     assert [frame.function.name for frame in command.stack] == ["<module>", "move", "go"]
-    assert command.outcome == "succeeded"
+    assert command.end == "arrived"
     assert command.issue_ns < command.end_ns
 
 
@@ -65,7 +65,7 @@ status = panda.execute(arm.plan().trajectory, controllers=[])
     )
     assert bool(ran["status"]) is True
     (command,) = ran.recording.commands
-    assert command.outcome == "succeeded"
+    assert command.end == "arrived"
     (reported,) = ran.findings
     assert "the arm is assumed to begin where its first motion was planned from" in reported
     assert "panda_joint2 -0.7854" in reported

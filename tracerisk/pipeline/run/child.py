@@ -97,6 +97,7 @@ from tracerisk.vendors.serving import serve_vendors
 __all__ = ["main", "prepare"]
 _MB = 1024 * 1024
 _MOST_DENIED = 50
+_GOES_ON = frozenset({"cycles", "duration"})  # ends by which the controller was not done
 
 
 def main() -> int:
@@ -206,7 +207,7 @@ def _run(
     world.time_passed = [watch.time_passed, stall.time_passed]
 
     def run_over(cause: str) -> None:
-        runtime.client(TwinCommands).finish()
+        runtime.client(TwinCommands).finish(goes_on=cause in _GOES_ON)
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
         watch.run_over(cause)

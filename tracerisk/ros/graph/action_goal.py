@@ -90,6 +90,7 @@ class ActionGoal:
     `message` is the goal as sent, `stack` that of the code which sent it, `sent_ns` when.
     `on_change` is called after each change of state, `on_feedback` with each feedback; a client
     library sets both. `data` is free for the server. `result` stays None until a terminal state.
+    `motion` is what the twin carries out for it.
     """
 
     id: Any
@@ -105,6 +106,7 @@ class ActionGoal:
     result: Any = None
     is_cancel_asked: bool = False
     data: Any = None
+    motion: Any = None
 
     # The server's side
 
@@ -162,9 +164,14 @@ class ActionGoal:
         """End the goal as reached.
 
         Raises:
-            GoalStateError: the goal is not being pursued.
+            GoalStateError: the goal is not being pursued, or its motion did not arrive.
         """
         self._expect("set succeeded", *PURSUED)
+        if self.motion is not None and self.motion.outcome != "succeeded":
+            raise GoalStateError(
+                f"cannot set succeeded a goal of {self.client.name} whose motion is "
+                f"{self.motion.outcome}; end it as its motion ended"
+            )
         self._become(GoalState.SUCCEEDED, text, result)
 
     def abort(self, result: Any = None, text: str = "") -> None:

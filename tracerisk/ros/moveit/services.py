@@ -100,6 +100,7 @@ class MoveItInterfaces(TwinNode):
             trajectory = twin_trajectory(message, self._twin, scheduler.now_ns)
         except TrajectoryRefusedError as error:
             self._server.execution.report("execution_failure", f"a trajectory is none: {error}")
+            self._commands.refuse("move_group", goal.stack)
             self._finish(goal, result, ErrorCode.INVALID_MOTION_PLAN, str(error))
             return
         self._execute(goal, trajectory, result)
@@ -121,7 +122,7 @@ class MoveItInterfaces(TwinNode):
                 self._twin.stop(goal.data.motion.joints)
 
     def _execute(self, goal: ActionGoal, trajectory: JointTrajectory, result: Any) -> None:
-        execution = self._server.execution.start(trajectory)
+        execution = self._server.execution.start(trajectory, goal=goal)
         if isinstance(execution, ErrorCode):
             self._finish(goal, result, execution, "the trajectory was not executed")
             return

@@ -14,7 +14,8 @@ from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
-    from tracerisk.instrument.tracer import Frame, Tracer
+    from tracerisk.instrument.tracer import Tracer
+    from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.twin.motion.execution import Motion
     from tracerisk.twin.simulation.twin import Twin
@@ -78,28 +79,41 @@ class TrajectoryExecution:
         self._live: list[Execution] = []
 
     def start(
-        self, trajectory: JointTrajectory, *, start_tolerance: float = START_TOLERANCE
+        self,
+        trajectory: JointTrajectory,
+        *,
+        start_tolerance: float = START_TOLERANCE,
+        goal: ActionGoal | None = None,
     ) -> Execution | ErrorCode:
         """Start a trajectory and return its execution, or the code with which it is refused.
 
-        With a tolerance of 0 it may start anywhere [rad or m].
+        With a tolerance of 0 it may start anywhere [rad or m]. `goal` is the goal of an action
+        that asks for it.
         """
+        stack = self._commands.stack()
         refusal = self._refusal(trajectory, start_tolerance)
+        replaced: list[Motion] = []
         if refusal is None:
-            self.stop()
+            replaced = self._stop()
             try:
                 motion = self._begin(trajectory)
             except PlanningError as error:
                 refusal = error.message
         if refusal is not None:
+            self._commands.poll()
+            self._commands.refuse("move_group", stack)
             self.report(
                 "execution_failure",
                 f"a trajectory was not executed: {refusal}",
                 target=trajectory.position[-1] if len(trajectory.time) else (),
             )
             return ErrorCode.CONTROL_FAILED
-        stack, execution = self._commands.stack(), Execution(motion)
-        self._commands.begin("move_group", motion, stack, lambda _: self._ended(execution, stack))
+        for other in replaced:
+            other.replaced_by = motion
+        execution = Execution(motion)
+        self._commands.begin(
+            "move_group", motion, stack, lambda _: self._ended(execution), goal=goal
+        )
         self._live.append(execution)
         return execution
 
@@ -113,24 +127,19 @@ class TrajectoryExecution:
 
     def stop(self) -> None:
         """Stop what is being executed."""
-        for execution in self._live:
-            if execution.motion.outcome == "active":
-                self._twin.stop(execution.motion.joints)
+        self._stop()
         self._commands.poll()
 
-    def _ended(self, execution: Execution, stack: tuple[Frame, ...]) -> None:
-        """Note how an execution has ended, which the code of `stack` asked for."""
+    def _stop(self) -> list[Motion]:
+        """Bring what is being executed to rest, and return it."""
+        active = [each.motion for each in self._live if each.motion.outcome == "active"]
+        for motion in active:
+            self._twin.stop(motion.joints)
+        return active
+
+    def _ended(self, execution: Execution) -> None:
         self._live.remove(execution)
-        motion = execution.motion
-        execution.code = _CODE_OF_OUTCOME[motion.outcome]
-        if motion.outcome == "aborted":
-            self._commands.report(
-                "execution_failure",
-                f"a motion was aborted: {motion.message}",
-                stack,
-                object_name=", ".join(motion.elements),
-                target=motion.goal,
-            )
+        execution.code = _CODE_OF_OUTCOME[execution.motion.outcome]
 
     def report(
         self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()

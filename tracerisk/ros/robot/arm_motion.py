@@ -22,6 +22,7 @@ from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
+    from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.twin.robots.robot import Joint
 
 TwistFrame = Literal["base", "tool", "mixed"]
@@ -264,7 +265,7 @@ class ArmMotion:
         shift, turned = [each * time for each in linear], [each * time for each in angular]
         there = moved(here, shift, turned, frame)
         way = self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
-        return replace(way, is_endless=for_s is None)
+        return replace(way, leads="on" if for_s is None else "for_a_while")
 
     def at_speeds(
         self, speeds: Sequence[float], for_s: float | None = None
@@ -280,14 +281,22 @@ class ArmMotion:
         trajectory: JointTrajectory,
         stack: tuple[Frame, ...],
         on_end: Callable[[Motion], None] = lambda motion: None,  # noqa: ARG005
+        *,
+        goal: ActionGoal | None = None,
+        what: str = "a motion",
     ) -> Motion:
-        """Begin to follow a trajectory for the code of `stack`."""
+        """Begin to follow a trajectory for the code of `stack`; see `TwinCommands.begin`."""
         motion = self.twin.follow(trajectory)
-        self._commands.begin(kind, motion, stack, on_end)
+        self._commands.begin(kind, motion, stack, on_end, goal=goal, what=what)
         return motion
 
     def move_gripper(
-        self, opened: float, stack: tuple[Frame, ...], *, max_effort: float | None = None
+        self,
+        opened: float,
+        stack: tuple[Frame, ...],
+        *,
+        max_effort: float | None = None,
+        goal: ActionGoal | None = None,
     ) -> Motion:
         """Move the fingers to a share of their opening: 0 closed, 1 wide open.
 
@@ -295,7 +304,7 @@ class ArmMotion:
             PlanningError: the robot has no gripper with joints.
         """
         motion = self.grip_motion(opened, max_effort=max_effort)
-        self._commands.begin("gripper_command", motion, stack)
+        self._commands.begin("gripper_command", motion, stack, goal=goal)
         return motion
 
     def grip_motion(self, opened: float, *, max_effort: float | None = None) -> Motion:

@@ -1,4 +1,4 @@
-"""Commands that reach the twin over the graph: recorded at their start and at their end."""
+"""Commands that reach the twin over the graph: recorded at their start, and how they end."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import STOPS
-from tracerisk.twin.motion.execution import Way
+from tracerisk.twin.motion.execution import Motion, Way
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
@@ -17,11 +17,19 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.time.scheduler import Scheduler
     from tracerisk.trace import CommandEnd
-    from tracerisk.twin.motion.execution import Motion
+    from tracerisk.twin.robots.robot import Joint
     from tracerisk.twin.simulation.twin import Twin
 
 _LEFT_NS = 1_000_000_000
 """A velocity that goes on by itself for longer was left on [ns]."""
+_SILENT_NS = 10_000_000_000
+"""So was one that a run cuts which would have gone on, if nobody renewed it for longer [ns]."""
+_AT_LIMIT = 0.01  # of a joint [rad or m]
+_NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
+    "goal_rejected": ("goal", "refused"),
+    "command_ignored": ("message", "ignored"),
+}
+"""What findings say of commands that move nothing: their kind, and their end."""
 
 
 @dataclass(slots=True, eq=False)
@@ -35,8 +43,16 @@ class LiveCommand:
     """Its number in the recording; 0 where it has no stack."""
     motion: Motion
     """The motion that carries it out, the last one of a stream."""
+    stack: tuple[Frame, ...]
+    """The functions that issued it."""
     on_end: Callable[[Motion], None]
     """What is called once, when it has ended."""
+    misses: Callable[[Motion], str]
+    """What says of a motion that succeeded why it is a failure all the same; empty if it is not."""
+    what: str
+    """What it is called where it fails."""
+    object_name: str
+    """What its failure is about."""
     commanded_ns: int
     """When the controller last commanded it, in simulated time [ns]."""
     keep_until_ns: int = 0
@@ -77,14 +93,27 @@ class TwinCommands:
         stack: tuple[Frame, ...],
         on_end: Callable[[Motion], None] = lambda motion: None,  # noqa: ARG005
         *,
+        goal: ActionGoal | None = None,
+        what: str = "a motion",
+        misses: Callable[[Motion], str] = lambda motion: "",  # noqa: ARG005
         keep_until_ns: int = 0,
     ) -> LiveCommand:
-        """Record a command that `motion` carries out, and see to its end."""
+        """Record a command that `motion` carries out, and see to its end.
+
+        `goal` is the goal of an action that it is; `what` is what it is called where it fails.
+        `misses` says of a motion that succeeded why it is a failure all the same.
+        """
         command_id = 0
         if self._recorder is not None and stack:
             command_id = self._recorder.command(kind, motion.elements, stack, goal=motion.goal)
+        name = ", ".join(motion.elements)
+        if goal is not None:
+            goal.motion, name = motion, goal.client.name
+            what = f"a goal of action {name}"
         now_ns = self.scheduler.now_ns
-        command = LiveCommand(command_id, motion, on_end, now_ns, keep_until_ns)
+        command = LiveCommand(
+            command_id, motion, stack, on_end, misses, what, name, now_ns, keep_until_ns
+        )
         over = [live for live in self._live if self._is_over(live)]
         self._live.append(command)
         # Those that this motion has just put an end to ended before it began to count.
@@ -107,6 +136,7 @@ class TwinCommands:
             before = command.motion.way
             command.led_by += max(before.whole - before.left, 0.0)
             command.motion, command.has_led_on = motion, True
+            self.poll()
 
     def stop(self, joints: Sequence[str]) -> None:
         """Bring joints to rest for the code that asked for it, whose call led to that."""
@@ -124,62 +154,41 @@ class TwinCommands:
     def cancel(self, goal: ActionGoal) -> None:
         """Take a request to cancel a goal: what it moves comes to rest, and it ends with that."""
         goal.accept_cancel()
-        if goal.data is not None and goal.data.outcome == "active":
-            self.rest(goal.data.joints)
+        if goal.motion is not None and goal.motion.outcome == "active":
+            self.rest(goal.motion.joints)
 
     def is_live(self, command: LiveCommand) -> bool:
         """Return whether a command is not over."""
         return command in self._live
 
     def poll(self) -> None:
-        """Note which commands are over."""
+        """Note which commands are over, and how they ended."""
         self._close([command for command in self._live if self._is_over(command)])
 
-    def _close(self, over: Sequence[LiveCommand]) -> None:
-        for command in over:
-            if command in self._live:
-                self._live.remove(command)
-                self._record_end(command, self._end_of(command))
-                command.on_end(command.motion)
+    def finish(self, *, goes_on: bool) -> None:
+        """Note how the commands end that the end of the run cuts; nothing moves any more.
 
-    def finish(self) -> None:
-        """Note how the commands end that the end of the run cuts; nothing moves any more."""
-        live, self._live = self._live, []
-        ends = [(command, self._end_at_last(command)) for command in live]
+        `goes_on`: the controller was not done, and would have commanded more.
+        """
+        live, now_ns = list(self._live), self.scheduler.now_ns
+        ends: list[CommandEnd] = []
+        for command in live:
+            end: CommandEnd = "cut_by_end"
+            if command.motion.outcome != "active":
+                end = self._end_of(command)
+            elif command.motion.leads == "on":
+                silent_ns = now_ns - command.commanded_ns
+                end = "left_on" if silent_ns > (_SILENT_NS if goes_on else 0) else end
+            ends.append(end)
         self.twin.stop()
-        for command, end in ends:
+        for command, end in zip(live, ends, strict=True):
             self._record_end(command, end)
+        self._live.clear()
 
-    def _record_end(self, command: LiveCommand, end: CommandEnd) -> None:
-        if self._recorder is None or not command.id:
-            return
-        motion = command.motion
-        way = Way(command.led_by + motion.way.whole, motion.way.left)
-        by = motion.replaced_by if end == "replaced" else None
-        self._recorder.command_ended(
-            command.id,
-            end,
-            way_done=None if motion.is_endless else way.done,
-            replaced_by=next((live.id for live in self._live if live.motion is by), 0) or None,
-            goal=motion.goal if command.has_led_on else None,
-        )
-
-    def _end_of(self, command: LiveCommand) -> CommandEnd:
-        """Return how a command ended that is over."""
-        motion = command.motion
-        if motion.outcome == "aborted":
-            return "aborted"
-        if motion.outcome == "preempted":
-            return "cancelled" if motion.replaced_by is None else "replaced"
-        if motion.is_endless and (motion.ended_ns or 0) - command.commanded_ns > _LEFT_NS:
-            return "left_on"
-        return "arrived"
-
-    def _end_at_last(self, command: LiveCommand) -> CommandEnd:
-        """Return how a command ends with the run."""
-        if command.motion.outcome != "active":
-            return self._end_of(command)
-        return "left_on" if command.motion.is_endless else "cut_by_end"
+    def refuse(self, kind: str, stack: tuple[Frame, ...], end: CommandEnd = "refused") -> None:
+        """Record a command that moves nothing; a finding says why."""
+        if self._recorder is not None and stack:
+            self._recorder.refused(kind, end, stack)
 
     def report(
         self,
@@ -193,7 +202,7 @@ class TwinCommands:
         """Record a finding at the line that sent the goal or message; the same one only once.
 
         Without a `stack` it is the line that runs now. `object_name` is what it is about, `target`
-        the goal of what failed.
+        the goal of what failed. One that says that a command was not taken records that, too.
         """
         if stack is None:
             stack = self.stack()
@@ -201,15 +210,84 @@ class TwinCommands:
         if stack:
             line, column = stack[-1].site
             location = Location(stack[-1].function.file, line, column or None)
-        if self._recorder is not None:
-            self._recorder.failed(
-                kind,
-                message,
-                location,
-                asker=stack[-1].function if stack else None,
-                object_name=object_name,
-                target=target,
+        if self._recorder is None:
+            return
+        is_new = self._recorder.failed(
+            kind,
+            message,
+            location,
+            asker=stack[-1].function if stack else None,
+            object_name=object_name,
+            target=target,
+        )
+        if is_new and kind in _NOT_TAKEN:
+            self.refuse(_NOT_TAKEN[kind][0], stack, _NOT_TAKEN[kind][1])
+
+    def _close(self, over: Sequence[LiveCommand]) -> None:
+        for command in over:
+            if command not in self._live:
+                continue
+            motion = command.motion
+            if motion.outcome == "succeeded" and (miss := command.misses(motion)):
+                motion.outcome, motion.message = "aborted", miss
+            self._record_end(command, self._end_of(command))
+            self._live.remove(command)
+            command.on_end(motion)
+
+    def _end_of(self, command: LiveCommand) -> CommandEnd:
+        """Return how a command ended that is over."""
+        motion = command.motion
+        if motion.outcome == "preempted":
+            return "cancelled" if motion.replaced_by is None else "replaced"
+        if motion.leads == "on" and (motion.ended_ns or 0) - command.commanded_ns > _LEFT_NS:
+            return "left_on"
+        return "arrived" if motion.outcome == "succeeded" else "aborted"
+
+    def _record_end(self, command: LiveCommand, end: CommandEnd) -> None:
+        if self._recorder is None or not command.id:
+            return
+        motion = command.motion
+        way = Way(command.led_by + motion.way.whole, motion.way.left)
+        replacing = [live.id for live in self._live if live.motion is motion.replaced_by]
+        self._recorder.command_ended(
+            command.id,
+            end,
+            way_done=way.done if motion.leads == "to_goal" else None,
+            replaced_by=next(filter(None, replacing), None),
+            goal=motion.goal if command.has_led_on else None,
+        )
+        if end == "aborted":
+            self.report(
+                "execution_failure",
+                f"{command.what} was aborted: {motion.message}",
+                command.stack,
+                object_name=command.object_name,
+                target=motion.goal,
             )
+        elif end == "left_on":
+            words, moving = self._left_on(command)
+            self.report("left_on", words, command.stack, object_name=moving)
+
+    def _left_on(self, command: LiveCommand) -> tuple[str, str]:
+        """Return what became of a velocity that nobody took back, and the joint it is about."""
+        motion = command.motion
+        moved = zip(motion.speeds, motion.joints, motion.goal, strict=True)
+        speed, name, goal = max(moved, key=lambda joint: abs(joint[0]))
+        ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
+        joint = self.twin.robot.joint(name)
+        words = (
+            f"the velocity of joint '{name}' ({speed:.3g} {_unit(joint)}/s) was left on: it moved "
+            f"for {(ended_ns - command.commanded_ns) / 1e9:.1f} s more, "
+        )
+        if motion.outcome == "preempted":
+            words += "up to the end of the run"
+        elif motion.outcome == "aborted":
+            words += f"until something held it ({motion.message})"
+        elif min(abs(goal - joint.lower), abs(goal - joint.upper)) <= _AT_LIMIT:
+            words += f"until its limit at {goal:.4g} {_unit(joint)}"
+        else:
+            words += f"until it could go no further, at {goal:.4g} {_unit(joint)}"
+        return f"{words}; send a velocity of zero when it is to stop", name
 
     def _is_over(self, command: LiveCommand) -> bool:
         outcome = command.motion.outcome
@@ -230,3 +308,7 @@ class TwinCommands:
                 lambda: any(self._is_over(each) for each in self._live), reason="a motion to end"
             )
             self.poll()
+
+
+def _unit(joint: Joint) -> str:
+    return "m" if joint.type == "prismatic" else "rad"

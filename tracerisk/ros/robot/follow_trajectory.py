@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
-from tracerisk.ros.robot.commands import LiveCommand
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
     TrajectoryNode,
@@ -155,8 +154,7 @@ class _Pursuit:
         self._motion = motion
         self._commands = server._commands
         self._began_ns = self._commands.scheduler.now_ns
-        self._violation = ""
-        self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
+        self._code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
         self._limit = limit
         self._limits = {
             each.name: each.position
@@ -166,9 +164,7 @@ class _Pursuit:
         here = self._commands.twin.joint_state().positions
         self._start = np.array([here[name] for name in trajectory.joints])
         goal.data = self
-        self._command: LiveCommand = self._commands.begin(
-            "follow_joint_trajectory", motion, goal.stack, self._ended
-        )
+        self._commands.begin("follow_joint_trajectory", motion, goal.stack, self._ended, goal=goal)
         self._schedule()
         if limit.time_s is not None and math.isfinite(limit.time_s):
             ends_ns = nanoseconds(asked.trajectory.points[-1].time_from_start)
@@ -201,14 +197,11 @@ class _Pursuit:
         speed = np.array([state.velocity[i] for i in at])
         for name, wanted, found in zip(self._trajectory.joints, desired, actual, strict=True):
             limit = self._limits.get(name, math.inf)
-            if abs(wanted - found) > limit and not self._violation:
-                self._violation = (
-                    f"joint '{name}' is {abs(wanted - found):.4f} off its path "
-                    f"(tolerance {limit:g})"
-                )
-        if self._violation:
-            twin.stop(self._motion.joints)
-            return
+            if abs(wanted - found) > limit:
+                self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
+                off = f"{abs(wanted - found):.4f} off its path (tolerance {limit:g})"
+                twin.abort(self._motion, f"joint '{name}' is {off}")
+                return
         feedback = self._server._messages.part(TYPE, "Feedback")
         self._server._messages.stamp(feedback.header, self._commands.scheduler.now_ns)
         feedback.joint_names = self._names
@@ -242,12 +235,11 @@ class _Pursuit:
         miss, joint = max((abs(here[name] - wanted), name) for name, wanted in goals)
         if miss <= (_LATE if self._limit.position is None else self._limit.position):
             return
-        self._code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
-        self._violation = (
+        twin.abort(
+            self._motion,
             f"joint '{joint}' is {miss:.4f} from its goal when goal_time_tolerance "
-            f"({self._limit.time_s:g} s) is over"
+            f"({self._limit.time_s:g} s) is over",
         )
-        twin.stop(self._motion.joints)
 
     def _desired(self) -> tuple[Array, Array]:
         """Return the positions and velocities that the trajectory asks for now."""
@@ -285,22 +277,8 @@ class _Pursuit:
             return
         if motion.outcome == "succeeded":
             goal.succeed(result(TrajectoryCode.SUCCESSFUL, motion.message))
-        elif self._violation:
-            goal.abort(result(self._code, self._violation), self._violation)
-            self._report(self._violation)
         elif motion.outcome == "aborted":
-            code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
-            goal.abort(result(code, motion.message), motion.message)
-            self._report(motion.message)
+            goal.abort(result(self._code, motion.message), motion.message)
         else:
             text = "" if goal.state is GoalState.PREEMPTING else "a new command took the joints"
             goal.cancel(result(TrajectoryCode.SUCCESSFUL, text), text)
-
-    def _report(self, message: str) -> None:
-        self._commands.report(
-            "execution_failure",
-            f"a goal of action {self._goal.client.name} was aborted: {message}",
-            self._goal.stack,
-            object_name=self._goal.client.name,
-            target=self._motion.goal,
-        )

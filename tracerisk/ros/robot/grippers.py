@@ -97,7 +97,7 @@ class GripperServer(TwinNode):
             result = self._messages.part(goal.client.type_name, "Result")
             result.position, result.effort = self._measured(gripper)
             self._set_reached(result, motion)
-            self._end(goal, motion, result, is_good=True)
+            goal.end(motion.outcome, result, motion.message)
 
         self._start(goal, wanted, effort, end)
 
@@ -117,7 +117,7 @@ class GripperServer(TwinNode):
             result.state.name = [gripper.joints[0]]
             result.state.position, result.state.effort = [position], [pressed]
             self._set_reached(result, motion)
-            self._end(goal, motion, result, is_good=True)
+            goal.end(motion.outcome, result, motion.message)
 
         self._start(goal, float(command.position[0]), effort if effort > 0.0 else None, end)
 
@@ -127,29 +127,30 @@ class GripperServer(TwinNode):
         result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
 
     def _move(self, goal: ActionGoal) -> None:
-        self._start(goal, goal.message.width / 2, None, self._ended(goal))
+        self._start(goal, goal.message.width / 2, None, self._ended(goal), _stall)
 
     def _grasp(self, goal: ActionGoal) -> None:
         asked = goal.message
 
-        def end(motion: Motion, gripper: Gripper) -> None:
+        def misses(_: Motion, gripper: Gripper) -> str:
             width = 2 * self._measured(gripper)[0]
-            inner, outer = asked.epsilon.inner, asked.epsilon.outer
-            is_good = asked.width - inner <= width <= asked.width + outer
-            result = self._messages.part(goal.client.type_name, "Result")
-            result.success = motion.outcome == "succeeded" and is_good
-            if not is_good:
-                result.error = f"the fingers stopped at a width of {width:.4f} m"
-            self._end(goal, motion, result, is_good=is_good)
+            least, most = asked.width - asked.epsilon.inner, asked.width + asked.epsilon.outer
+            if least <= width <= most:
+                return ""
+            return (
+                f"the fingers stopped at a width of {width:.4f} m; width and epsilon allow "
+                f"{least:.4f} to {most:.4f} m"
+            )
 
         # The fingers close until they hold something, then press with the force.
         gripper = gripper_of(self._twin.robot, goal.client.name)
         closed = 0.0 if gripper is None else gripper.least
-        self._start(goal, closed, asked.force or None, end)
+        self._start(goal, closed, asked.force or None, self._ended(goal), misses)
 
     def _homing(self, goal: ActionGoal) -> None:
         gripper = gripper_of(self._twin.robot, goal.client.name)
-        self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._ended(goal))
+        wide = 0.0 if gripper is None else gripper.opening
+        self._start(goal, wide, None, self._ended(goal), _stall)
 
     def _stop(self, goal: ActionGoal) -> None:
         gripper = self._gripper(goal)
@@ -165,9 +166,9 @@ class GripperServer(TwinNode):
         def end(motion: Motion, gripper: Gripper) -> None:
             del gripper
             result = self._messages.part(goal.client.type_name, "Result")
-            result.success = motion.outcome == "succeeded" and not motion.stalled
+            result.success = motion.outcome == "succeeded"
             result.error = "" if result.success else motion.message or motion.outcome
-            self._end(goal, motion, result, is_good=bool(result.success))
+            goal.end(motion.outcome, result, motion.message)
 
         return end
 
@@ -177,6 +178,7 @@ class GripperServer(TwinNode):
         position: float,
         effort: float | None,
         end: Callable[[Motion, Gripper], None],
+        misses: Callable[[Motion, Gripper], str] = lambda motion, gripper: "",  # noqa: ARG005
     ) -> None:
         gripper = self._gripper(goal)
         if gripper is None:
@@ -199,9 +201,13 @@ class GripperServer(TwinNode):
             self._report(goal, error.message)
             goal.abort(None, error.message)
             return
-        goal.data = motion
         self._commands.begin(
-            "gripper_command", motion, goal.stack, lambda ended: end(ended, gripper)
+            "gripper_command",
+            motion,
+            goal.stack,
+            lambda ended: end(ended, gripper),
+            goal=goal,
+            misses=lambda ended: misses(ended, gripper),
         )
 
     def _gripper(self, goal: ActionGoal) -> Gripper | None:
@@ -217,10 +223,6 @@ class GripperServer(TwinNode):
             goal.reject(message)
         return gripper
 
-    def _end(self, goal: ActionGoal, motion: Motion, result: Any, *, is_good: bool) -> None:
-        is_missed = motion.outcome == "succeeded" and not is_good
-        goal.end("aborted" if is_missed else motion.outcome, result, motion.message)
-
     def _measured(self, gripper: Gripper) -> tuple[float, float]:
         position, _, effort = measured_grip(self._twin.joint_state(), gripper)
         return position, effort
@@ -232,6 +234,12 @@ class GripperServer(TwinNode):
             goal.stack,
             object_name=goal.client.name,
         )
+
+
+def _stall(motion: Motion, gripper: Gripper) -> str:
+    """Return why fingers that were to move, and not to grasp, did not get there."""
+    del gripper
+    return motion.message if motion.stalled else ""
 
 
 def _first(value: Any) -> float:

@@ -91,7 +91,7 @@ def at_velocities(
     It begins at `start`, by default where they are.
 
     It ends when the first of them is at its limit, or after `for_s` where that is less: they come
-    to rest then, as those of a driver that hears no more commands. With `None` it is endless.
+    to rest then, as those of a driver that hears no more commands. With `None` it leads on.
     """
     names = tuple(asked)
     joints = [twin.robot.joint(name) for name in names]
@@ -120,5 +120,5 @@ def at_velocities(
         times,
         np.vstack([here + speed * way for way in ways]),
         np.vstack((speed, speed, np.zeros(len(names)))),
-        is_endless=for_s is None,
+        leads="on" if for_s is None else "for_a_while",
     )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import one_of
 from tracerisk.twin.motion.timing import along_path, resample
 from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, MotionOutcome, PlanningError
+from tracerisk.twin.physics.motion import JointTrajectory, Leads, MotionOutcome, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Joint, Robot
 
 Array = NDArray[np.float64]
@@ -64,8 +64,10 @@ class Motion:
     """When it began, in simulated time [ns]."""
     goal: tuple[float, ...] = ()
     """Where it leads each of `joints` [rad or m]; one value for both fingers of a gripper."""
-    is_endless: bool = False
-    """Whether it is a velocity without a goal, which goes on until something stops it."""
+    leads: Leads = "to_goal"
+    """Where it leads: a velocity has no goal that it could miss."""
+    speeds: tuple[float, ...] = ()
+    """The velocity of each of `joints` that goes on until something stops it [rad/s or m/s]."""
     outcome: MotionOutcome = "active"
     """What it has come to."""
     ended_ns: int | None = None
@@ -225,7 +227,7 @@ class ArmTrack:
 
     def way(self, measured: Measured) -> Way:
         """Return the way of the joint that has the farthest to go along the set-points."""
-        if self.motion is not None and self.motion.is_endless:
+        if self.motion is not None and self.motion.leads != "to_goal":
             return Way()
         steps = np.abs(np.diff(self.position, axis=0, prepend=self.begin[None, :]))
         ways = steps.sum(axis=0)

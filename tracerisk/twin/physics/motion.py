@@ -13,6 +13,12 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.geometry.frames import triple
 
 MotionOutcome = Literal["active", "succeeded", "aborted", "preempted"]
+Leads = Literal[
+    "to_goal",  # to its last point, where it is to be
+    "for_a_while",  # at a velocity, which ends by itself when no other follows
+    "on",  # at a velocity, until something stops it
+]
+"""Where a trajectory leads: a velocity has no goal that it could miss."""
 PlanningFailure = Literal[
     "invalid_goal", "no_ik_solution", "no_plan", "collision", "start_in_collision", "bad_request"
 ]
@@ -73,8 +79,8 @@ class JointTrajectory:
     """(n_points, n_joints) [rad or m]."""
     velocity: NDArray[np.float64]
     """(n_points, n_joints) [rad/s or m/s]."""
-    is_endless: bool = False
-    """Whether it is a velocity without a goal, which goes on until something stops it."""
+    leads: Leads = "to_goal"
+    """Where it leads."""
 
     @property
     def duration_s(self) -> float:

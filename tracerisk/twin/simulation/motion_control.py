@@ -98,8 +98,11 @@ class MotionControl:
             self._elements_of(trajectory.joints),
             self._simulation.time_ns,
             tuple(trajectory.position[-1].tolist()),
-            trajectory.is_endless,
+            trajectory.leads,
         )
+        if motion.leads == "on":
+            fastest = np.abs(trajectory.velocity).argmax(axis=0)
+            motion.speeds = tuple(np.take_along_axis(trajectory.velocity, fastest[None], 0)[0])
         self._end("preempted", "preempted", motion.elements, by=motion)
         # A gripper may be called as its only finger is, which has no servo of its own.
         arm = {joint.name for joint in self._robot.arm_joints}

@@ -120,17 +120,15 @@ class DobotQueue:
                 f"dobot_{kind}",
                 motion,
                 stack,
-                lambda ended, kind=kind, stack=stack: self._ended(ended, kind, stack),  # type: ignore[misc]
+                self._ended,
+                what=kind,
             )
 
-    def _ended(self, motion: Motion, kind: str, stack: tuple[Frame, ...]) -> None:
+    def _ended(self, motion: Motion) -> None:
         if motion is not self._motion:
             return
         self.done += 1
         if motion.outcome == "aborted":
-            self._commands.report(
-                "execution_failure", f"{kind} was aborted: {motion.message}", stack
-            )
             self.error = COLLISION
             self._waiting.clear()
         self._next()

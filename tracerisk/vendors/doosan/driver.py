@@ -87,7 +87,7 @@ class DoosanController(DoosanReports):
             stack = self._commands.stack()
             self._wait(request, answer)
             try:
-                motion = self._arm.start(f"doosan_{kind}", make(request), stack)
+                motion = self._arm.start(f"doosan_{kind}", make(request), stack, what=kind)
             except PlanningError as error:
                 self._report(kind, error.message, stack)
                 return False
@@ -95,10 +95,6 @@ class DoosanController(DoosanReports):
             if _field(request, "sync_type"):
                 return True
             self._wait(request, answer)
-            if motion.outcome == "aborted":
-                self._commands.report(
-                    "execution_failure", f"{kind} was aborted: {motion.message}", stack
-                )
             return motion.outcome == "succeeded"
 
         return move

@@ -324,12 +324,12 @@ class KortexDriver(TwinNode):
             code = _PATH_VIOLATED if motion.outcome == "aborted" else 0
             goal.end(motion.outcome, self._result(code, text), text)
 
-        goal.data = self._arm.start("kortex_action", trajectory, goal.stack, ended)
+        self._arm.start("kortex_action", trajectory, goal.stack, ended, goal=goal)
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Bring the arm to rest; the goal ends with its motion."""
         goal.accept_cancel()
-        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
+        if goal.motion is not None and goal.motion.outcome == "active":
             self._arm.stop()
 
     def _result(self, code: int, message: str) -> Any:

@@ -178,13 +178,9 @@ class KortexPlayer:
             if motion.outcome == "succeeded":
                 end(_END, 0)
                 return
-            if motion.outcome == "aborted":
-                self._commands.report(
-                    "execution_failure", f"an action was aborted: {motion.message}", stack
-                )
             end(_ABORT, _FAILED)
 
-        self._arm.start("kortex_action", trajectory, stack, ended)
+        self._arm.start("kortex_action", trajectory, stack, ended, what="an action")
 
     def _at_speed(self, kind: str, asked: Any, *, is_answered: bool) -> None:
         stack = self._commands.stack()

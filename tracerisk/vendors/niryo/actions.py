@@ -64,15 +64,15 @@ class NiryoActions(NiryoPlaces):
             if trajectory is None:
                 goal.succeed(self._result(ROBOT_MOVE, _SUCCESS, "Command was already satisfied"))
                 return
-            motion = self._arm.start("niryo_move", trajectory, goal.stack, partial(self._end, goal))
+            self._arm.start(
+                "niryo_move", trajectory, goal.stack, partial(self._end, goal), goal=goal
+            )
         except PlanningError as error:
             self._commands.report(
                 "goal_rejected", f"a move of the arm was aborted: {error.message}", goal.stack
             )
             status = STATUS_OF[error.failure]
             goal.abort(self._result(ROBOT_MOVE, status, error.message), error.message)
-            return
-        goal.data = motion
 
     def _end(self, goal: ActionGoal, motion: Motion) -> None:
         if goal.state.is_terminal:
@@ -80,9 +80,6 @@ class NiryoActions(NiryoPlaces):
         if motion.outcome == "succeeded":
             goal.succeed(self._result(ROBOT_MOVE, _SUCCESS, _DONE))
         elif motion.outcome == "aborted":
-            self._commands.report(
-                "execution_failure", f"a move of the arm was aborted: {motion.message}", goal.stack
-            )
             goal.abort(self._result(ROBOT_MOVE, _CONTROLLER_PROBLEMS, motion.message))
         else:
             status = _STOPPED if self._is_stopped else _PREEMPTED
@@ -98,14 +95,14 @@ class NiryoActions(NiryoPlaces):
                     "bad_request",
                     f"cmd_type {asked.cmd_type} is not simulated; allowed: 1 (open), 2 (close)",
                 )
-            motion = self._arm.move_gripper(float(asked.cmd_type == _OPEN), goal.stack)
+            is_open = asked.cmd_type == _OPEN
+            motion = self._arm.move_gripper(float(is_open), goal.stack, goal=goal)
         except PlanningError as error:
             self._commands.report(
                 "goal_rejected", f"a command of the tool was aborted: {error.message}", goal.stack
             )
             goal.abort(self._result(TOOL, _TOOL_FAILURE, error.message), error.message)
             return
-        goal.data = motion
         self._scheduler.spawn(
             lambda: self._end_tool(goal, motion), "niryo tool", inherit=False, is_controllers=False
         )
