@@ -298,18 +298,28 @@ class Reason:
     """The file, from the controller's root, and the line."""
     accepted: str = ""
     """The words with which the user accepts it; empty where nobody does."""
+    by: Location | None = None
+    """The file and the line that brought it about, where that is another: what replaced it."""
 
     @property
     def key(self) -> tuple[str, str, str]:
         """What an acceptance must name: code, function and object."""
         return self.code, self.function, self.object
 
+    @property
+    def message(self) -> str:
+        """What happened and what brought it about, without place and time."""
+        if self.by is None:
+            return self.words
+        is_here = self.location is not None and self.location.file == self.by.file
+        return f"{self.words}, by line {self.by.line}" + ("" if is_here else f" of {self.by.file}")
+
     def __str__(self) -> str:
         place = self.location
         where = [] if place is None else [str(Location(place.file, place.line))]
         where += [f"in {self.function}"] if self.function else []
         where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
-        return self.words + (f" ({', '.join(where)})" if where else "")
+        return self.message + (f" ({', '.join(where)})" if where else "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -335,7 +345,12 @@ class Verdict:
         return replace(
             self,
             reasons=tuple(
-                replace(each, location=_moved(each.location, line_of)) for each in self.reasons
+                replace(
+                    reason,
+                    location=_moved(reason.location, line_of),
+                    by=_moved(reason.by, line_of),
+                )
+                for reason in self.reasons
             ),
             coverage=replace(self.coverage, never_ran=tuple(never)),
         )
@@ -346,7 +361,12 @@ class Verdict:
         return replace(
             self,
             reasons=tuple(
-                replace(each, location=_placed(each.location, file_of)) for each in self.reasons
+                replace(
+                    reason,
+                    location=_placed(reason.location, file_of),
+                    by=_placed(reason.by, file_of),
+                )
+                for reason in self.reasons
             ),
             coverage=replace(self.coverage, never_ran=tuple(never)),
         )

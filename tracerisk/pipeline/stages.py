@@ -90,7 +90,7 @@ class Annotated:
 
     def _keep_trace(self) -> None:
         """Keep the trace for a refresh; a folder that cannot be written costs that a run."""
-        from tracerisk.pipeline.trace.cache import TraceCache
+        from tracerisk.pipeline.freshness.trace_cache import TraceCache
 
         with contextlib.suppress(OSError, InputError):
             # With the lines that the source has from now on.

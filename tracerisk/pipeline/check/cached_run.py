@@ -12,7 +12,7 @@ from tracerisk.config import Settings, read_settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
-from tracerisk.pipeline.trace.cache import TraceCache
+from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.trace import Trace
 

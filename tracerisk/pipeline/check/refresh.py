@@ -17,8 +17,8 @@ from tracerisk.limits import SandboxMode
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
+from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.stages import Annotated, annotate, check_blocks, trace_controller
-from tracerisk.pipeline.trace.cache import TraceCache
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.trace import Trace, Verdict

@@ -34,8 +34,8 @@ from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
+from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
 from tracerisk.pipeline.history.file_lock import one_writer
-from tracerisk.pipeline.trace.cache import FOLDER, make_kept
 
 MOST_IN_BATCH = 48
 """How many cells a worker has at a time: they branch off one run, and go with a dead one."""

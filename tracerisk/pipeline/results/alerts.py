@@ -154,7 +154,7 @@ def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
     place = reason.location or Location(trace.controller)
     rule = "partial-run" if reason.verdict == "partial" else "faulted-run"
     subject = f"{reason.code} {reason.object}"
-    return _alert(rule, reason.words, place, root, function=reason.function, subject=subject)
+    return _alert(rule, reason.message, place, root, function=reason.function, subject=subject)
 
 
 def _of_last_run(

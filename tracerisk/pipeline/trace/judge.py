@@ -12,6 +12,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
 from tracerisk.pipeline.trace.recorded_run import IssuedCommand, MissedCommand, RecordedRun
+from tracerisk.pipeline.trace.unfinished import unfinished
 from tracerisk.trace import (
     MISSED_CALL,
     NEVER_RAN,
@@ -29,6 +30,7 @@ CODES: dict[str, VerdictKind] = {
     "command-aborted": "faulted",
     "command-rejected": "faulted",
     "command-ignored": "faulted",
+    "command-left-on": "faulted",
     "service-refused": "faulted",
     "lookup-failed": "faulted",
     "ik-failed": "faulted",
@@ -48,6 +50,8 @@ CODES: dict[str, VerdictKind] = {
     NEVER_RAN: "partial",
     MISSED_CALL: "partial",
     UNUSED_INPUT: "partial",
+    "command-replaced": "partial",
+    "command-cut": "partial",
     "no-command": "partial",
     "never-grasped": "partial",
     "never-released": "partial",
@@ -71,6 +75,7 @@ _OF_FINDING = {
     "execution_failure": "command-aborted",
     "goal_rejected": "command-rejected",
     "command_ignored": "command-ignored",
+    "left_on": "command-left-on",
     "service_refused": "service-refused",
     "lookup_failure": "lookup-failed",
     "ik_failure": "ik-failed",
@@ -100,6 +105,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
         [
             *_of_findings(run),
             *_of_commands(run),
+            *_of_unfinished(run),
             *_of_limits(run.commands),
             *_of_grippers(run),
             *_of_falls(run),
@@ -204,6 +210,15 @@ def _of_commands(run: RecordedRun) -> Iterator[Reason]:
         yield _command_reason("command-aborted", words, command, name)
 
 
+def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:
+    """Yield commands that were replaced or cut on their way, and did not succeed later either."""
+    for found in unfinished(run):
+        command = found.command
+        if not _retry(command, [each for each in run.commands if each.issue_s > command.issue_s]):
+            name = ", ".join(command.elements)
+            yield replace(_command_reason(found.code, found.words, command, name), by=found.by)
+
+
 def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
     """Return the command of the same kind, function and goal that later succeeded."""
     return next(
@@ -221,15 +236,21 @@ def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedComm
 
 
 def _finding_of(command: IssuedCommand, findings: Sequence[Finding]) -> Finding | None:
-    """Return the finding that says why a command was aborted."""
-    return next(
-        (
-            each
-            for each in findings
-            if each.kind == "execution_failure" and _is_about(each, command)
-        ),
-        None,
-    )
+    """Return the finding that says why a command was aborted.
+
+    What fails alike again and again is a finding of its first time alone.
+    """
+    failures = [finding for finding in findings if finding.kind == "execution_failure"]
+    earlier = [
+        finding
+        for finding in failures
+        if finding.location == command.location
+        and finding.recovered_s is None
+        and (finding.time_s or 0.0) <= command.issue_s
+        and is_near(finding.target, command.goal)
+    ]
+    here = (finding for finding in failures if _is_about(finding, command))
+    return next(here, earlier[-1] if earlier else None)
 
 
 def _is_about(finding: Finding, command: IssuedCommand) -> bool:

@@ -23,7 +23,11 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
         replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
         for each in verdict.reasons
     )
-    return {_VERDICT: plain_data(replace(verdict, reasons=reasons))}
+    data = plain_data(replace(verdict, reasons=reasons))
+    for reason in data["reasons"]:
+        if reason["by"] is None:
+            del reason["by"]
+    return {_VERDICT: data}
 
 
 def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callable[[str, int], int]:

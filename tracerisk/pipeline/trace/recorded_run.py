@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.errors import Location
-from tracerisk.trace import CommandEnd, Coverage, Finding, RunEnd
+from tracerisk.trace import CommandEnd, Coverage, Finding, FunctionRef, RunEnd
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.instrument.recording import Recording
+    from tracerisk.instrument.tracer import Site
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.twin.robots.robot import Robot
 
@@ -53,7 +54,7 @@ class IssuedCommand:
     """Where it leads, one value a joint [rad or m]."""
     callers: tuple[str, ...] = ()
     """The functions on its stack, the one that issued it among them."""
-    path: tuple[object, ...] = ()
+    path: tuple[tuple[FunctionRef, Site], ...] = ()
     """The functions on its stack, each with the place of its call: the same for a loop."""
     gripper: str = ""
     """The gripper that it moves, empty for an arm's motion."""

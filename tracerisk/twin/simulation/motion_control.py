@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -268,11 +269,11 @@ class MotionControl:
             return trajectory
         position, velocity = self.references()
         columns = [self._simulation.joint_index[name] for name in trajectory.joints]
-        return JointTrajectory(
-            trajectory.joints,
-            np.concatenate(([0.0], trajectory.time)),
-            np.vstack((position[columns], trajectory.position)),
-            np.vstack((velocity[columns], trajectory.velocity)),
+        return replace(
+            trajectory,
+            time=np.concatenate(([0.0], trajectory.time)),
+            position=np.vstack((position[columns], trajectory.position)),
+            velocity=np.vstack((velocity[columns], trajectory.velocity)),
         )
 
     def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:

@@ -1,0 +1,89 @@
+"""Which commands were not carried out to their end although nothing failed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from tracerisk.errors import Location
+from tracerisk.instrument.recording import is_near
+from tracerisk.pipeline.trace.recorded_run import IssuedCommand, RecordedRun
+
+_ARRIVED = 0.95
+"""A command of which this fraction was done was practically there."""
+_ONE_INSTANT_S = 0.005
+"""No loop of control sends its next goal sooner than this after the one before [s]."""
+_ONWARD = 0.3
+"""How far the goals of such a loop are apart at most, one from the next, of a joint [rad or m]."""
+_ONWARD_GRIPPER = 0.005
+"""The same of a gripper [rad or m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unfinished:
+    """A command that was not carried out to its end."""
+
+    command: IssuedCommand
+    """The command."""
+    code: str
+    """That of its reason: docs/verdict.md."""
+    words: str
+    """What became of it."""
+    by: Location | None = None
+    """Where what replaced it was commanded."""
+
+
+def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
+    """Yield the commands that another replaced on their way, and those that the end cut.
+
+    Left out are those that were practically there, those of a loop that leads on from goal to
+    goal, and velocities, which have no goal; and what is cut where the controller was not done.
+    """
+    is_done = run.end.is_good and run.end.cause not in ("cycles", "duration")
+    for command in run.commands:
+        if command.way_done is None or command.way_done >= _ARRIVED:
+            continue
+        if command.end == "replaced":
+            by = None if command.replaced_by is None else run.commands[command.replaced_by]
+            if by is None or not _leads_on(command, by):
+                place = None if by is None else _place_of(by, command)
+                yield Unfinished(command, "command-replaced", _replaced(command, by), place)
+        elif command.end == "cut_by_end" and is_done:
+            words = f"{_so_far(command)} when the run ended"
+            yield Unfinished(command, "command-cut", words)
+
+
+def _leads_on(command: IssuedCommand, by: IssuedCommand) -> bool:
+    """Return whether one command follows another as in a loop that tracks something."""
+    return (
+        by.path == command.path
+        and by.issue_s - command.issue_s > _ONE_INSTANT_S
+        and is_near(command.goal, by.goal, _ONWARD_GRIPPER if command.gripper else _ONWARD)
+    )
+
+
+def _so_far(command: IssuedCommand) -> str:
+    first, *others = command.elements
+    moved = first if not others else f"{first} and {len(others)} more"
+    return f"a command to {moved} had come {100.0 * (command.way_done or 0.0):.0f} % of its way"
+
+
+def _replaced(command: IssuedCommand, by: IssuedCommand | None) -> str:
+    if by is None:
+        return f"{_so_far(command)} when something else moved the robot"
+    after_s = by.issue_s - command.issue_s
+    after = f"{after_s:.1f} s later" if after_s > _ONE_INSTANT_S else "at once"
+    return f"{_so_far(command)} when it was replaced {after}"
+
+
+def _place_of(command: IssuedCommand, other: IssuedCommand) -> Location | None:
+    """Return the line that led to one command, and not to the other if there is such a line.
+
+    Two commands of one helper are distinguished by the lines of the calls.
+    """
+    for (caller, site), (beside, elsewhere) in zip(command.path, other.path, strict=False):
+        if caller != beside:
+            break
+        if site != elsewhere:
+            return Location(caller.file, site[0])
+    return command.location
