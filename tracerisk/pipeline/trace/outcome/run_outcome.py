@@ -1,4 +1,4 @@
-"""Make the outcome of a run of what was recorded; docs/theory.md#outcome."""
+"""Make the outcome of a run of what was recorded; docs/theory.md#what-a-run-brought-about."""
 
 from __future__ import annotations
 
@@ -144,13 +144,13 @@ class _Maker:
         measured = self._measured(arm, self._settled_ns(span))
         reached.update(zip(arm, measured.tolist(), strict=True))
         for command in span.commands:
-            if command.outcome == "succeeded" and len(command.goal) == len(command.elements):
+            if command.end == "arrived" and len(command.goal) == len(command.elements):
                 goals = zip(command.elements, command.goal, strict=True)
                 reached.update({name: goal for name, goal in goals if name in arm})
 
     @staticmethod
     def _settled_ns(span: _Span) -> int:
-        if all(command.outcome == "succeeded" for command in span.commands):
+        if all(command.end == "arrived" for command in span.commands):
             return span.end_ns
         return min(span.next_ns, span.end_ns + round(_BRAKED_S * 1e9))
 
@@ -318,4 +318,4 @@ def _goes_on(span: tuple[int, int, list[Command]], command: Command) -> bool:
     if command.issue_ns < stop_ns:
         return True
     # One that took over at the instant at which the other was cut.
-    return command.issue_ns == stop_ns and known[-1].outcome == "preempted"
+    return command.issue_ns == stop_ns and known[-1].end == "replaced"
