@@ -105,7 +105,7 @@ def _commands(folder: Path) -> Counter[tuple[str, ...]]:
         event = json.loads(line)
         if event["event"] == "command":
             begun[event["id"]] = tuple(event["elements"])
-        elif event["event"] == "command_ended" and event["outcome"] == "succeeded":
+        elif event["event"] == "command_ended" and event["end"] == "arrived":
             done[begun[event["id"]]] += 1
     return done
 

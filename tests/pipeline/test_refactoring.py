@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
 
 import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
+from tracerisk import trace_json
+from tracerisk.outcome.changes import outcome_changes
+from tracerisk.outcome.outcome import Outcome
 
 
 def replace_once(text: str, old: str, new: str) -> str:
@@ -124,6 +128,13 @@ def by_every_law(tmp_path):
     return partial(figure_by_every_law, folder=tmp_path)
 
 
+def outcome_of(printed) -> Outcome:
+    """What a run brought about, as its JSON has it."""
+    outcome = trace_json.loads(json.dumps(printed["trace"]), "trace").outcome
+    assert outcome is not None
+    return outcome
+
+
 @pytest.fixture(scope="module")
 def as_it_was(short_run):
     """What the run of the unchanged controller gives."""
@@ -150,6 +161,7 @@ def test_the_missions_failure_probability_stays(
     expected = as_it_was["assessment"]["mission"]
     for figure in ("failure_probability", "fixed_cycles", "visits_as_run"):
         assert assessment["mission"][figure] == pytest.approx(expected[figure], rel=0.01)
+    assert not outcome_changes(*map(outcome_of, (as_it_was, outcome.json))).sentences
     # Four digits stand in a block, and a changed program may move a step later.
     by_use = by_every_law(as_it_was["trace"])
     assert by_every_law(outcome.json["trace"]) == pytest.approx(by_use, rel=0.001)
@@ -188,15 +200,17 @@ def test_steps_shorter_than_any_activity_lose_no_hardware(example, by_every_law)
             "(left if i % 2 else right)(target)",
         ),
     }
-    figures, by_use = [], []
+    figures, by_use, outcomes = [], [], []
     for name, (functions, call) in programs.items():
         example.write(name, JOG.format(functions=functions, call=call))
         outcome = example.run("run", name, "--json")
         assert outcome.code == 0, outcome.err
         figures.append(outcome.json["assessment"]["mission"]["visits_as_run"])
         by_use.append(by_every_law(outcome.json["trace"]))
+        outcomes.append(outcome_of(outcome.json))
     assert figures[1] == pytest.approx(figures[0], rel=0.01)
     assert by_use[1] == pytest.approx(by_use[0], rel=0.01)
+    assert not outcome_changes(*outcomes).sentences
 
 
 def test_a_function_that_never_ran_is_reported_as_no_risk_data(example, quick):
