@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -20,6 +21,7 @@ from tracerisk.outcome.outcome import (
     moved_line,
     rounded,
 )
+from tracerisk.outcome.ways import corners, line_distance
 
 ARM = ("joint1", "joint2")
 
@@ -253,12 +255,14 @@ def test_every_pair_of_outcomes_compares(one, other):
 
 
 def test_a_long_run_keeps_its_first_steps_in_a_few_kilobytes():
-    steps = [rest(number / 10.0, via=((0.1, 0.2, 0.3),) * 4) for number in range(500)]
+    way = ((0.1, 0.2, 0.3), (0.4, 0.9, 0.3), (0.1, 0.2, 0.9))
+    steps = [rest(number / 10.0, via=way) for number in range(500)]
     summary = outcome_summary(outcome(*steps))
     assert len(json.dumps(summary, indent=1)) <= MOST_BYTES
     kept = kept_outcome(summary)
     assert kept is not None
     assert kept.left_out == 500 - len(kept.rests)
+    assert kept.corner_m == 0.0
     assert kept.rests[:3] == tuple(
         replace(step, order=order, via_m=()) for order, step in enumerate(steps[:3])
     )
@@ -267,3 +271,19 @@ def test_a_long_run_keeps_its_first_steps_in_a_few_kilobytes():
 @pytest.mark.parametrize("data", [None, [], "x", {"way": ["r"]}, {"objects": ["a|b"]}])
 def test_a_lock_edited_by_hand_has_no_outcome(data):
     assert kept_outcome({"outcome": data}) is None
+
+
+def test_fewer_corners_are_kept_where_there_is_no_room_for_all():
+    wave = tuple((number / 100.0, 0.02 * (number % 2), 0.3) for number in range(40))
+    steps = [rest(number / 10.0, via=wave) for number in range(20)]
+    kept = kept_outcome(outcome_summary(outcome(*steps)))
+    assert kept is not None
+    assert len(kept.rests) == 20
+    assert kept.corner_m == 0.025
+    assert not outcome_changes(outcome(*steps), kept)
+
+
+@given(st.lists(places, min_size=2, max_size=20), st.sampled_from([0.003, 0.05, 0.3]))
+def test_a_way_lies_within_reach_of_the_lines_between_its_corners(points, within_m):
+    way = [points[0], *corners(points, within_m), points[-1]]
+    assert all(min(line_distance(p, a, b) for a, b in pairwise(way)) <= within_m for p in points)

@@ -11,7 +11,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 
 from tracerisk.outcome.outcome import (
     CellUse,
@@ -22,6 +21,7 @@ from tracerisk.outcome.outcome import (
     Rest,
     Step,
 )
+from tracerisk.outcome.ways import ways_apart
 from tracerisk.records import dataclass
 
 
@@ -40,7 +40,7 @@ class Tolerances:
 TOLERANCES = Tolerances()
 _ROUNDING = 1.0001  # of a tolerance: figures are kept in whole steps
 _OPENING = 0.1  # of a gripper's range
-_WAY_M = 0.015  # how far the tool's way between two rests may pass beside another [m]
+_WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
 _PACE_S, _PACE_RATIO = 0.5, 1.5  # a time is another one that differs by more of both
 _FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
 _NUMBER = re.compile(r"(?<![\w'])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w'])")
@@ -277,7 +277,7 @@ class _Comparison:
             if place is None or counts[0][step.interface] != counts[1][step.interface]:
                 continue
             kept_new.add(place)
-            now, was = _rests_before(self._after, place), _rests_before(self._before, i)
+            now, was = _number_of_rests(self._after, place), _number_of_rests(self._before, i)
             yield (
                 f"{step.interface} {_VERBS[step.kind]} {_after_rest(now)}, before: "
                 f"{_after_rest(was)}"
@@ -286,18 +286,24 @@ class _Comparison:
             )
 
     def _other_ways(self) -> Iterator[str]:
-        """Yield rests that are reached by another way of the tool."""
-        before: Rest | None = None
+        """Yield rests that are reached by another way of the tool, from the same rest."""
+        corner_m = max(self._old.corner_m, self._new.corner_m)
+        if not (self._old.corner_m and self._new.corner_m):
+            return
+        twin = {self._before[i].order: self._after[j].order for i, j in self._pairs}
+        before, after = _rests_before(self._old), _rests_before(self._new)
         for i, j in self._pairs:
             old, new = self._before[i], self._after[j]
             if not isinstance(old, Rest) or not isinstance(new, Rest):
                 continue
-            if before is not None and (old.via_m or new.via_m):
-                ends = before.tool_m, old.tool_m
-                off = _ways_apart((ends[0], *old.via_m, ends[1]), (ends[0], *new.via_m, ends[1]))
-                if off > _WAY_M:
-                    yield f"the way to {self._rest_name(old)} passes {_mm(off)} beside the old one"
-            before = old
+            left, now_left = before[old.order], after[new.order]
+            if left is None or now_left is None or twin.get(left.order) != now_left.order:
+                continue
+            off = ways_apart(
+                (left.tool_m, *old.via_m, old.tool_m), (left.tool_m, *new.via_m, old.tool_m)
+            )
+            if off > _WAY * corner_m:
+                yield f"the way to {self._rest_name(old)} passes {_mm(off)} beside the old one"
 
     def pace(self) -> list[str]:
         """Return which rests and ways take another time."""
@@ -420,33 +426,22 @@ def _grip(use: GripperUse) -> str:
     return f"goes to {100.0 * use.opened:.0f} % of its opening"
 
 
-def _rests_before(steps: Sequence[Step], place: int) -> int:
+def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:
+    """Return the rest of the same arm before each rest, by the order of this."""
+    found: dict[int, Rest | None] = {}
+    last: dict[int, Rest] = {}
+    for rest in outcome.rests:
+        found[rest.order] = last.get(rest.arm)
+        last[rest.arm] = rest
+    return found
+
+
+def _number_of_rests(steps: Sequence[Step], place: int) -> int:
     return sum(1 for step in steps[:place] if isinstance(step, Rest))
 
 
 def _after_rest(number: int) -> str:
     return f"after rest {number}" if number else "before the first rest"
-
-
-def _ways_apart(one: Sequence[Position], other: Sequence[Position]) -> float:
-    """Return how far the corners of two ways lie from the other way at most [m]."""
-    return max(
-        max((_from_way(corner, other) for corner in one), default=0.0),
-        max((_from_way(corner, one) for corner in other), default=0.0),
-    )
-
-
-def _from_way(point: Position, way: Sequence[Position]) -> float:
-    return min(_from_line(point, begin, end) for begin, end in pairwise(way))
-
-
-def _from_line(point: Position, begin: Position, end: Position) -> float:
-    along = [b - a for a, b in zip(begin, end, strict=True)]
-    to = [p - a for a, p in zip(begin, point, strict=True)]
-    length = sum(value * value for value in along)
-    share = sum(a * b for a, b in zip(along, to, strict=True)) / length if length else 0.0
-    share = min(max(share, 0.0), 1.0)
-    return math.dist(to, [share * value for value in along])
 
 
 def _is_same_content(one: str, other: str) -> bool:

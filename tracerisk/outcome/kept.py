@@ -8,6 +8,7 @@ from typing import Any
 
 from tracerisk.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.outcome.outcome import (
+    CORNER_M,
     CellUse,
     CellUseKind,
     GripperUse,
@@ -16,11 +17,13 @@ from tracerisk.outcome.outcome import (
     Position,
     Rest,
 )
+from tracerisk.outcome.ways import corners
 from tracerisk.records import asdict, replace
 
 OUTCOME = "outcome"
 MOST_BYTES = 3900
-"""What an outcome may take in the lock; way points go first, then the last steps."""
+"""What an outcome may take in the lock; corners of ways go first, then the last steps."""
+_CORNERS_M = (0.006, 0.012, 0.025, 0.05)
 _KINDS: dict[str, CellUseKind] = {"C": "call", "M": "message", "G": "goal"}
 _LETTERS = {kind: letter for letter, kind in _KINDS.items()}
 _STEP = ";"
@@ -34,9 +37,10 @@ def outcome_summary(outcome: Outcome | None, tolerances: Tolerances = TOLERANCES
     if outcome is None:
         return {}
     kept = _data(outcome)
-    if _size(kept) > MOST_BYTES:
-        bare = tuple(replace(rest, via_m=()) for rest in outcome.rests)
-        outcome = replace(outcome, rests=bare)
+    for corner_m in (*_CORNERS_M, 0.0):
+        if _size(kept) <= MOST_BYTES:
+            break
+        outcome = _with_fewer_corners(outcome, corner_m)
         kept = _data(outcome)
     number = len(outcome.steps)
     while _size(kept) > MOST_BYTES and number > 0:
@@ -77,6 +81,18 @@ def _size(data: Mapping[str, Any]) -> int:
     return len(text) + 4 * text.count("\n")
 
 
+def _with_fewer_corners(outcome: Outcome, corner_m: float) -> Outcome:
+    """Return an outcome whose ways lie `corner_m` from the lines between their corners; 0: none."""
+    rests: list[Rest] = []
+    last: dict[int, Position] = {}
+    for rest in outcome.rests:
+        way = (last.get(rest.arm, rest.tool_m), *rest.via_m, rest.tool_m)
+        via = corners(way, corner_m) if corner_m and rest.via_m else []
+        rests.append(replace(rest, via_m=tuple(via)))
+        last[rest.arm] = rest.tool_m
+    return replace(outcome, rests=tuple(rests), corner_m=corner_m)
+
+
 def _first(outcome: Outcome, number: int) -> Outcome:
     """Return an outcome with its first steps alone."""
     return replace(
@@ -100,9 +116,11 @@ def _data(outcome: Outcome) -> dict[str, Any]:
     }
     if outcome.streams:
         data["streams"] = list(outcome.streams)
+    if outcome.corner_m != CORNER_M:
+        data["corner_mm"] = round(1000.0 * outcome.corner_m)
     if outcome.left_out:
         data["left_out"] = outcome.left_out
-    return {key: value for key, value in data.items() if value}
+    return {key: value for key, value in data.items() if value not in ([], "")}
 
 
 def _grippers(outcome: Outcome) -> list[str]:
@@ -194,6 +212,7 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
         grips=tuple(grips),
         cell=tuple(cell),
         streams=tuple(data.get("streams", ())),
+        corner_m=int(data.get("corner_mm", 1000.0 * CORNER_M)) / 1000.0,
         left_out=int(data.get("left_out", 0)),
     )
 

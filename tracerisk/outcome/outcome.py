@@ -15,6 +15,8 @@ from tracerisk.records import dataclass
 CellUseKind = Literal["call", "message", "goal"]
 Position = tuple[float, float, float]
 
+CORNER_M = 0.003
+"""How far a way may lie from the lines between its corners, where there is room for them [m]."""
 FLOOR = "floor"
 """What an object rests on that touches nothing with a name."""
 _EDGE = 1e-4  # of a step: half a step, as round figures have it, is always rounded up
@@ -119,6 +121,8 @@ class Outcome:
     """The calls, messages and goals to anything but the arm, in order."""
     streams: tuple[str, ...] = ()
     """Topics on which messages went out at a steady rate, which are not counted, sorted."""
+    corner_m: float = CORNER_M
+    """How far a way may lie from the lines between its corners, [m]; 0: none are kept."""
     left_out: int = 0
     """How many of the last steps were left out to keep the lock short."""
 

@@ -15,6 +15,7 @@ from tracerisk.report.html.notes import (
 )
 from tracerisk.report.html.page import page
 from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.run.brought_about import brought_about_section
 from tracerisk.report.html.run.contact_pairs import touches_section
 from tracerisk.report.html.run.timeline import NAME as RUN
 from tracerisk.report.html.sources import sources_section
@@ -28,6 +29,7 @@ def render_report(report: ReportInput) -> str:
         *run,
         difference_section(report),
         *(each for each in report.sections if each.name != RUN),
+        brought_about_section(report),
         functions_section(report),
         touches_section(report),
         chain_section(report),

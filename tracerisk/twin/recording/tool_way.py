@@ -1,4 +1,4 @@
-"""Where the tool of an arm was along a run, and the corners of its way."""
+"""Where the tool of an arm was along a run."""
 
 from __future__ import annotations
 
@@ -12,10 +12,6 @@ from tracerisk.geometry.frames import rotation
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
-
-CORNER_M = 0.005
-"""A way is straight whose points lie no further from the line between its corners [m]."""
-_MOST_CORNERS = 24
 
 Array = NDArray[np.float64]
 
@@ -54,35 +50,3 @@ def tool_places(robot: Robot, link: str, positions: Mapping[str, Array]) -> Arra
                 points = points * cosine + np.cross(axis, points) * sine + along * (1.0 - cosine)
         points = points @ rotation(hung.rpy).T + np.asarray(hung.xyz)
     return points
-
-
-def way_corners(points: Array) -> Array:
-    """Return the corners of a way without its ends, (m, 3): Douglas and Peucker's.
-
-    points: (n, 3) [m]. Source: D. Douglas, T. Peucker, "Algorithms for the reduction of the number
-    of points required to represent a digitized line", Cartographica 10 (1973).
-    """
-    kept: set[int] = set()
-    spans = [(0, len(points) - 1)]
-    while spans and len(kept) < _MOST_CORNERS:
-        # The widest first, so that a way with too many corners keeps the largest.
-        first, last = spans.pop(0)
-        if last - first < 2:
-            continue
-        off = line_distance(points[first + 1 : last], points[first], points[last])
-        furthest = int(np.argmax(off))
-        if off[furthest] > CORNER_M:
-            corner = first + 1 + furthest
-            kept.add(corner)
-            spans += [(first, corner), (corner, last)]
-    return points[sorted(kept)]
-
-
-def line_distance(points: Array, begin: Array, end: Array) -> Array:
-    """Return the distance of points from the line between two, (n,) [m]; points: (n, 3)."""
-    along = end - begin
-    length = float(along @ along)
-    # A line without length is its begin.
-    share = np.clip((points - begin) @ along / (length or 1.0), 0.0, 1.0)
-    distance: Array = np.linalg.norm(points - begin - share[:, None] * along, axis=1)
-    return distance

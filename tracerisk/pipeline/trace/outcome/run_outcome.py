@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.geometry.frames import matrix_of
-from tracerisk.instrument.recording import Command
+from tracerisk.instrument.commands import Command
 from tracerisk.outcome.outcome import (
+    CORNER_M,
     CellUse,
     GripperUse,
     ObjectOutcome,
@@ -24,13 +25,14 @@ from tracerisk.outcome.outcome import (
     rounded,
     rounded_position,
 )
+from tracerisk.outcome.ways import corners
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import OBJECTS
 from tracerisk.ros.scenario.cell_log import CELL
 from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
-from tracerisk.twin.recording.tool_way import tool_link, tool_places, way_corners
+from tracerisk.twin.recording.tool_way import tool_link, tool_places
 
 _SAME_JOINT = 0.002  # a rest is another one whose joints differ by more [rad or m]
 _SAME_OPENING = 0.05  # of a gripper's range
@@ -161,8 +163,9 @@ class _Maker:
         rows = np.append(np.arange(first, last, _WAY_EVERY), last)
         names = self.samples.header.joints
         columns = {name: self.samples.position[rows, i] for i, name in enumerate(names)}
-        corners = way_corners(tool_places(self.ran.robot, link, columns))
-        return tuple(rounded_position(corner) for corner in corners)
+        places = tool_places(self.ran.robot, link, columns).tolist()
+        way = [(x, y, z) for x, y, z in places]
+        return tuple(rounded_position(corner) for corner in corners(way, CORNER_M))
 
     @cached_property
     def _end_ns(self) -> int:

@@ -1,0 +1,84 @@
+"""What the run brought about: where objects end, and what the arm and the cell did, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tracerisk.outcome.outcome import CellUse, GripperUse, Outcome, Position, Rest, Step
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, row_of, texts
+
+MOST_UNFOLDED = 12
+"""How many steps are shown before they are folded."""
+
+
+def brought_about_section(report: ReportInput) -> Section | None:
+    """Return what the run brought about; `None` where no run is known that shows it."""
+    outcome = None if report.trace is None else report.trace.outcome
+    if outcome is None or not (outcome.objects or outcome.steps):
+        return None
+    html = rendered(
+        "brought_about.html.j2",
+        objects=_objects(outcome) if outcome.objects else None,
+        way=_way(outcome) if outcome.steps else None,
+        streams=outcome.streams,
+        most=MOST_UNFOLDED,
+    )
+    return Section("brought-about", "What the run brought about", html)
+
+
+def _objects(outcome: Outcome) -> Table:
+    moved = {found.name for found in outcome.moved}
+    rows = [
+        row_of(
+            Cell(found.name, note="" if found.name in moved else "not moved"),
+            _place(found.begin_m),
+            _place(found.end_m),
+            f"{found.tilt_deg:.0f}",
+            "-" if found.heading_deg is None else f"{found.heading_deg:.0f}",
+            found.held_in or found.rests_on or "-",
+        )
+        for found in outcome.objects
+    ]
+    columns = (
+        Column("object"),
+        Column("begin", "metres, in the scene"),
+        Column("end", "metres, in the scene"),
+        Column("tilt", "degrees from the vertical", is_number=True),
+        Column("turned", "degrees about the vertical", is_number=True),
+        Column("on or in"),
+    )
+    return Table("objects", "Objects", columns, tuple(rows))
+
+
+def _way(outcome: Outcome) -> Table:
+    columns = (*texts("step", "what", "where or with what"), *numbers("took s", "stayed s"))
+    return Table(
+        "way", "Rests, grips and uses of the cell, in order", columns, tuple(_rows(outcome))
+    )
+
+
+def _rows(outcome: Outcome) -> Iterator[Row]:
+    for number, step in enumerate(outcome.steps, start=1):
+        yield row_of(str(number), *_cells(step))
+
+
+def _cells(step: Step) -> tuple[str, str, str, str]:
+    if isinstance(step, Rest):
+        took, stayed = f"{step.took_s:.1f}", f"{step.held_s:.1f}"
+        return "rest of the tool", f"{_place(step.tool_m)} m", took, stayed
+    if isinstance(step, GripperUse):
+        held = f"holds {step.holds}" if step.holds else "holds nothing"
+        return f"{step.gripper}, {100.0 * step.opened:.0f} % open", held, "", ""
+    return _use(step)
+
+
+def _use(use: CellUse) -> tuple[str, str, str, str]:
+    failed = "" if use.succeeded else ", without success"
+    return f"{use.kind} {use.interface}{failed}", use.content or "defaults", "", ""
+
+
+def _place(place: Position) -> str:
+    return ", ".join(f"{value:.3f}" for value in place)
