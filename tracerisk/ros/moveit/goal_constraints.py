@@ -1,19 +1,30 @@
-"""Goals as moveit_msgs/Constraints state them, read for the planner."""
+"""Goals as moveit_msgs/Constraints state them: states are sampled that meet all of them.
+
+As MoveIt does: joints are taken from joint constraints; poses from the position and orientation
+constraints of each link, whose inverse kinematics must then meet every constraint. The state is
+the nearest that is found: the middle of what is allowed comes first, then samples from it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from typing import Any
 
-from tracerisk.errors import RobotError
-from tracerisk.ros.moveit.move_group import GoalKind, MoveGroupServer, Plan, PoseGoal
-from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.moveit.goal_regions import LinkRegion
+from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, places
+from tracerisk.ros.moveit.path_constraints import PathRule
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
-from tracerisk.ros.transforms.poses import compose, unit_quaternion
-from tracerisk.twin.physics.motion import Pose
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.ros.transforms.poses import ORIGIN
+from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.robots.robot import Joint, Scaling
 
-_AT_ORIGIN = (0.0, 0.0, 0.0)
+_SLACK = 1e-3  # beyond a bound: what inverse kinematics comes to is within it [rad or m]
+_SAMPLES = 12  # of where links may be, before a goal is given up
+_KINDS = ("joint", "position", "orientation", "visibility")
 
 
 class RequestError(Exception):
@@ -22,6 +33,55 @@ class RequestError(Exception):
     def __init__(self, code: ErrorCode, message: str) -> None:
         super().__init__(message)
         self.code = code
+
+
+@dataclass(frozen=True, slots=True)
+class JointBounds:
+    """Where a joint is to be [rad or m]."""
+
+    middle: float
+    """The position that is asked for, or the nearest that all its constraints allow."""
+    lower: float
+    """The least that they allow."""
+    upper: float
+    """The greatest that they allow."""
+
+    @classmethod
+    def of(cls, one: Any, joint: Joint) -> JointBounds:
+        """Return what a constraint allows a joint: within its limits, unless all is past them."""
+        middle = float(one.position)
+        lower, upper = middle - one.tolerance_below, middle + one.tolerance_above
+        if joint.type != "continuous" and lower <= joint.upper and upper >= joint.lower:
+            lower, upper = max(lower, joint.lower), min(upper, joint.upper)
+        return cls(min(max(middle, lower), upper), lower, upper)
+
+    def within(self, other: JointBounds) -> JointBounds:
+        """Return what both allow."""
+        lower, upper = max(self.lower, other.lower), min(self.upper, other.upper)
+        return JointBounds(min(max(self.middle, lower), upper), lower, upper)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal:
+    """One of the alternatives of a request: all of its constraints are to be met."""
+
+    joints: Mapping[str, JointBounds]
+    """The joints of the group that it constrains."""
+    regions: tuple[LinkRegion, ...]
+    """The links that it constrains, each with where it may be."""
+    rule: PathRule
+    """All constraints, to check a state by."""
+
+    @property
+    def poses(self) -> list[PoseGoal]:
+        """The middle of where each link may be; none where no pose is in all its regions."""
+        return next(self.samples(), [])
+
+    def samples(self) -> Iterator[list[PoseGoal]]:
+        """Yield poses of the links to try in turn."""
+        samples = zip(*(region.samples() for region in self.regions), strict=False)
+        is_wide = any(region.is_wide for region in self.regions)
+        yield from map(list, islice(samples, _SAMPLES if is_wide else 1))
 
 
 class GoalReader:
@@ -40,68 +100,127 @@ class GoalReader:
         """Plan to the first of several Constraints that can be met.
 
         Raises:
-            RequestError: there is none, or one names an unknown frame or no region.
+            RequestError: there is none, or one is ill-formed.
         """
-        target, poses = self.goals(group, alternatives)
-        if target is not None:
-            return self._server.plan_joints(group, target, scaling, start)
-        return self._server.plan_pose(group, poses, scaling, start)
+        goals = self.goals(group, alternatives)
+        sought = [goal.poses for goal in goals if goal.regions]
+        asked = places(sought[:1])
+        if not sought:
+            joints = goals[0].joints
+            asked = tuple(joints[name].middle for name in sorted(joints))
+        states = [partial(self._state, group, goal, start) for goal in goals]
+        plan = self._server.plan_to(group, states, asked, scaling, start)
+        self._server.note_sought(group, sought, is_reached=plan.trajectory is not None)
+        return plan
 
-    def goals(
-        self, group: str, alternatives: Sequence[Any]
-    ) -> tuple[dict[str, float] | None, list[list[PoseGoal]]]:
-        """Return the joint target of alternatives, where one has any, else their pose goals.
+    def goals(self, group: str, alternatives: Sequence[Any]) -> list[Goal]:
+        """Return what each of several Constraints asks for; empty ones are left out.
 
         Raises:
             RequestError: as `plan`.
         """
-        poses = []
-        for constraints in alternatives:
-            if constraints.joint_constraints:
-                joints = constraints.joint_constraints
-                return {one.joint_name: float(one.position) for one in joints}, []
-            poses.append(self.pose_goals(group, constraints))
-        if not poses:
+        goals = [
+            self._goal(group, constraints)
+            for constraints in alternatives
+            if any(len(getattr(constraints, f"{kind}_constraints")) for kind in _KINDS)
+        ]
+        if not goals:
             raise RequestError(ErrorCode.INVALID_GOAL_CONSTRAINTS, "the request has no goal")
-        return None, poses
+        return goals
 
-    def pose_goals(self, group: str, constraints: Any) -> list[PoseGoal]:
-        """Return the goal of each link that position and orientation constraints speak of.
-
-        Raises:
-            RequestError: as `plan`.
-        """
-        places: dict[str, Pose] = {}
-        kinds: dict[str, GoalKind] = {}
-        nearness: dict[str, float] = {}
-        turns: dict[str, float] = {}
+    def _goal(self, group: str, constraints: Any) -> Goal:
+        if constraints.visibility_constraints:
+            raise RequestError(
+                ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                "goals of visibility cannot be planned: the twin has no cameras",
+            )
+        by_link: dict[str, tuple[list[Any], list[Any]]] = {}
         for one in constraints.position_constraints:
-            link = one.link_name or self.tip(group)
-            region = one.constraint_region
-            if not region.primitive_poses:
+            by_link.setdefault(one.link_name or self.tip(group), ([], []))[0].append(one)
+        for one in constraints.orientation_constraints:
+            by_link.setdefault(one.link_name or self.tip(group), ([], []))[1].append(one)
+        regions = tuple(
+            self._region(link, positions, turns) for link, (positions, turns) in by_link.items()
+        )
+        rule = PathRule(
+            constraints,
+            self._server.forward,
+            self._server.frame,
+            link=self._server.end_effector_link(group) or "",
+            slack=_SLACK,
+        )
+        return Goal(self._joints(group, constraints.joint_constraints), regions, rule)
+
+    def _region(self, link: str, positions: Sequence[Any], turns: Sequence[Any]) -> LinkRegion:
+        for one in positions:
+            if not one.constraint_region.primitive_poses:
                 raise RequestError(
                     ErrorCode.INVALID_GOAL_CONSTRAINTS,
                     f"the position constraint of link '{link}' has no primitive as its region",
                 )
-            places[link] = compose(
-                self.frame(one.header.frame_id), message_pose(region.primitive_poses[0])
-            )
-            kinds[link] = "position"
-            sizes = list(region.primitives[0].dimensions) if region.primitives else []
-            nearness[link] = max(min(sizes, default=0.0) / 2, 1e-4)
-        for one in constraints.orientation_constraints:
-            link = one.link_name or self.tip(group)
-            q = one.orientation
-            turn = Pose(_AT_ORIGIN, unit_quaternion((q.x, q.y, q.z, q.w)))
-            wanted = compose(self.frame(one.header.frame_id), turn).orientation
-            known = places.get(link)
-            kinds[link] = "orientation" if known is None else "pose"
-            places[link] = Pose(_AT_ORIGIN if known is None else known.position, wanted)
-            turns[link] = max(one.absolute_x_axis_tolerance, 1e-3)
-        return [
-            PoseGoal(link, pose, kinds[link], nearness.get(link, 1e-4), turns.get(link, 1e-3))
-            for link, pose in places.items()
-        ]
+        is_known = link in self._server.robot.link_names
+        return LinkRegion(
+            link,
+            tuple((one, self.frame(one.header.frame_id)) for one in positions),
+            tuple((one, self.frame(one.header.frame_id)) for one in turns),
+            self._server.forward({}, link) if is_known else ORIGIN,
+        )
+
+    def _joints(self, group: str, constraints: Sequence[Any]) -> dict[str, JointBounds]:
+        """Return where the group's joints are to be; those of other groups are only checked."""
+        robot = self._server.robot
+        members = self._server.group(group).joints
+        bounds: dict[str, JointBounds] = {}
+        for one in constraints:
+            known = [joint.name for joint in robot.joints]
+            if one.joint_name not in known:
+                raise RequestError(
+                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                    f"robot '{robot.name}' has no joint '{one.joint_name}'; "
+                    f"{one_of(known, one.joint_name)}",
+                )
+            if min(one.tolerance_below, one.tolerance_above) < 0.0:
+                raise RequestError(
+                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                    f"the constraint of joint '{one.joint_name}' has a negative tolerance; "
+                    "give 0 or more",
+                )
+            if one.joint_name not in members:
+                continue
+            found = JointBounds.of(one, robot.joint(one.joint_name))
+            if one.joint_name in bounds:
+                found = bounds[one.joint_name].within(found)
+            if found.lower > found.upper:
+                raise RequestError(
+                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                    f"the constraints of joint '{one.joint_name}' leave it no position",
+                )
+            bounds[one.joint_name] = found
+        return bounds
+
+    def _state(self, group: str, goal: Goal, start: Mapping[str, float] | None) -> dict[str, float]:
+        """Return joint positions that meet a goal.
+
+        Raises:
+            PlanningError: none were found.
+        """
+        joints = {name: bounds.middle for name, bounds in goal.joints.items()}
+        if not goal.regions:
+            there = {**self._server.positions(), **(start or {}), **joints}
+            if outside := goal.rule.breach(there):
+                raise PlanningError("invalid_goal", f"the goal cannot be met as a whole: {outside}")
+            return joints
+        also = {
+            "breach": goal.rule.breach,
+            "bounds": {name: (each.lower, each.upper) for name, each in goal.joints.items()},
+        }
+        failure: PlanningError | None = None
+        for poses in goal.samples():
+            try:
+                return self._server.reach(group, poses, start, **also)
+            except PlanningError as error:
+                failure = failure or error
+        raise failure or PlanningError("no_ik_solution", "the goal's constraints leave no pose")
 
     def check_group(self, name: str) -> None:
         """Raise RequestError where the robot has no such group."""

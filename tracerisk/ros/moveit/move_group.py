@@ -6,9 +6,10 @@ answered with MoveIt's error code and reported as a finding of the run.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.errors import RobotError, one_of
@@ -192,14 +193,8 @@ class MoveGroupServer(RobotGroups):
         start: Mapping[str, float] | None = None,
     ) -> Plan:
         """Plan to joint positions."""
-        self._runtime.scheduler.touch()
         asked = tuple(target[name] for name in sorted(target))
-        try:
-            trajectory = self._twin.plan_joints(group, target, start, scaling=scaling)
-        except PlanningError as error:
-            return self._failed(group, error, asked)
-        self._planned(group, asked)
-        return Plan(ErrorCode.SUCCESS, trajectory)
+        return self.plan_to(group, [lambda: target], asked, scaling, start)
 
     def plan_pose(
         self,
@@ -212,20 +207,34 @@ class MoveGroupServer(RobotGroups):
 
         Each alternative is one goal a link, all of which must be met.
         """
+        states = [partial(self.reach, group, alternative, start) for alternative in goals]
+        plan = self.plan_to(group, states, places(goals), scaling, start)
+        self.note_sought(group, goals, is_reached=plan.trajectory is not None)
+        return plan
+
+    def plan_to(
+        self,
+        group: str,
+        states: Iterable[Callable[[], Mapping[str, float]]],
+        asked: Sequence[float],
+        scaling: Scaling,
+        start: Mapping[str, float] | None = None,
+    ) -> Plan:
+        """Plan to the first of several states that there is and that can be come to.
+
+        Each returns joint positions, or raises PlanningError. `asked` is the goal in findings.
+        """
         self._runtime.scheduler.touch()
         failure = PlanningError("invalid_goal", "no goal is set; set a target first")
-        for alternative in goals:
+        for state in states:
             try:
-                target = self.reach(group, alternative, start)
-                trajectory = self._twin.plan_joints(group, target, start, scaling=scaling)
+                trajectory = self._twin.plan_joints(group, state(), start, scaling=scaling)
             except PlanningError as error:
                 failure = error
             else:
-                self._note_sought(group, goals, is_reached=True)
-                self._planned(group, _places(goals[:1]))
+                self._planned(group, asked)
                 return Plan(ErrorCode.SUCCESS, trajectory)
-        self._note_sought(group, goals, is_reached=False)
-        return self._failed(group, failure, _places(goals[:1]))
+        return self._failed(group, failure, asked)
 
     def plan_cartesian(
         self,
@@ -260,7 +269,7 @@ class MoveGroupServer(RobotGroups):
             return self._failed(group, error, _last_place(waypoints)), -1.0
         is_cut = fraction < min(least, WHOLE_PATH)
         ends = [[PoseGoal(link, pose)] for pose in waypoints[-1:]]
-        self._note_sought(group, ends, is_reached=not is_cut)
+        self.note_sought(group, ends, is_reached=not is_cut)
         if is_cut:
             self.execution.report(
                 "path_cut",
@@ -273,7 +282,7 @@ class MoveGroupServer(RobotGroups):
             self._planned(group, _last_place(waypoints))
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
 
-    def _note_sought(
+    def note_sought(
         self, group: str, goals: Sequence[Sequence[PoseGoal]], *, is_reached: bool
     ) -> None:
         """Keep whether the first of the alternatives was reached."""
@@ -341,9 +350,15 @@ class MoveGroupServer(RobotGroups):
         return Scaling(*found)
 
     def reach(
-        self, group: str, goals: Sequence[PoseGoal], start: Mapping[str, float] | None = None
+        self,
+        group: str,
+        goals: Sequence[PoseGoal],
+        start: Mapping[str, float] | None = None,
+        **also: Any,
     ) -> dict[str, float]:
         """Return joint positions that meet the goals, one a link.
+
+        `also` is what else they must meet: `breach` and `bounds` of `Planner.reach_all`.
 
         Raises:
             PlanningError: none were found.
@@ -357,7 +372,7 @@ class MoveGroupServer(RobotGroups):
                 )
         near = [self._free(goal, start or {}) for goal in goals]
         try:
-            return self._twin.reach_all(group, near, seed=start)
+            return self._twin.reach_all(group, near, seed=start, **also)
         except PlanningError as error:
             wide = [
                 replace(
@@ -371,7 +386,7 @@ class MoveGroupServer(RobotGroups):
             ]
             if error.failure != "no_ik_solution" or wide == near:
                 raise
-        return self._twin.reach_all(group, wide, seed=start)
+        return self._twin.reach_all(group, wide, seed=start, **also)
 
     def solve(
         self, group: str, pose: Pose, link: str, seed: Mapping[str, float]
@@ -465,6 +480,6 @@ def _last_place(poses: Sequence[Pose]) -> tuple[float, ...]:
     return tuple(poses[-1].position) if poses else ()
 
 
-def _places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:
+def places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:
     """Return the positions of the first alternative: a retry may turn the tool."""
     return tuple(value for goal in next(iter(goals), ()) for value in goal.pose.position)

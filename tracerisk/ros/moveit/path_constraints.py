@@ -21,7 +21,8 @@ from tracerisk.ros.transforms.poses import (
 )
 from tracerisk.twin.physics.motion import Pose
 
-_BOX, _SPHERE, _CYLINDER = 1, 2, 3  # shape_msgs/SolidPrimitive
+BOX, SPHERE, CYLINDER = 1, 2, 3
+"""Types of shape_msgs/SolidPrimitive."""
 _SLACK = 1e-6
 _WITHIN = 0.9  # of a tolerance: what a path is brought to, so that it keeps the whole between
 
@@ -31,14 +32,24 @@ Frame = Callable[[str], Pose | None]
 
 
 class PathRule:
-    """The constraints that a path must keep to; those of `moveit_msgs/Constraints`.
+    """The constraints that a path or a goal must keep to; those of `moveit_msgs/Constraints`.
 
     `forward(positions, link)` gives a link's pose, `frame(name)` that of a frame, both in the
-    planning frame. What cannot be checked counts as a breach, with the reason.
+    planning frame; `link` is the link of constraints that name none, `slack` how far beyond a bound
+    still counts as within [rad or m]. What cannot be checked counts as a breach, with the reason.
     """
 
-    def __init__(self, constraints: Any, forward: Forward, frame: Frame) -> None:
+    def __init__(
+        self,
+        constraints: Any,
+        forward: Forward,
+        frame: Frame,
+        *,
+        link: str = "",
+        slack: float = _SLACK,
+    ) -> None:
         self._constraints = constraints
+        self._link, self._slack = link, slack
         self._forward = forward
         # The rule is of one plan, in which nothing moves; it is looked at very many times.
         self._frame = cache(frame)
@@ -67,7 +78,7 @@ class PathRule:
         for one in self._constraints.joint_constraints:
             value = positions.get(one.joint_name)
             if value is not None:
-                yield _joint_part(one, value)
+                yield _joint_part(one, value, self._slack)
         for one in self._constraints.orientation_constraints:
             yield from self._orientation_parts(one, positions)
         for one in self._constraints.position_constraints:
@@ -81,14 +92,16 @@ class PathRule:
                 f"an orientation constraint is in the unknown frame '{one.header.frame_id}'"
             )
             return
-        error = multiply(back, self._forward(positions, one.link_name).orientation)
+        link = one.link_name or self._link
+        error = multiply(back, self._forward(positions, link).orientation)
         for axis, angle in zip("xyz", rpy_from_quaternion(error), strict=True):
             tolerance = getattr(one, f"absolute_{axis}_axis_tolerance")
             words = (
-                f"link '{one.link_name}' is turned by {abs(angle):.3f} rad about {axis}, "
+                f"link '{link}' is turned by {abs(angle):.3f} rad about {axis}, "
                 f"{tolerance:.3f} are allowed"
             )
-            yield _Part(abs(angle) > tolerance + _SLACK, _beyond(angle, tolerance), words)
+            is_broken = abs(angle) > tolerance + self._slack
+            yield _Part(is_broken, _beyond(angle, tolerance), words)
 
     def _turn(self, frame: str, turn: Quaternion) -> Quaternion | None:
         """Return the turn back from what is wanted in a frame, None where nobody has the frame."""
@@ -107,19 +120,21 @@ class PathRule:
             message = "a position constraint has a mesh as its region, which cannot be checked"
             yield _unknown(message)
             return
-        offset = one.target_point_offset
+        offset, link = one.target_point_offset, one.link_name or self._link
         point = compose(
-            self._forward(positions, one.link_name),
+            self._forward(positions, link),
             Pose((offset.x, offset.y, offset.z), (0.0, 0.0, 0.0, 1.0)),
         ).position
-        words = f"link '{one.link_name}' is outside the region of its position constraint"
+        words = (
+            f"link '{one.link_name or self._link}' is outside the region of its position constraint"
+        )
         shapes = [
             (shape, _seen_from(compose(base, message_pose(pose)), point))
             for shape, pose in zip(region.primitives, region.primitive_poses, strict=False)
         ]
         outside = [_outside(shape, seen) for shape, seen in shapes]
         nearest = min(outside, key=lambda each: sum(map(abs, each)), default=(math.nan,) * 3)
-        is_broken = not any(_is_inside(shape, seen) for shape, seen in shapes)
+        is_broken = not any(_is_inside(shape, seen, self._slack) for shape, seen in shapes)
         for each in nearest:
             yield _Part(is_broken, each, words)
 
@@ -137,10 +152,10 @@ def _unknown(words: str) -> _Part:
     return _Part(True, math.nan, words)
 
 
-def _joint_part(one: Any, value: float) -> _Part:
+def _joint_part(one: Any, value: float, slack: float) -> _Part:
     low, high = one.position - one.tolerance_below, one.position + one.tolerance_above
     words = f"joint '{one.joint_name}' at {value:.4f} is outside [{low:.4f}, {high:.4f}]"
-    is_broken = not low - _SLACK <= value <= high + _SLACK
+    is_broken = not low - slack <= value <= high + slack
     return _Part(is_broken, _beyond(value - (low + high) / 2, (high - low) / 2), words)
 
 
@@ -154,11 +169,11 @@ def _outside(shape: Any, point: tuple[float, float, float]) -> tuple[float, floa
     """Return how far a point is outside a shape, along the shape's axes [m]."""
     x, y, z = point
     sizes = [float(value) for value in shape.dimensions]
-    if shape.type == _BOX:
+    if shape.type == BOX:
         return _beyond(x, sizes[0] / 2), _beyond(y, sizes[1] / 2), _beyond(z, sizes[2] / 2)
-    if shape.type == _SPHERE:
+    if shape.type == SPHERE:
         return _shortened((x, y, z), sizes[0])
-    if shape.type == _CYLINDER:
+    if shape.type == CYLINDER:
         across = _shortened((x, y, 0.0), sizes[1])
         return across[0], across[1], _beyond(z, sizes[0] / 2)
     return (math.nan,) * 3
@@ -168,6 +183,15 @@ def _shortened(point: tuple[float, float, float], radius: float) -> tuple[float,
     length = math.hypot(*point)
     share = _beyond(length, radius) / length if length > 0.0 else 0.0
     return point[0] * share, point[1] * share, point[2] * share
+
+
+def is_within(one: Any, base: Pose, point: tuple[float, float, float]) -> bool:
+    """Return whether a point is in the region of a position constraint; `base` is its frame's."""
+    region = one.constraint_region
+    return any(
+        _is_inside(shape, _seen_from(compose(base, message_pose(pose)), point), _SLACK)
+        for shape, pose in zip(region.primitives, region.primitive_poses, strict=False)
+    )
 
 
 def message_pose(message: Any) -> Pose:
@@ -183,13 +207,13 @@ def _seen_from(place: Pose, point: tuple[float, float, float]) -> tuple[float, f
     return compose(Pose((0.0, 0.0, 0.0), back), moved).position
 
 
-def _is_inside(shape: Any, point: tuple[float, float, float]) -> bool:
+def _is_inside(shape: Any, point: tuple[float, float, float], slack: float) -> bool:
     x, y, z = point
-    sizes = [float(value) + _SLACK for value in shape.dimensions]
-    if shape.type == _BOX:
+    sizes = [float(value) + slack for value in shape.dimensions]
+    if shape.type == BOX:
         return all(abs(part) <= size / 2 for part, size in zip(point, sizes, strict=True))
-    if shape.type == _SPHERE:
+    if shape.type == SPHERE:
         return math.hypot(x, y, z) <= sizes[0]
-    if shape.type == _CYLINDER:
+    if shape.type == CYLINDER:
         return abs(z) <= sizes[0] / 2 and math.hypot(x, y) <= sizes[1]
     return False

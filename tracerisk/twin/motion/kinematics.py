@@ -29,6 +29,8 @@ _FREE_TURN_COST = 1e-3  # where any turn will do, and the nearest is wanted [m/r
 _MOST_KEPT = 10_000  # poses out of reach that are remembered
 _STALLED = 1e-8  # a step this small changes nothing more [rad]
 
+Bounds = tuple[float, float]
+"""The least and the greatest position of a joint [rad or m]."""
 _Miss = tuple[float, float]  # the distance [m] and the turn [rad] from a target
 
 
@@ -133,10 +135,12 @@ class Kinematics:
         seed: Mapping[str, float] | None = None,
         restarts: int = _RESTARTS,
         accept: Callable[[Mapping[str, float]], bool] | None = None,
+        bounds: Mapping[str, Bounds] | None = None,
     ) -> dict[str, float]:
         """Return joint positions of `group` that bring each link to its pose, as with two arms.
 
-        The search is that of `inverse`, and so are the errors.
+        The search is that of `inverse`, and so are the errors. It keeps the joints in `bounds`
+        within these, too.
         """
         members = self._robot.group(group)
         for target in targets:
@@ -145,17 +149,19 @@ class Kinematics:
             targets = [replace(target, orientation_tolerance=math.inf) for target in targets]
         # What no start reaches is out of reach for the next who asks, too.
         near = tuple((name, round(value, 3)) for name, value in sorted((seed or {}).items()))
-        asked = (group, tuple(targets), near, restarts)
+        ranges = {joint.name: _range(joint, bounds or {}) for joint in self._robot.joints}
+        asked = (group, tuple(targets), near, restarts, tuple((bounds or {}).items()))
         if asked in self._unreached:
             raise self._out_of_reach(group, targets, seed or {}, self._unreached[asked])
-        search = _Search(self._configuration, self._limits, self._frozen(members.joints), targets)
+        limits = self._limits if not bounds else [self._limit(ranges)]
+        search = _Search(self._configuration, limits, self._frozen(members.joints), targets)
         best = (math.inf, math.inf)
         is_reached = False
-        for start in self._starts(group, seed or {}, restarts):
+        for start in self._starts(group, seed or {}, restarts, ranges):
             found, error = search.descend(start)
             if found is not None:
                 is_reached = True
-                reached = self._within_limits(members.joints, found)
+                reached = self._within_limits(members.joints, found, ranges)
                 if accept is None or accept(reached):
                     return reached
             best = min(best, error, key=_cost)
@@ -180,33 +186,50 @@ class Kinematics:
         )
 
     def _starts(
-        self, group: str, seed: Mapping[str, float], restarts: int
+        self,
+        group: str,
+        seed: Mapping[str, float],
+        restarts: int,
+        ranges: Mapping[str, Bounds],
     ) -> Iterator[NDArray[np.float64]]:
-        at_seed = self._clipped(self.positions(seed))
+        at_seed = self._clipped(self.positions(seed), ranges)
         yield at_seed
         if restarts == 0:
             return
         for state in self._robot.named_states.get(group, {}).values():
-            yield self.positions({**seed, **state})
-        joints = [self._robot.joint(name) for name in self._robot.group(group).joints]
+            yield self._clipped(self.positions({**seed, **state}), ranges)
         generator = np.random.default_rng(0)
         for _ in range(restarts):
             start = at_seed.copy()
-            for joint in joints:
-                start[self._address[joint.name]] = generator.uniform(joint.lower, joint.upper)
+            for name in self._robot.group(group).joints:
+                start[self._address[name]] = generator.uniform(*ranges[name])
             yield start
 
-    def _clipped(self, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _clipped(
+        self, qpos: NDArray[np.float64], ranges: Mapping[str, Bounds]
+    ) -> NDArray[np.float64]:
         for joint in self._robot.joints:
             at = self._address[joint.name]
-            qpos[at] = _inside(joint, float(qpos[at]))
+            qpos[at] = _inside(joint, float(qpos[at]), ranges[joint.name])
         return qpos
 
-    def _within_limits(self, names: tuple[str, ...], qpos: NDArray[np.float64]) -> dict[str, float]:
+    def _within_limits(
+        self, names: tuple[str, ...], qpos: NDArray[np.float64], ranges: Mapping[str, Bounds]
+    ) -> dict[str, float]:
         values = {}
         for name in names:
-            values[name] = _inside(self._robot.joint(name), float(qpos[self._address[name]]))
+            value = float(qpos[self._address[name]])
+            values[name] = _inside(self._robot.joint(name), value, ranges[name])
         return values
+
+    def _limit(self, ranges: Mapping[str, Bounds]) -> mink.ConfigurationLimit:
+        """Return the limits of the search, narrowed to `ranges`."""
+        limit = mink.ConfigurationLimit(self._model, gain=1.0)
+        for name, (lower, upper) in ranges.items():
+            if limit.lower[self._address[name]] > -mujoco.mjMAXVAL:
+                limit.lower[self._address[name]] = lower
+                limit.upper[self._address[name]] = upper
+        return limit
 
     def _frozen(self, members: tuple[str, ...]) -> list[Any] | None:
         others = sorted(set(self._dof.values()) - {self._dof[name] for name in members})
@@ -285,13 +308,20 @@ def _cost(miss: _Miss) -> float:
     return miss[0] + _TURN_COST * miss[1]
 
 
-def _inside(joint: Joint, value: float) -> float:
-    """Return a position within a joint's limits: whole turns less or more, else at the limit."""
+def _range(joint: Joint, bounds: Mapping[str, Bounds]) -> Bounds:
+    """Return within which positions a joint may be: its limits, and its bounds if it has any."""
+    lower, upper = bounds.get(joint.name, (joint.lower, joint.upper))
+    return max(lower, joint.lower), min(upper, joint.upper)
+
+
+def _inside(joint: Joint, value: float, within: Bounds) -> float:
+    """Return a position within bounds: whole turns less or more, else at the limit."""
+    lower, upper = within
     if joint.type == "continuous":
         # Whole turns lead to the same pose; a limit of the range would not.
-        value -= _TURN * math.ceil(max(0.0, value - joint.upper) / _TURN)
-        value += _TURN * math.ceil(max(0.0, joint.lower - value) / _TURN)
-    return min(max(value, joint.lower), joint.upper)
+        value -= _TURN * math.ceil(max(0.0, value - upper) / _TURN)
+        value += _TURN * math.ceil(max(0.0, lower - value) / _TURN)
+    return min(max(value, lower), upper)
 
 
 def _shown(pose: Pose) -> str:

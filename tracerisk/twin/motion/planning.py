@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import one_of
 from tracerisk.geometry.frames import triple
 from tracerisk.twin.motion.clearance import Clearance
-from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.motion.kinematics import Bounds, Kinematics
 from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Robot, Scaling
@@ -116,10 +116,17 @@ class Planner:
         return self.reach_all(group, [target], seed=seed)
 
     def reach_all(
-        self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float]
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        *,
+        seed: Mapping[str, float],
+        breach: Callable[[Mapping[str, float]], str | None] = lambda positions: None,  # noqa: ARG005
+        bounds: Mapping[str, Bounds] | None = None,
     ) -> dict[str, float]:
         """Return joint positions that bring each link to its pose, clear of everything.
 
+        `breach` says of joint positions why they are none, `bounds` within what joints must be.
         Raises PlanningError as `reach` does.
         """
         pair: tuple[str, str] | None = None
@@ -127,23 +134,28 @@ class Planner:
 
         def is_clear(found: Mapping[str, float]) -> bool:
             nonlocal pair, broken
-            if breach := self._clearance.breach({**seed, **found}):
-                broken = broken or breach
+            there = {**seed, **found}
+            if reason := breach(there):
+                broken = broken or f"the goal cannot be met as a whole: {reason}"
+                return False
+            if reason := self._clearance.breach(there):
+                broken = broken or (
+                    f"the goal breaks the path constraints however it is reached: {reason}"
+                )
                 return False
             touching = self._clearance.collision({**seed, **found})
             pair = pair or touching
             return touching is None
 
         try:
-            return self._kinematics.inverse_all(group, targets, seed=seed, accept=is_clear)
+            return self._kinematics.inverse_all(
+                group, targets, seed=seed, accept=is_clear, bounds=bounds
+            )
         except PlanningError as error:
             if pair is None and broken is None:
                 raise
             if pair is None:
-                raise PlanningError(
-                    "no_plan",
-                    f"the goal breaks the path constraints however it is reached: {broken}",
-                ) from error
+                raise PlanningError("no_plan", broken or "") from error
             raise PlanningError(
                 "collision",
                 f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,13 +178,19 @@ class Twin:
         return search(group, pose, link=link, seed={**self._positions(), **(seed or {})})
 
     def reach_all(
-        self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float] | None = None
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        *,
+        seed: Mapping[str, float] | None = None,
+        **options: Any,
     ) -> dict[str, float]:
         """Return joint positions of `group` that bring each link to its pose; `Planner.reach_all`.
 
         The search begins at the present state, changed by `seed`.
         """
-        return self._planner.reach_all(group, targets, seed={**self._positions(), **(seed or {})})
+        begin = {**self._positions(), **(seed or {})}
+        return self._planner.reach_all(group, targets, seed=begin, **options)
 
     def collision(self, positions: Mapping[str, float] | None = None) -> tuple[str, str] | None:
         """Return the names of a pair of links or declared bodies that collide, None for none.

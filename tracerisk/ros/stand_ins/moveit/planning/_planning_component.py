@@ -274,13 +274,14 @@ class PlanningComponent:
         return plan
 
     def _line_end(self, start: Mapping[str, float] | None) -> tuple[str, Pose]:
-        target, alternatives = self._reader.goals(self._name, self._goals)
-        if target is not None:
-            link = self._reader.tip(self._name)
-            return link, self._server.forward({**(start or {}), **target}, link)
-        for goals in alternatives:
-            if len(goals) == 1 and goals[0].kind == "pose":
-                return goals[0].link, goals[0].pose
+        for goal in self._reader.goals(self._name, self._goals):
+            if not goal.regions:
+                link = self._reader.tip(self._name)
+                target = {name: bounds.middle for name, bounds in goal.joints.items()}
+                return link, self._server.forward({**(start or {}), **target}, link)
+            poses = goal.poses
+            if len(poses) == 1 and poses[0].kind == "pose" and not goal.joints:
+                return poses[0].link, poses[0].pose
         raise RequestError(
             ErrorCode.INVALID_GOAL_CONSTRAINTS, "a straight line needs the whole pose of one link"
         )
