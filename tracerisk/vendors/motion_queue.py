@@ -16,6 +16,7 @@ from tracerisk.vendors.description import WhileMoving
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
 
+_TAKEN = "another took its place"
 _REFUSED = {
     "in_error": "an error is not cleared",
     "disabled": "the arm is not enabled",
@@ -86,7 +87,8 @@ class MotionQueue:
             return
         if rule == "replace":
             for each in list(self._waiting):
-                self.drop(each)
+                self._waiting.remove(each)
+                self._fail(each, "preempted", _TAKEN)
         self._begin(job)
 
     def refused(self) -> str:
@@ -99,7 +101,8 @@ class MotionQueue:
         """Take a motion out: it is stopped, or forgotten where it waits."""
         if job in self._waiting:
             self._waiting.remove(job)
-            self._end(job, "preempted", "another took its place")
+            self._commands.refuse(job.kind, job.stack, "cancelled")
+            self._end(job, "preempted", _TAKEN)
         elif job.motion is not None and job.motion.outcome == "active":
             self._commands.rest(job.motion.joints)
 
@@ -152,5 +155,5 @@ class MotionQueue:
             self.is_enabled = self.is_enabled and not self._disables
             waiting, self._waiting = list(self._waiting), deque()
             for each in waiting:
-                self._end(each, "in_error", "an error dropped what waited")
+                self._fail(each, "in_error", "an error dropped what waited")
         job.on_end(job)

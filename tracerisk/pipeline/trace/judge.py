@@ -214,7 +214,7 @@ def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were replaced or cut on their way, and did not succeed later either."""
     for found in unfinished(run):
         command = found.command
-        if not _retry(command, [each for each in run.commands if each.issue_s > command.issue_s]):
+        if not _retry(command, run.commands[run.commands.index(command) + 1 :]):
             name = ", ".join(command.elements)
             yield replace(_command_reason(found.code, found.words, command, name), by=found.by)
 

@@ -84,7 +84,7 @@ class DobotQueue:
 
     def clear(self) -> None:
         """Forget what waits and what goes on: something else takes the joints."""
-        self._waiting.clear()
+        self._drop("another took its place")
         self._motion = None
 
     def at_once(self, kind: str, make: Make) -> int:
@@ -94,9 +94,17 @@ class DobotQueue:
 
     def stop(self) -> None:
         """Drop all that waits and bring the arm to rest."""
-        self._waiting.clear()
+        while self._waiting:
+            kind, stack, _ = self._waiting.popleft()
+            self._commands.refuse(kind, stack, "cancelled")
         self.arm.stop()
         self._motion = None
+
+    def _drop(self, reason: str) -> None:
+        """Forget what waits, which never begins."""
+        while self._waiting:
+            kind, stack, _ = self._waiting.popleft()
+            self._commands.report("command_ignored", f"{kind} moved nothing: {reason}", stack)
 
     def _next(self) -> None:
         self._motion = None
@@ -109,7 +117,7 @@ class DobotQueue:
                     "command_ignored", f"{kind} moved nothing: {error.message}", stack
                 )
                 self.error = ERROR
-                self._waiting.clear()
+                self._drop("an error dropped what waited")
                 return
             if trajectory is None:
                 self.done += 1
@@ -130,7 +138,7 @@ class DobotQueue:
         self.done += 1
         if motion.outcome == "aborted":
             self.error = COLLISION
-            self._waiting.clear()
+            self._drop("an error dropped what waited")
         self._next()
 
     # Trajectories

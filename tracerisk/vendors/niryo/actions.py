@@ -111,10 +111,10 @@ class NiryoActions(NiryoPlaces):
         self._arm.wait(motion)
         if goal.state.is_terminal:
             return
-        if motion.outcome == "succeeded":
-            goal.succeed(self._result(TOOL, _SUCCESS, _DONE))
-        else:
-            goal.cancel(self._result(TOOL, _PREEMPTED, motion.message))
+        statuses = {"succeeded": _SUCCESS, "preempted": _PREEMPTED}
+        status = statuses.get(motion.outcome, _TOOL_FAILURE)
+        text = _DONE if status == _SUCCESS else motion.message
+        goal.end(motion.outcome, self._result(TOOL, status, text))
 
     def _result(self, action: str, status: int, message: str) -> Any:
         result = self._messages.part(action, "Result")

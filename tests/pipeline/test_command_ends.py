@@ -1,0 +1,332 @@
+"""How commands end, in whole runs: what was replaced, left on, aborted or cut is a reason."""
+
+from __future__ import annotations
+
+import pytest
+
+ARM2 = """\
+import sys, time
+import rclpy
+from builtin_interfaces.msg import Duration
+from control_msgs.action import FollowJointTrajectory
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+JOINTS = [f"panda_joint{n}" for n in range(1, 8)]
+REST = [-0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+rclpy.init()
+node = Node("mission")
+arm = ActionClient(node, FollowJointTrajectory, "/arm/follow_joint_trajectory")
+arm.wait_for_server()
+topic = node.create_publisher(JointTrajectory, "/arm/joint_trajectory", 10)
+
+def wait(seconds):
+    end = node.get_clock().now().nanoseconds + seconds * 1e9
+    while node.get_clock().now().nanoseconds < end:
+        rclpy.spin_once(node, timeout_sec=0.02)
+
+def way(turn, seconds=2.0):
+    whole, rest = int(seconds), seconds - int(seconds)
+    return JointTrajectory(joint_names=JOINTS, points=[JointTrajectoryPoint(
+        positions=[turn, *REST],
+        time_from_start=Duration(sec=whole, nanosec=int(rest * 1e9)))])
+
+def send(turn):
+    return arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=way(turn)))
+
+send(0.0)
+wait(4.0)
+"""
+VELOCITY = """\
+import rospy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray
+
+rospy.init_node("jog")
+group = rospy.Publisher("/joint_group_vel_controller/command", Float64MultiArray, queue_size=10)
+rospy.sleep(0.5)
+
+def jog(speed, times=10):
+    for _ in range(times):
+        group.publish(Float64MultiArray(data=[0.0, 0.0, 0.0, 0.0, 0.0, speed]))
+        rospy.sleep(0.1)
+
+"""
+FRANKA = """\
+import actionlib, moveit_commander, rospy
+from franka_gripper.msg import GraspAction, GraspGoal, MoveAction, MoveGoal
+
+rospy.init_node("grasp")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+arm.set_max_acceleration_scaling_factor(1.0)
+move = actionlib.SimpleActionClient("/franka_gripper/move", MoveAction)
+grasp = actionlib.SimpleActionClient("/franka_gripper/grasp", GraspAction)
+move.wait_for_server()
+grasp.wait_for_server()
+move.send_goal_and_wait(MoveGoal(width=0.08, speed=0.1))
+"""
+AT_THE_CUBE = """\
+pose = arm.get_current_pose().pose
+turn = pose.orientation
+turn.x, turn.y, turn.z, turn.w = 0.9238795, -0.3826834, 0.0, 0.0
+for z in (0.2, 0.125):
+    pose.position.x, pose.position.y, pose.position.z = 0.5, 0.0, z
+    arm.set_pose_target(pose)
+    arm.go(wait=True)
+"""
+CUBE = "objects:\n  - {name: cube, box: [0.04, 0.04, 0.04], xyz: [0.5, 0.0, 0.02], mass: 0.1}\n"
+
+
+@pytest.fixture
+def run(example):
+    def run(program: str, *arguments: str, robot: str = "panda"):
+        example.write("c.py", program)
+        example.write("cell.yaml", CUBE)
+        outcome = example.run("run", "c.py", "--robot", robot, "--json", *arguments)
+        assert outcome.code in (0, 1), outcome.err
+        return outcome.json["trace"]
+
+    return run
+
+
+def reasons(trace, *codes: str) -> list[tuple[str, str]]:
+    """The code and the words of each reason that is about how a command ended."""
+    found = [(each["code"], each["words"]) for each in trace["verdict"]["reasons"]]
+    return [each for each in found if each[0].startswith("command-") or each[0] in codes]
+
+
+def ends(trace) -> list[str]:
+    return [each["end"] for each in trace["commands"]]
+
+
+def line_of(program: str, text: str) -> int:
+    return program.splitlines().index(text) + 1
+
+
+# Replaced
+
+
+def test_goals_that_are_sent_at_once_are_replaced_before_they_begin(run):
+    trace = run(ARM2 + "for turn in (0.6, -0.6, 0.0):\n    send(turn)\nrclpy.spin(node)\n")
+    assert ends(trace) == ["arrived", "replaced", "replaced", "arrived"]
+    (found,) = reasons(trace)
+    assert found[0] == "command-replaced"
+    assert "had come 0 % of its way when it was replaced at once" in found[1]
+    assert trace["verdict"]["kind"] == "partial"
+    # The last one led to where the arm was: nothing of the mission is left.
+    first, second, third = trace["commands"][1:]
+    assert (first["replaced_by"], second["replaced_by"], third["replaced_by"]) == (2, 3, None)
+
+
+def test_a_goal_that_another_line_cuts_half_way_is_named_with_the_line(run):
+    program = ARM2 + "send(0.8)\nwait(1.0)\nsend(-0.8)\nwait(4.0)\n"
+    trace = run(program)
+    assert ends(trace) == ["arrived", "replaced", "arrived"]
+    (reason,) = (each for each in trace["verdict"]["reasons"] if "replaced" in each["code"])
+    assert trace["commands"][1]["way_done"] == pytest.approx(0.5, abs=0.1)
+    # Both commands are of `send`: the lines of its calls tell them apart.
+    assert reason["by"]["line"] == trace_line(trace, program, "send(-0.8)")
+    assert reason["function"] == "send"
+
+
+def trace_line(trace, program: str, text: str) -> int:
+    """The line of a text once the block is above it, by the shift of the command's own line."""
+    issued = "    return arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=way(turn)))"
+    return line_of(program, text) + trace["commands"][0]["line"] - line_of(program, issued)
+
+
+def test_a_motion_of_moveit_is_stopped_by_that_of_another_group(run):
+    trace = run(FRANKA + "arm.go([0.9, 0, 0, -2.0, 0, 1.571, 0.785], wait=False)\n"
+                "rospy.sleep(0.3)\nhand = moveit_commander.MoveGroupCommander('panda_hand')\n"
+                "hand.go([0.01, 0.01], wait=True)\n")  # fmt: skip
+    assert ends(trace) == ["arrived", "replaced", "arrived"]
+    assert [code for code, _ in reasons(trace)] == ["command-replaced"]
+
+
+def test_a_message_that_another_place_overtakes_is_replaced(run):
+    trace = run(
+        ARM2 + "def left():\n    topic.publish(way(0.7))\n\n"
+        "def right():\n    topic.publish(way(-0.7))\n\n"
+        "left()\nwait(0.5)\nright()\nwait(4.0)\n"
+    )
+    assert ends(trace) == ["arrived", "replaced", "arrived"]
+    (found,) = reasons(trace)
+    assert found[0] == "command-replaced"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        # A loop that tracks something leads on from goal to goal.
+        "for step in range(12):\n    topic.publish(way(0.05 * step, 1.0))\n    wait(0.1)\nwait(3.0)\n",
+        "for step in range(8):\n    send(0.08 * step)\n    wait(0.3)\nwait(4.0)\n",
+        # Who publishes a message three times is to be heard.
+        "for _ in range(3):\n    topic.publish(way(0.5))\nwait(4.0)\n",
+        # It had practically arrived.
+        "send(0.5)\nwait(1.95)\nsend(0.0)\nwait(4.0)\n",
+        # The controller stopped it.
+        "goal = send(0.8)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
+        "goal.result().cancel_goal_async()\nwait(2.0)\nsend(0.0)\nwait(4.0)\n",
+        # What was cut was sent again.
+        "send(0.5)\nwait(0.5)\nsend(0.0)\nwait(4.0)\nsend(0.5)\nwait(4.0)\n",
+    ],
+)
+def test_what_leads_on_was_there_or_was_stopped_is_no_reason(run, body):
+    trace = run(ARM2 + body)
+    assert reasons(trace) == []
+
+
+def test_a_stream_of_set_points_is_one_command_to_where_it_led_in_the_end(run):
+    trace = run(
+        ARM2 + "for step in range(50):\n    topic.publish(way(0.01 * step, 0.1))\n    wait(0.02)\n"
+        "wait(2.0)\n"
+    )
+    assert ends(trace) == ["arrived", "arrived"]
+    assert reasons(trace) == []
+
+
+# Left on
+
+
+def test_a_velocity_that_nobody_takes_back_is_left_on_to_the_limit(run):
+    trace = run(VELOCITY + "jog(0.3)\n", robot="ur5e")
+    assert ends(trace) == ["left_on"]
+    ((code, words),) = reasons(trace)
+    assert code == "command-left-on"
+    assert "joint 'wrist_3_joint' (0.3 rad/s) was left on" in words
+    assert "until its limit" in words
+    assert trace["verdict"]["kind"] == "faulted"
+
+
+def test_a_velocity_that_is_on_when_the_controller_waits_for_ever_is_left_on(run):
+    trace = run(VELOCITY + "jog(-0.1, 3)\nrospy.spin()\n", "--duration", "20", robot="ur5e")
+    assert ends(trace) == ["left_on"]
+    ((code, words),) = reasons(trace)
+    assert code == "command-left-on"
+    assert "up to the end of the run" in words
+
+
+def test_a_single_message_of_one_joints_velocity_is_left_on(run):
+    trace = run(
+        VELOCITY + "one = rospy.Publisher('/wrist_1_joint_velocity_controller/command', Float64, "
+        "queue_size=1)\nrospy.sleep(0.5)\none.publish(1.0)\nrospy.sleep(3.0)\n",
+        robot="ur5e",
+    )
+    assert ends(trace) == ["left_on"]
+    ((_, words),) = reasons(trace)
+    assert "'wrist_1_joint' (1 rad/s)" in words
+
+
+@pytest.mark.parametrize(
+    ("body", "end"),
+    [
+        ("jog(0.3)\njog(0.0, 1)\n", ["cancelled"]),
+        # Another velocity is no miss of the first: neither has a goal.
+        ("jog(0.3)\nrospy.sleep(0.5)\njog(-0.3, 5)\njog(0.0, 1)\n", ["replaced", "cancelled"]),
+    ],
+)
+def test_a_velocity_that_is_taken_back_is_no_reason(run, body, end):
+    trace = run(VELOCITY + body, robot="ur5e")
+    assert ends(trace) == end
+    assert reasons(trace) == []
+
+
+def test_a_loop_of_velocities_that_the_duration_cuts_was_not_left_on(run):
+    trace = run(
+        VELOCITY + "while not rospy.is_shutdown():\n    jog(0.2)\n    jog(-0.2)\n",
+        "--duration",
+        "4.5",
+        robot="ur5e",
+    )
+    assert ends(trace)[-1] == "cut_by_end"
+    assert reasons(trace) == []
+
+
+# Aborted
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (
+            "grasp.send_goal_and_wait(GraspGoal(width=0.0, speed=0.05, force=10.0))\n",
+            "the fingers stopped at a width of 0.0399 m; width and epsilon allow 0.0000 to 0.0000",
+        ),
+        (
+            "goal = GraspGoal(width=0.02, speed=0.05, force=0.0)\n"
+            "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n",
+            "width and epsilon allow 0.0150 to 0.0250 m",
+        ),
+        # A move is no grasp: it is to get there.
+        ("move.send_goal_and_wait(MoveGoal(width=0.01, speed=0.05))\n", "stalled at"),
+    ],
+)
+def test_a_gripper_that_does_not_come_to_what_it_was_asked_for_is_a_fault(run, body, words):
+    trace = run(FRANKA + AT_THE_CUBE + body, "--scenario", "cell.yaml")
+    assert ends(trace)[-1] == "aborted"
+    aborted = [said for code, said in reasons(trace) if code == "command-aborted"]
+    assert len(aborted) == 1
+    assert words in aborted[0]
+    assert trace["verdict"]["kind"] == "faulted"
+
+
+def test_a_grasp_of_the_right_width_is_none(run):
+    trace = run(
+        FRANKA + AT_THE_CUBE + "goal = GraspGoal(width=0.04, speed=0.05, force=10.0)\n"
+        "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n"
+        "move.send_goal_and_wait(MoveGoal(width=0.08, speed=0.1))\n",
+        "--scenario",
+        "cell.yaml",
+    )
+    assert reasons(trace) == []
+    assert set(ends(trace)) == {"arrived"}
+
+
+def test_a_path_that_is_left_ends_aborted_and_not_cancelled(run):
+    trace = run(
+        ARM2.replace("import rclpy\n", "import rclpy\nfrom control_msgs.msg import "
+                     "JointTolerance\n", 1)
+        + "goal = FollowJointTrajectory.Goal(trajectory=way(1.5, 0.3))\n"
+        "goal.path_tolerance = [JointTolerance(name='panda_joint1', position=0.001)]\n"
+        "arm.send_goal_async(goal)\nwait(3.0)\n"
+    )  # fmt: skip
+    assert ends(trace) == ["arrived", "aborted"]
+    ((code, words),) = reasons(trace)
+    assert code == "command-aborted"
+    assert "off its path (tolerance 0.001)" in words
+
+
+# Refused, ignored, cut
+
+
+def test_refused_goals_and_ignored_messages_are_commands_with_an_end(run):
+    body = (
+        "bad = way(0.3)\nbad.joint_names = ['elbow', *JOINTS[1:]]\n"
+        "arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=bad))\nwait(0.5)\n"
+        "topic.publish(bad)\nwait(0.5)\n"
+    )
+    trace = run(ARM2 + body)
+    assert ends(trace) == ["arrived", "refused", "ignored"]
+    assert [code for code, _ in reasons(trace)] == ["command-rejected", "command-ignored"]
+    assert [each["elements"] for each in trace["commands"][1:]] == [[], []]
+    # They moved nothing: neither visits nor functions know of them.
+    assert [each["function"]["name"] for each in trace["visits"]] == ["send"]
+    plain = run(ARM2)
+    assert plain["visits"][0]["exposures"].keys() == trace["visits"][0]["exposures"].keys()
+
+
+def test_a_motion_that_the_end_of_the_run_cuts_is_a_reason_if_the_controller_was_done(run):
+    trace = run(ARM2 + "arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=way(2.0, 9.0)))\n"
+                "wait(0.2)\n", "--duration", "7")  # fmt: skip
+    assert ends(trace) == ["arrived", "cut_by_end"]
+    ((code, words),) = reasons(trace)
+    assert code == "command-cut"
+    assert "of its way when the run ended" in words
+
+
+def test_a_motion_that_the_duration_cuts_amid_the_mission_is_none(run):
+    trace = run(ARM2 + "send(1.0)\nwait(30.0)\n", "--duration", "5")
+    assert ends(trace) == ["arrived", "cut_by_end"]
+    assert reasons(trace) == []
