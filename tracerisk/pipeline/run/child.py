@@ -83,7 +83,7 @@ from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.overlay import Overlay
-from tracerisk.source.ros_version import ros_version
+from tracerisk.trace import EndCause
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.assumed_names import with_assumed_names
@@ -97,7 +97,6 @@ from tracerisk.vendors.serving import serve_vendors
 __all__ = ["main", "prepare"]
 _MB = 1024 * 1024
 _MOST_DENIED = 50
-_GOES_ON = frozenset({"cycles", "duration"})  # ends by which the controller was not done
 
 
 def main() -> int:
@@ -206,8 +205,8 @@ def _run(
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]
 
-    def run_over(cause: str) -> None:
-        runtime.client(TwinCommands).finish(goes_on=cause in _GOES_ON)
+    def run_over(cause: EndCause) -> None:
+        runtime.client(TwinCommands).finish(cause)
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
         watch.run_over(cause)

@@ -44,7 +44,7 @@ class ControllerEnd:
     twin: Twin
     root: Path
     memory_limit_mb: int
-    run_over: Callable[[str], None] = lambda _: None
+    run_over: Callable[[EndCause], None] = lambda _: None
     judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd
     missing: MissingModules | None = None
     outlast: Callable[[], None] = lambda: None

@@ -79,6 +79,8 @@ class MoveItInterfaces(TwinNode):
         result = self._messages.part(MOVE_GROUP, "Result")
         result.trajectory_start = self._state(self._server.positions())
         if plan.trajectory is None:
+            if not asked.planning_options.plan_only:
+                self._commands.refuse("move_group", goal.stack)
             self._finish(goal, result, plan.code, plan.message)
             return
         result.planned_trajectory = self._trajectory(plan.trajectory)

@@ -117,6 +117,10 @@ class TrajectoryExecution:
         self._live.append(execution)
         return execution
 
+    def refuse(self) -> None:
+        """Record that a motion was asked for where the controller stands, and none was found."""
+        self._commands.refuse("move_group", self._commands.stack())
+
     def wait(self, execution: Execution) -> ErrorCode:
         """Wait until an execution has ended and return its code."""
         self._runtime.scheduler.wait_until(

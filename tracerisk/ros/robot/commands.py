@@ -16,14 +16,16 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.time.scheduler import Scheduler
-    from tracerisk.trace import CommandEnd
+    from tracerisk.trace import CommandEnd, EndCause
     from tracerisk.twin.robots.robot import Joint
     from tracerisk.twin.simulation.twin import Twin
 
 _LEFT_NS = 1_000_000_000
 """A velocity that goes on by itself for longer was left on [ns]."""
 _SILENT_NS = 10_000_000_000
-"""So was one that a run cuts which would have gone on, if nobody renewed it for longer [ns]."""
+"""The same where the end of the run cuts it, amid the mission [ns]."""
+_NOT_DONE: frozenset[EndCause] = frozenset({"cycles", "duration"})
+"""Ends of a run at which the controller would have commanded more."""
 _AT_LIMIT = 0.01  # of a joint [rad or m]
 _NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
     "goal_rejected": ("goal", "refused"),
@@ -165,11 +167,9 @@ class TwinCommands:
         """Note which commands are over, and how they ended."""
         self._close([command for command in self._live if self._is_over(command)])
 
-    def finish(self, *, goes_on: bool) -> None:
-        """Note how the commands end that the end of the run cuts; nothing moves any more.
-
-        `goes_on`: the controller was not done, and would have commanded more.
-        """
+    def finish(self, cause: EndCause) -> None:
+        """Note how the commands end that the end of the run cuts; nothing moves any more."""
+        most_silent_ns = _SILENT_NS if cause in _NOT_DONE else 0
         live, now_ns = list(self._live), self.scheduler.now_ns
         ends: list[CommandEnd] = []
         for command in live:
@@ -178,7 +178,7 @@ class TwinCommands:
                 end = self._end_of(command)
             elif command.motion.leads == "on":
                 silent_ns = now_ns - command.commanded_ns
-                end = "left_on" if silent_ns > (_SILENT_NS if goes_on else 0) else end
+                end = "left_on" if silent_ns > most_silent_ns else end
             ends.append(end)
         self.twin.stop()
         for command, end in zip(live, ends, strict=True):

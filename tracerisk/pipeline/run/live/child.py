@@ -46,6 +46,7 @@ from tracerisk.ros.live.loopback import leave_network
 from tracerisk.ros.live.message_modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
 from tracerisk.ros.scenario.cell_log import CELL, CellLog
 from tracerisk.ros.scenario.world import ScenarioWorld
@@ -241,6 +242,7 @@ class _LiveRun:
         self._bridge.give_parameters()
 
     def _report_end(self, over: RunOver | None, code: int | None) -> None:
+        self._runtime.client(TwinCommands).finish("ended" if over is None else over.cause)
         if over is not None and over.cause != "ended":
             if over.cause in ("idle", "quiescent"):
                 self._recorder.note(MISSION_END, ns=self._watch.last_event_ns)

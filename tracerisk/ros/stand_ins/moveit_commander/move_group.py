@@ -87,6 +87,7 @@ class MoveGroupCommander(GroupPickPlace):
         self._set_target(joints)
         plan = self._plan()
         if plan.trajectory is None:
+            self._server.execution.refuse()
             return not wait
         return self._execute(plan.trajectory, wait)
 
