@@ -262,6 +262,7 @@ def test_a_long_run_keeps_its_first_steps_in_a_few_kilobytes():
     kept = kept_outcome(summary)
     assert kept is not None
     assert kept.left_out == 500 - len(kept.rests)
+    assert kept.rests[-1].joints == steps[-1].joints
     assert kept.corner_m == 0.0
     assert kept.rests[:3] == tuple(
         replace(step, order=order, via_m=()) for order, step in enumerate(steps[:3])
@@ -271,6 +272,26 @@ def test_a_long_run_keeps_its_first_steps_in_a_few_kilobytes():
 @pytest.mark.parametrize("data", [None, [], "x", {"way": ["r"]}, {"objects": ["a|b"]}])
 def test_a_lock_edited_by_hand_has_no_outcome(data):
     assert kept_outcome({"outcome": data}) is None
+
+
+def long_run(number=500, *, pause_s=0.0, last=None) -> Outcome:
+    """Return what the lock keeps of a run with too many steps."""
+    steps = [rest(place / 10.0, held_s=pause_s) for place in range(number)]
+    steps[10:10] = [call() for _ in range(3)]
+    kept = kept_outcome(outcome_summary(outcome(*steps, *([last] if last else []))))
+    assert kept is not None
+    assert kept.left_out
+    return kept
+
+
+def test_of_a_long_run_steps_ends_and_counts_are_compared():
+    assert not outcome_changes(long_run(), long_run(pause_s=0.3))
+    assert outcome_changes(long_run(), long_run(499)).lost == (
+        "the mission has 502 steps in all, before: 503",
+    )
+    ends = outcome_changes(long_run(last=rest(0.1)), long_run(last=rest(0.2)))
+    assert ends.result == ("the arm ends 100 mm from where it ended",)
+    assert long_run().cell_counts[0].uses == 3
 
 
 def test_fewer_corners_are_kept_where_there_is_no_room_for_all():

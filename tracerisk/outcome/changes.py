@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 
 from tracerisk.outcome.outcome import (
+    CellCount,
     CellUse,
     GripperUse,
     ObjectOutcome,
@@ -108,7 +109,11 @@ class _Comparison:
 
     def __init__(self, old: Outcome, new: Outcome, tolerances: Tolerances) -> None:
         self._old, self._new, self._tolerances = old, new, tolerances
-        self._before, self._after = old.steps, new.steps
+        # Of a long run the first steps alone are kept, as many as there was room for.
+        most = min(_whole_steps(old), _whole_steps(new))
+        self._before, self._after = old.steps[:most], new.steps[:most]
+        if not old.left_out and not new.left_out:
+            self._before, self._after = old.steps, new.steps
         self._pairs = _aligned(self._before, self._after, self._is_same)
 
     # The result
@@ -156,13 +161,12 @@ class _Comparison:
     def cell(self) -> list[str]:
         """Return what was asked of the cell otherwise."""
         lines: list[str] = []
-        for name in sorted({use.interface for use in (*self._old.cell, *self._new.cell)}):
-            before = [use for use in self._old.cell if use.interface == name]
-            after = [use for use in self._new.cell if use.interface == name]
-            lines += self._interface(name, before, after)
+        before = {count.interface: count for count in self._old.cell_counts}
+        after = {count.interface: count for count in self._new.cell_counts}
+        for name in sorted({*before, *after} - {*self._old.streams, *self._new.streams}):
+            lines += self._interface(before.get(name), after.get(name))
         for name in sorted({*self._old.streams} ^ {*self._new.streams}):
-            counted = {use.interface for use in (*self._old.cell, *self._new.cell)}
-            if name not in counted:
+            if name not in before and name not in after:
                 is_new = name in self._new.streams
                 lines.append(
                     f"messages on {name} are sent at a steady rate"
@@ -171,21 +175,22 @@ class _Comparison:
                 )
         return lines
 
-    def _interface(
-        self, name: str, before: Sequence[CellUse], after: Sequence[CellUse]
-    ) -> Iterator[str]:
-        kind = (*after, *before)[0].kind
-        if name in self._old.streams or name in self._new.streams:
-            return
-        if len(before) != len(after):
-            yield f"{name} {_VERBS[kind]} {_times(len(after))}, before: {_times(len(before))}"
-            return
-        well = [sum(use.succeeded for use in uses) for uses in (before, after)]
-        if well[0] != well[1]:
-            yield f"{name} succeeds {_times(well[1])}, before: {_times(well[0])}"
-            return
-        gone, come = list(before), []
-        for use in after:
+    def _interface(self, before: CellCount | None, after: CellCount | None) -> Iterator[str]:
+        known = after or before
+        assert known is not None, "one of the runs used it"
+        name, verb = known.interface, _VERBS[known.kind]
+        was, now = (0 if count is None else count.uses for count in (before, after))
+        if was != now or before is None or after is None:
+            yield f"{name} {verb} {_times(now)}, before: {_times(was)}"
+        elif before.succeeded != after.succeeded:
+            yield f"{name} succeeds {_times(after.succeeded)}, before: {_times(before.succeeded)}"
+        elif not self._old.left_out and not self._new.left_out:
+            yield from self._contents(name)
+
+    def _contents(self, name: str) -> Iterator[str]:
+        gone = [use for use in self._old.cell if use.interface == name]
+        come = []
+        for use in (use for use in self._new.cell if use.interface == name):
             same = next((was for was in gone if _is_same_content(was.content, use.content)), None)
             if same is None:
                 come.append(use)
@@ -233,10 +238,10 @@ class _Comparison:
             lost += _grip_changes(gone, come, added)
         lost += self._moved_uses()
         lost += self._other_ways()
-        if self._old.left_out != self._new.left_out:
-            lost.append(
-                f"{self._new.left_out} steps more were not kept, before: {self._old.left_out}"
-            )
+        totals = [len(outcome.steps) + outcome.left_out for outcome in (self._old, self._new)]
+        if (self._old.left_out or self._new.left_out) and totals[0] != totals[1]:
+            line = f"the mission has {totals[1]} steps in all, before: {totals[0]}"
+            (lost if totals[1] < totals[0] else added).append(line)
         return lost, added
 
     def _lost_rests(self, rests: Sequence[Rest]) -> Iterator[str]:
@@ -424,6 +429,11 @@ def _grip(use: GripperUse) -> str:
     if use.opened <= _OPENING:
         return "closes on nothing"
     return f"goes to {100.0 * use.opened:.0f} % of its opening"
+
+
+def _whole_steps(outcome: Outcome) -> int:
+    """Return how many steps are kept one after the other: behind those left out are last rests."""
+    return len(outcome.steps) - (len(outcome.arms) if outcome.left_out else 0)
 
 
 def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:

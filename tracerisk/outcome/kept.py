@@ -9,6 +9,7 @@ from typing import Any
 from tracerisk.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.outcome.outcome import (
     CORNER_M,
+    CellCount,
     CellUse,
     CellUseKind,
     GripperUse,
@@ -94,13 +95,17 @@ def _with_fewer_corners(outcome: Outcome, corner_m: float) -> Outcome:
 
 
 def _first(outcome: Outcome, number: int) -> Outcome:
-    """Return an outcome with its first steps alone."""
+    """Return an outcome with its first steps, and the last rest of each arm."""
+    last = {rest.arm: rest.order for rest in outcome.rests}.values()
+    kept = [step for step in outcome.steps if step.order < number or step.order in last]
+    left_out = outcome.left_out + len(outcome.steps) - len(kept)
     return replace(
         outcome,
-        rests=tuple(step for step in outcome.rests if step.order < number),
-        grips=tuple(step for step in outcome.grips if step.order < number),
-        cell=tuple(step for step in outcome.cell if step.order < number),
-        left_out=outcome.left_out + max(0, len(outcome.steps) - number),
+        rests=tuple(step for step in kept if isinstance(step, Rest)),
+        grips=tuple(step for step in kept if isinstance(step, GripperUse)),
+        cell=tuple(step for step in kept if isinstance(step, CellUse)),
+        left_out=left_out,
+        counts=outcome.cell_counts if left_out else (),
     )
 
 
@@ -120,6 +125,10 @@ def _data(outcome: Outcome) -> dict[str, Any]:
         data["corner_mm"] = round(1000.0 * outcome.corner_m)
     if outcome.left_out:
         data["left_out"] = outcome.left_out
+        data["counts"] = [
+            f"{_LETTERS[count.kind]} {count.interface} {count.uses} {count.succeeded}"
+            for count in outcome.counts
+        ]
     return {key: value for key, value in data.items() if value not in ([], "")}
 
 
@@ -214,7 +223,13 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
         streams=tuple(data.get("streams", ())),
         corner_m=int(data.get("corner_mm", 1000.0 * CORNER_M)) / 1000.0,
         left_out=int(data.get("left_out", 0)),
+        counts=tuple(map(_read_count, data.get("counts", ()))),
     )
+
+
+def _read_count(text: str) -> CellCount:
+    letter, interface, uses, succeeded = text.split(" ")
+    return CellCount(interface, _KINDS[letter], int(uses), int(succeeded))
 
 
 def _read_object(text: str) -> ObjectOutcome:

@@ -101,6 +101,16 @@ class CellUse:
     """Whether it was answered with success; messages have no answer."""
 
 
+@dataclass(frozen=True, slots=True)
+class CellCount:
+    """How often an interface of the cell was used."""
+
+    interface: str
+    kind: CellUseKind
+    uses: int
+    succeeded: int
+
+
 Step = Rest | GripperUse | CellUse
 """Something that a run did; all of them in order are its way."""
 
@@ -124,13 +134,28 @@ class Outcome:
     corner_m: float = CORNER_M
     """How far a way may lie from the lines between its corners, [m]; 0: none are kept."""
     left_out: int = 0
-    """How many of the last steps were left out to keep the lock short."""
+    """How many steps before the last rests were left out to keep the lock short."""
+    counts: tuple[CellCount, ...] = ()
+    """How often the cell was used in all, where steps were left out."""
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """The rests, grips and uses of the cell, in order."""
         found: list[Step] = [*self.rests, *self.grips, *self.cell]
         return tuple(sorted(found, key=lambda step: step.order))
+
+    @property
+    def cell_counts(self) -> tuple[CellCount, ...]:
+        """How often each interface of the cell was used, by name."""
+        if self.left_out:
+            return self.counts
+        found: dict[str, list[CellUse]] = {}
+        for use in self.cell:
+            found.setdefault(use.interface, []).append(use)
+        return tuple(
+            CellCount(name, uses[0].kind, len(uses), sum(use.succeeded for use in uses))
+            for name, uses in sorted(found.items())
+        )
 
     @property
     def moved(self) -> tuple[ObjectOutcome, ...]:
