@@ -83,6 +83,7 @@ from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.overlay import Overlay
+from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import EndCause
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import SampleWriter
