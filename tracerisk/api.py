@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.run.fault_run import FaultRun
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.report.mutants import MutantRuns
     from tracerisk.trace import Trace
 
 _NO_FAILURE = frozenset({"assumed_name", "assumed_setting", "assumed_start", "unused"})
@@ -190,6 +191,42 @@ def sweep(
     workers = Workers(jobs, executor, most_s)
     return run_sweep(
         Path(path), factors, settings, workers=workers, shard=shard, fresh=fresh, progress=progress
+    )
+
+
+def mutate(
+    path: str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    most: int | None = None,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    most_s: float | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> MutantRuns:
+    """Change a controller at one place at a time, run each, and return what is noticed.
+
+    At most `most` changes are tried, 60 by default, drawn by the seed of the settings. See
+    `gather_evidence` for the workers. Nothing but the cache is written: files are changed in
+    memory. Raises ControllerFailedError where the run without a change came to a bad end, and
+    InputError where there is nothing to change.
+    """
+    from tracerisk.dependencies import require_simulator
+    from tracerisk.pipeline.evidence.workers import Workers
+    from tracerisk.pipeline.mutation.campaign import MOST
+    from tracerisk.pipeline.mutation.campaign import mutate as run_mutants
+
+    require_simulator("running changes of a controller")
+    return run_mutants(
+        Path(path),
+        settings,
+        most=MOST if most is None else most,
+        workers=Workers(jobs, executor, most_s),
+        shard=shard,
+        fresh=fresh,
+        progress=progress,
     )
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.loader import compile_file
+from tracerisk.instrument.loader import ON_DISK, compile_file
 from tracerisk.instrument.tracer import Tracer
 
 _INSTALLED = frozenset({"site-packages", "dist-packages"})
@@ -31,7 +31,8 @@ class ControllerFinder(MetaPathFinder):
     Top names in `reserved` are another finder's; those in `shared` too, but where the controller
     has a whole Python package of that name (a script may be called as the messages it uses are).
     `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
-    `is_library` returns whether a file below the root is library code.
+    `is_library` returns whether a file below the root is library code. `replaced` maps files below
+    the root to the bytes that are compiled in the place of what they hold.
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class ControllerFinder(MetaPathFinder):
         shared: Collection[str] = (),
         elsewhere: Callable[[str], Path | None] = lambda _: None,
         is_library: Callable[[Path], bool] = lambda _: False,
+        replaced: Mapping[str, bytes] = ON_DISK,
     ) -> None:
         self._tracer = tracer
         self._root = root.resolve()
@@ -52,6 +54,7 @@ class ControllerFinder(MetaPathFinder):
         self._shared = frozenset(shared)
         self._elsewhere = elsewhere
         self._is_library = is_library
+        self._replaced = replaced
         self._foreign = _foreign_folders()
 
     def find_spec(
@@ -94,6 +97,7 @@ class ControllerFinder(MetaPathFinder):
                 self._tracer,
                 self._root,
                 is_library=self._is_library(Path(spec.origin)),
+                replaced=self._replaced,
             ),
             submodule_search_locations=spec.submodule_search_locations,
         )
@@ -130,22 +134,30 @@ class _TracedLoader(SourceFileLoader):
     """Compiles a module with its tracing decorators; reads and writes no bytecode."""
 
     def __init__(
-        self, fullname: str, path: str, tracer: Tracer, root: Path, *, is_library: bool
+        self,
+        fullname: str,
+        path: str,
+        tracer: Tracer,
+        root: Path,
+        *,
+        is_library: bool,
+        replaced: Mapping[str, bytes],
     ) -> None:
         super().__init__(fullname, path)
         self._is_library = is_library
         self._tracer = tracer
         self._root = root
+        self._replaced = replaced
 
     def get_code(self, fullname: str) -> CodeType:
-        return compile_file(Path(self.get_filename(fullname)), self._root)[0]
+        path = Path(self.get_filename(fullname))
+        return compile_file(path, self._root, replaced=self._replaced)[0]
 
     @hide
     def exec_module(self, module: ModuleType) -> None:
         path = Path(self.get_filename(module.__name__))
-        code, file = compile_file(
-            path, self._root, None if self._is_library else self._tracer.on_source
-        )
+        on_source = None if self._is_library else self._tracer.on_source
+        code, file = compile_file(path, self._root, on_source, self._replaced)
         # Python names no bytecode that is not there.
         module.__dict__.pop("__cached__", None)
         self._tracer.run_module(code, module.__dict__, file, is_library=self._is_library)

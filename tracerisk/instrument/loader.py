@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import linecache
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, MappingProxyType, ModuleType
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
@@ -16,13 +16,20 @@ from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.instrument.transform import TRACER_MODULE, compile_instrumented, instrument_source
 
+ON_DISK: Mapping[str, bytes] = MappingProxyType({})
+"""No source is replaced: all are what the files hold."""
+
 
 def compile_file(
-    path: Path, root: Path, on_source: Callable[[str, bytes], None] | None = None
+    path: Path,
+    root: Path,
+    on_source: Callable[[str, bytes], None] | None = None,
+    replaced: Mapping[str, bytes] = ON_DISK,
 ) -> tuple[CodeType, str]:
     """Instrument and compile the file at `path`; return the code and its name below `root`.
 
-    `on_source` is called with that name and the bytes that were compiled.
+    `on_source` is called with that name and the bytes that were compiled. `replaced` maps such
+    names to the bytes that are compiled in the place of what the file holds.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
@@ -37,6 +44,7 @@ def compile_file(
             Location(str(path)),
         ) from error
     file = file_below(path, root)
+    source = replaced.get(file, source)
     code = compile_instrumented(instrument_source(source, file), str(path))
     if on_source is not None:
         on_source(file, source)
@@ -71,12 +79,14 @@ def prepared_controller(
     *,
     root: Path | None = None,
     entry: str | None = None,
+    replaced: Mapping[str, bytes] = ON_DISK,
 ) -> Iterator[Callable[[], None]]:
     """Compile the file at `path`; yield the function that runs it once as `__main__`, traced.
 
     `argv` are the arguments after the script's name; `root` is `controller_root(path)` unless
     given. `entry` names a function of it that is called then, as an installed command would, with
-    its result as the exit status. What the controller raises passes through, `SystemExit` too.
+    its result as the exit status. `replaced` is as in `compile_file`.
+    What the controller raises passes through, `SystemExit` too.
     Until closed, `sys.argv`, `sys.path`, `__main__` and the recursion limit are the controller's,
     and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code
     need it open. All is put back at the end; modules that were imported stay imported.
@@ -86,7 +96,7 @@ def prepared_controller(
     """
     script = Path(path).absolute()
     root = controller_root(script) if root is None else root
-    code, file = compile_file(script, root, tracer.on_source)
+    code, file = compile_file(script, root, tracer.on_source, replaced)
     tracer.add_file(code.co_filename, file)
     with _program(script, tracer, argv) as module, hidden_frames():
 

@@ -30,11 +30,12 @@ from tracerisk.pipeline.evidence.cell_runs import (
     run_batch,
 )
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
+from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
-from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
+from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.history.file_lock import one_writer
 
 MOST_IN_BATCH = 48
@@ -206,10 +207,10 @@ def run_campaign(plan: Plan, trying: Trying) -> Evidence:
         plan.journal.unlink(missing_ok=True)
     began = time.monotonic()
     try:
-        with _journal(plan.journal) as keep:
+        with journal(plan.journal) as keep:
             for done in _batches_done(plan, todo, trying.workers):
                 known.update((each.key, each) for each in done.cells)
-                keep(done.cells)
+                keep(map(cell_line, done.cells))
                 if trying.progress is not None and done.cells:
                     number = sum(1 for each in todo if each.key in known)
                     spent_s = time.monotonic() - began
@@ -349,34 +350,9 @@ def _known(plan: Plan, last: Evidence | None) -> dict[tuple[str, str, float], Ce
 
 
 def _journaled(path: Path) -> list[Cell]:
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError):
-        return []
     found = []
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(journaled(path), start=1):
         # The last line may have been cut by a kill.
         with contextlib.suppress(InputError):
             found.append(parse_cell(line, Location(str(path), number)))
     return found
-
-
-@contextlib.contextmanager
-def _journal(path: Path) -> Iterator[Callable[[Sequence[Cell]], None]]:
-    def write(text: str) -> None:
-        try:
-            make_kept(path.parent)
-            with path.open("a", encoding="utf-8") as stream:
-                stream.write(text)
-        except OSError as error:
-            raise InputError(
-                f"cannot be written: {error.strerror}; what was tried before is kept",
-                Location(str(path)),
-            ) from error
-
-    def keep(cells: Sequence[Cell]) -> None:
-        write("".join(f"{cell_line(each)}\n" for each in cells))
-
-    # A line that a kill has cut stays one of its own.
-    write("\n" if path.exists() and path.stat().st_size else "")
-    yield keep

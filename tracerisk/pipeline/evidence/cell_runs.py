@@ -128,12 +128,7 @@ def run_batch(batch: CellBatch) -> BatchDone:
     The run without a failure is that which the campaign has kept, or is made once in each
     process. Raises InputError where it is not that of the campaign.
     """
-    nominal = _kept(batch.folder) or nominal_of(batch.controller, batch.options)
-    if nominal.digest != batch.digest:
-        raise InputError(
-            f"the run of {batch.controller} without a failure differs from that of the campaign: "
-            "the sources, the settings or the machine's libraries are not the same"
-        )
+    nominal = nominal_again(batch.controller, batch.options, batch.digest, batch.folder)
     cells: dict[int, Cell | None] = {}
     reasons: list[str] = []
     todo: Sequence[int] = range(len(batch.cells))
@@ -161,7 +156,7 @@ def _run(
     It is `None` where the run was ended `beside` that without a failure, and does not show that
     the mission has failed.
     """
-    request = replace(nominal.run.request, duration_s=_duration_s(nominal), beside=beside)
+    request = replace(nominal.run.request, duration_s=longest_s(nominal), beside=beside)
     branches = [
         Branch(index, (fault_of(cell),), cell.time_s)
         for index, cell in ((index, cells[index]) for index in todo)
@@ -189,7 +184,7 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
     The recording goes into `folder`. This is what `run_batch` is measured against.
     """
     fault = fault_of(cell)
-    request = replace(nominal.run.request, duration_s=_duration_s(nominal))
+    request = replace(nominal.run.request, duration_s=longest_s(nominal))
     before = replace(nominal.run, request=request)
     options = RunOptions(folder, quiet=True)
     done = run_again(nominal.controller, before, nominal.settings, (fault,), options)
@@ -201,6 +196,22 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
 def fault_of(cell: Cell) -> Fault:
     """Return the failure of a cell."""
     return Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
+
+
+def nominal_again(
+    controller: str, options: tuple[tuple[str, Any], ...], digest: str, folder: str
+) -> Nominal:
+    """Return the run without a failure of a campaign: the one that is kept, or another.
+
+    Raises InputError where that is not the same by its digest.
+    """
+    nominal = _kept(folder) or nominal_of(controller, options)
+    if nominal.digest != digest:
+        raise InputError(
+            f"the run of {controller} without a failure differs from that of the campaign: "
+            "the sources, the settings or the machine's libraries are not the same"
+        )
+    return nominal
 
 
 @lru_cache(maxsize=4)
@@ -297,8 +308,8 @@ def _judged(
     return replace(cell, fails=True, effect="ended_badly", lost=lost)
 
 
-def _duration_s(nominal: Nominal) -> float:
-    """Return how long a run with a failure may take [s]: one that never ends has failed."""
+def longest_s(nominal: Nominal) -> float:
+    """Return how long a run that is compared with this one may take [s]: one may never end."""
     asked = nominal.run.request.duration_s
     if nominal.trace.end.cause == "duration":
         return asked

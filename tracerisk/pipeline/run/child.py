@@ -226,6 +226,7 @@ def _run(
         missing,
         scheduler.outlast,
     )
+    replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
     imports = ControllerFinder(
@@ -236,6 +237,7 @@ def _run(
         shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
         is_library=Libraries(script, root, request.states).holds,
+        replaced=replaced,
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
@@ -257,7 +259,12 @@ def _run(
             )
         ),
         prepared_controller(
-            script, tracer, request.argv, root=root, entry=entry.function if entry else None
+            script,
+            tracer,
+            request.argv,
+            root=root,
+            entry=entry.function if entry else None,
+            replaced=replaced,
         ) as run,
         controller_imports(imports),
     ):

@@ -8,7 +8,7 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -133,6 +133,29 @@ def run_again(
         asked = before.request
         request = replace(asked, folder=str(folder), faults=faults, greenlets=greenlets)
         return run_request(controller, before.robot, settings, request, written, options)
+
+
+def run_with_sources(
+    before: ControllerRun,
+    ran: Controller,
+    settings: Settings,
+    sources: Mapping[str, bytes],
+    options: RunOptions = PLAIN,
+    *,
+    duration_s: float,
+) -> ControllerRun:
+    """Run the controller once more as `before`, with some of its files replaced in memory.
+
+    `sources` are the bytes of those, by their names below the root; what is on disk stays as it
+    is. `ran` is the controller with the sources that the run `before` compiled. After
+    `duration_s` of simulated time the run is over [s].
+    Raises as `run_controller`.
+    """
+    with run_folders(options.keep) as (folder, written):
+        texts = {file: source.decode("latin-1") for file, source in sources.items()}
+        request = replace(before.request, folder=str(folder), replaced=texts, duration_s=duration_s)
+        changed = ran.as_ran({**ran.others, **sources})
+        return run_request(changed, before.robot, settings, request, written, options)
 
 
 def run_request(

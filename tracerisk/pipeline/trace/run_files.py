@@ -6,7 +6,7 @@ import dataclasses
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -186,6 +186,8 @@ class RunRequest:
     the branches that the run has then.
     `live_speed`: the controller runs on real rospy, with a clock that moves at most so many times
     as fast as the wall's.
+    `replaced` maps files below the root to sources, as Latin-1 text of their bytes, that are
+    compiled in the place of what the files hold.
     `beside` is the run without faults: one with faults ends when its fate is decided; `None` where
     it is to be followed to its end.
     """
@@ -217,6 +219,12 @@ class RunRequest:
     plan: BranchPlan | None = None
     live_speed: float | None = None
     beside: RunBeside | None = None
+    replaced: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def replaced_bytes(self) -> dict[str, bytes]:
+        """The sources that are compiled in the place of what files hold, by their names."""
+        return {file: text.encode("latin-1") for file, text in self.replaced.items()}
 
     def dumps(self) -> str:
         """Return the request as JSON."""

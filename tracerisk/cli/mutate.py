@@ -1,0 +1,91 @@
+"""`tracerisk mutate`: change the controller at one place at a time; list what nobody notices."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.running.progress import bar_of_cells
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, paper, print_json, print_text, show
+from tracerisk.errors import ExitCode
+
+if TYPE_CHECKING:
+    from tracerisk.report.mutants import MutantRuns
+
+_CHANGES = """\
+--most N         changes to try, drawn by the seed from all places (default: 60)
+--min-noticed F  exit 1 if `success` notices less than this fraction of the changes that alter
+                 what the run brings about
+"""
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    shared.add_run_options(parser)
+    group = parser.add_argument_group("the changes")
+    shared.add(group, _CHANGES)
+    shared.add_campaign_options(group, "change")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb; 1 if too few changes are noticed, else 0."""
+    from tracerisk import api
+    from tracerisk.report import mutants as report
+
+    with bar_of_cells("changes", "the run without a change", quiet=options.quiet) as progress:
+        found = api.mutate(
+            options.controller,
+            shared.run_settings(options),
+            most=options.most,
+            jobs=options.jobs,
+            most_s=options.time,
+            shard=options.shard,
+            fresh=options.fresh,
+            progress=progress,
+        )
+    least = options.min_noticed
+    is_below = least is not None and found.share < least
+    code = ExitCode.WOULD_CHANGE if is_below else ExitCode.FINE
+    if options.json:
+        print_json(
+            "mutate",
+            exit_code=int(code),
+            altered=len(found.altered),
+            noticed=found.share,
+            places=found.places,
+            planned=found.planned,
+            runs=[
+                {**asdict(run), "altered": run.is_altered, "noticed_by": run.noticed_by}
+                for run in found.runs
+            ],
+            success=list(found.success),
+            tried=len(found.runs),
+        )
+    else:
+        print_text(report.render_mutants(found, paper()))
+        show(report.summary_line(found))
+    _note(options, found)
+    if is_below:
+        note(f"tracerisk: success notices {found.share:.3g} of them, below --min-noticed {least:g}")
+    return int(code)
+
+
+def _note(options: argparse.Namespace, found: MutantRuns) -> None:
+    if len(found.runs) < found.planned:
+        note(
+            f"{len(found.runs)} of {found.planned} changes are tried; run the same command again",
+            quiet=options.quiet,
+        )
+    if found.places > found.planned:
+        note(
+            f"{found.planned} of {found.places} possible changes were drawn; --most N tries more",
+            quiet=options.quiet,
+        )
+    if not found.success:
+        note(
+            "no scenario declares `success`, so it notices nothing (docs/mutation.md)",
+            quiet=options.quiet,
+        )

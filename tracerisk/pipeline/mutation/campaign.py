@@ -1,0 +1,151 @@
+"""Try the changes of a controller: plan them, run those that are missing, keep each as it comes."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import ControllerFailedError, InputError, TraceRiskError
+from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
+from tracerisk.pipeline.evidence.journal import journal, journaled
+from tracerisk.pipeline.evidence.workers import CellProgress, Workers
+from tracerisk.pipeline.freshness.freshness import run_inputs, stated
+from tracerisk.pipeline.mutation.change import Change
+from tracerisk.pipeline.mutation.mutant_run import MutantJob, run_mutant
+from tracerisk.pipeline.mutation.plan import changes_of, drawn
+from tracerisk.pipeline.freshness.trace_cache import FOLDER
+from tracerisk.report.mutants import MutantRun, MutantRuns, ordered
+from tracerisk.text.read_back import read_back
+
+MOST = 60
+"""How many changes are tried where nobody says how many."""
+_MOST_CHANGES = 10_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MutationPlan:
+    """The changes of a controller that are to be tried, in the order in which they are."""
+
+    nominal: Nominal
+    """The run without a change."""
+    changes: tuple[Change, ...]
+    """Those that were drawn."""
+    places: int
+    """How many there are to draw from."""
+    journal: Path
+    """The file in which runs are kept as they come."""
+
+
+def mutate(
+    controller: Path,
+    options: Mapping[str, Any] | None = None,
+    *,
+    most: int = MOST,
+    workers: Workers | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    progress: CellProgress | None = None,
+) -> MutantRuns:
+    """Change a controller at one place at a time, run each, and return what is noticed.
+
+    `options` go before the settings of `pyproject.toml`. At most `most` changes are tried, drawn
+    by the seed of the settings. `shard` (i, n) tries every n-th. Runs that are kept of an earlier
+    call with the same inputs are taken from there, unless `fresh`. Nothing but the cache is
+    written.
+    Raises ControllerFailedError where the run without a change came to a bad end or commanded
+    nothing, InputError where there is nothing to change.
+    """
+    given = tuple(stated(options).items())
+    plan = plan_mutation(controller, given, most=most)
+    mine = [
+        change for number, change in enumerate(plan.changes) if number % shard[1] == shard[0] - 1
+    ]
+    if fresh:
+        plan.journal.unlink(missing_ok=True)
+    found = _kept(plan.journal, mine)
+    nominal = plan.nominal
+    workers = replace(workers or Workers(), folder=nominal.folder)
+    # Workers of an executor may be on other machines.
+    folder = str(nominal.folder) if workers.executor is None else ""
+    todo = [
+        MutantJob(str(controller), given, nominal.digest, folder, change)
+        for change in mine
+        if change not in found
+    ]
+    if todo:
+        with journal(plan.journal) as keep:
+            for job, done in workers.run(run_mutant, todo, progress):
+                found[job.change] = done
+                keep([json.dumps({"of": _key(job.change), "run": asdict(done)})])
+    success = tuple(condition.words for condition in nominal.success)
+    return MutantRuns(ordered([*found.values()]), len(mine), plan.places, success)
+
+
+def plan_mutation(
+    controller: Path, given: tuple[tuple[str, Any], ...], *, most: int
+) -> MutationPlan:
+    """Run a controller without a change, and draw what is to be tried. Raises as `mutate`."""
+    if not 1 <= most <= _MOST_CHANGES:
+        raise InputError(f"{most} changes; allowed: 1 to {_MOST_CHANGES}")
+    nominal = nominal_of(str(controller), given)
+    trace = nominal.trace
+    if not trace.is_usable or not trace.functions:
+        is_idle = trace.end.is_good and not trace.functions
+        message = "it commanded no hardware" if is_idle else trace.end.message
+        raise ControllerFailedError(
+            f"there is no mission to change: {message}", trace.end.location, trace.end.scenario
+        )
+    sources = nominal.recording.sources
+    changes = [change for file in sorted(sources) for change in _of_file(nominal, file)]
+    chosen = drawn(changes, sources, most=most, seed=nominal.settings.seed)
+    if not chosen:
+        raise InputError("the functions that ran have no place that could be changed")
+    inputs = run_inputs(nominal.controller, trace, nominal.settings, given=dict(given))
+    parts = [inputs.fingerprint, nominal.digest]
+    parts += [f"{file} {hashlib.sha256(sources[file]).hexdigest()}" for file in sorted(sources)]
+    name = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+    kept = nominal.controller.root / FOLDER / f"mutate-{name}.jsonl"
+    return MutationPlan(nominal, chosen, len(changes), kept)
+
+
+def _of_file(nominal: Nominal, file: str) -> Sequence[Change]:
+    ran = {site.ref.name for site in nominal.recording.functions_ran if site.ref.file == file}
+    # A file that libcst cannot read was not instrumented either.
+    with contextlib.suppress(TraceRiskError):
+        source = nominal.recording.sources[file]
+        return changes_of(source, file, ran, [*_names_alike(nominal)])
+    return ()
+
+
+def _names_alike(nominal: Nominal) -> Iterator[Collection[str]]:
+    """Yield the names of the robot and its scene, those of each kind."""
+    robot = nominal.run.robot
+    yield [joint.name for joint in robot.joints]
+    yield [link.name for link in robot.links]
+    yield [*robot.groups]
+    for states in robot.named_states.values():
+        yield [*states]
+    yield [thing.name for thing in nominal.trace.objects]
+
+
+def _key(change: Change) -> list[Any]:
+    """Return what says which change it is, of the same sources."""
+    return [change.file, change.start, change.end, change.new.decode("latin-1")]
+
+
+def _kept(path: Path, wanted: Sequence[Change]) -> dict[Change, MutantRun]:
+    """Return the runs of changes that are kept of an earlier call."""
+    by_key = {json.dumps(_key(change)): change for change in wanted}
+    found = {}
+    for line in journaled(path):
+        with contextlib.suppress(ValueError, TypeError, KeyError, AttributeError):
+            data = json.loads(line)
+            change = by_key.get(json.dumps(data["of"]))
+            if change is not None:
+                found[change] = read_back(MutantRun, data["run"])
+    return found

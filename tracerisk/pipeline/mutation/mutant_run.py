@@ -1,0 +1,151 @@
+"""Run a controller with one change, and compare the run with the one without."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from tracerisk.config import Settings
+from tracerisk.errors import MachineError, TraceRiskError
+from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
+from tracerisk.pipeline.mutation.change import Change
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
+from tracerisk.pipeline.run.controller_run import run_with_sources
+from tracerisk.pipeline.run.ended_run import RunOptions
+from tracerisk.report.mutants import MutantRun
+from tracerisk.trace import GAPS, NOTES, Reason, Trace
+
+MISSION_MISSED = "mission-missed"
+"""The code of the reason that a condition of `success` is not met."""
+_MORE_OWN = 3.0
+_MORE_OWN_S = 5.0
+"""A changed controller may compute or sleep this many times as long, and more [s]."""
+_MOVED_M, _TURNED_RAD = 2e-3, 0.035
+"""How far apart an object ends that is elsewhere [m], or turned [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class MutantJob:
+    """A change to run, with all that a process needs for it.
+
+    `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
+    is that of the run without the change; `folder` is where a process of this machine finds that
+    run; where it is empty, each makes the run itself.
+    """
+
+    controller: str
+    options: tuple[tuple[str, Any], ...]
+    digest: str
+    folder: str
+    change: Change
+
+
+def run_mutant(job: MutantJob) -> MutantRun:
+    """Run a controller with one change, and compare the run with the one without.
+
+    Nothing on disk is changed. Raises InputError where the run without the change is another one.
+    """
+    nominal = nominal_again(job.controller, job.options, job.digest, job.folder)
+    change, sources = job.change, nominal.recording.sources
+    changed = {change.file: change.applied(sources[change.file])}
+    try:
+        done = run_with_sources(
+            nominal.run,
+            nominal.controller.as_ran(sources),
+            _bounded(nominal),
+            changed,
+            RunOptions(quiet=True),
+            duration_s=longest_s(nominal),
+        )
+    except MachineError:
+        raise
+    except TraceRiskError as error:
+        return _mutant(change, reason=error.message, is_whole=False)
+    return compared(change, nominal.trace, done.trace)
+
+
+def _bounded(nominal: Nominal) -> Settings:
+    """Return the settings of a run that may never end, such as a loop whose end was changed."""
+    settings = with_scenario(nominal.settings)
+    own_s = _MORE_OWN * nominal.run.own_s + _MORE_OWN_S
+    return settings.with_options({"stall_limit_s": min(settings.stall_limit_s, own_s)})
+
+
+def compared(change: Change, nominal: Trace, trace: Trace) -> MutantRun:
+    """Return what a run with a change shows that the one without does not."""
+    assert nominal.verdict is not None
+    assert trace.verdict is not None
+    known = {_key(reason) for reason in nominal.verdict.open_reasons}
+    new = [reason for reason in trace.verdict.open_reasons if _key(reason) not in known]
+    others = [reason for reason in new if reason.code != MISSION_MISSED]
+    return _mutant(
+        change,
+        verdict=trace.verdict.kind,
+        reason=str(next(iter(new), "")),
+        differs=differences(nominal, trace),
+        is_whole=trace.verdict.kind != "stuck",
+        success_notices=len(others) < len(new),
+        verdict_notices=bool(others),
+    )
+
+
+def _key(reason: Reason) -> tuple[str, ...]:
+    """Return what makes a reason another one; a call that was missed is called by its function."""
+    code, function, thing = reason.key
+    return (code, function) if code in GAPS else (code, function, thing)
+
+
+def _mutant(change: Change, **found: Any) -> MutantRun:
+    return MutantRun(change.file, change.line, change.function, change.kind, change.words, **found)
+
+
+def differences(nominal: Trace, trace: Trace) -> tuple[str, ...]:
+    """Return what a run brought about that another did not, a sentence each."""
+    return tuple(
+        dict.fromkeys(
+            (
+                *_other_end(nominal, trace),
+                *_other_visits(nominal, trace),
+                *_other_objects(nominal, trace),
+                *_other_findings(nominal, trace),
+            )
+        )
+    )
+
+
+def _other_end(nominal: Trace, trace: Trace) -> Iterator[str]:
+    if trace.end.cause != nominal.end.cause:
+        yield f"the run ends otherwise: {trace.end.message}"
+
+
+def _other_visits(nominal: Trace, trace: Trace) -> Iterator[str]:
+    before = [(visit.function.name, visit.outcome) for visit in nominal.visits]
+    now = [(visit.function.name, visit.outcome) for visit in trace.visits]
+    for name in dict.fromkeys(name for name, _ in (*before, *now)):
+        were, are = (sum(visited == name for visited, _ in each) for each in (before, now))
+        if were != are:
+            yield f"{name} commands {are} times, before: {were}"
+    if sorted(before) == sorted(now) and before != now:
+        yield "the functions command in another order"
+
+
+def _other_objects(nominal: Trace, trace: Trace) -> Iterator[str]:
+    ends = {thing.name: thing for thing in trace.objects}
+    for thing in nominal.objects:
+        now = ends.get(thing.name)
+        if now is None or now.goal != thing.goal:
+            yield f"{thing.name} ends elsewhere"
+        elif abs(now.offset_m - thing.offset_m) > _MOVED_M:
+            off = 1e3 * now.offset_m, 1e3 * thing.offset_m
+            yield f"{thing.name} ends {off[0]:.0f} mm off its goal, before: {off[1]:.0f} mm"
+        elif abs(now.tilt_rad - thing.tilt_rad) > _TURNED_RAD:
+            yield f"{thing.name} ends tilted"
+
+
+def _other_findings(nominal: Trace, trace: Trace) -> Iterator[str]:
+    known = {(finding.kind, finding.function, finding.object) for finding in nominal.findings}
+    for finding in trace.findings:
+        key = (finding.kind, finding.function, finding.object)
+        if finding.kind not in NOTES and key not in known:
+            yield finding.message

@@ -1,0 +1,148 @@
+"""What the changes of a controller did: which of them the declared mission notices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tracerisk.records import dataclass
+from tracerisk.report.tables import Column, render_table, share_text
+from tracerisk.text.paper import PAPER, Paper
+
+_MOST_SHOWN = 3
+"""How many differences of a run the table names."""
+
+
+@dataclass(frozen=True, slots=True)
+class MutantRun:
+    """A controller with one change, and how its run differs from the one without."""
+
+    file: str
+    """The file that is changed, from the controller's root."""
+    line: int
+    """The line of the change, from 1."""
+    function: str
+    """The qualified name of the function that is changed."""
+    kind: str
+    """What kind of change it is: docs/mutation.md."""
+    change: str
+    """The change in words."""
+    verdict: str = ""
+    """The verdict of its run: `complete`, `partial`, `faulted`, `stuck`; empty where it had none.
+    """
+    reason: str = ""
+    """The first reason of the verdict that the run without the change does not have."""
+    differs: tuple[str, ...] = ()
+    """What the run brought about that is different, a sentence each."""
+    is_whole: bool = True
+    """Whether there was a run that came to an end: it neither got stuck nor was refused."""
+    success_notices: bool = False
+    """Whether a condition of `success` is missed that is met without the change."""
+    verdict_notices: bool = False
+    """Whether the verdict has another reason that the run without the change does not have."""
+
+    @property
+    def is_altered(self) -> bool:
+        """Whether the run brings about something else: one that does not end does."""
+        return bool(self.differs) or not self.is_whole
+
+    @property
+    def by_success(self) -> bool:
+        """Whether `success` notices it; nobody takes a run that does not end for the mission."""
+        return self.success_notices or not self.is_whole
+
+    @property
+    def by_verdict(self) -> bool:
+        """Whether the verdict notices it by another reason than `success`."""
+        return self.verdict_notices or not self.is_whole
+
+    @property
+    def noticed_by(self) -> str:
+        """Who notices it, in words."""
+        if not self.is_whole:
+            return "no whole run"
+        by = [name for name, is_so in (("success", self.by_success), ("verdict", self.by_verdict))
+              if is_so]  # fmt: skip
+        return ", ".join(by) or "nothing"
+
+
+@dataclass(frozen=True, slots=True)
+class MutantRuns:
+    """The runs of a controller's changes, those first that matter most."""
+
+    runs: tuple[MutantRun, ...]
+    """The changes that were tried, in the order of `ordered`."""
+    planned: int
+    """How many were to be tried."""
+    places: int
+    """How many there are in the functions that ran."""
+    success: tuple[str, ...] = ()
+    """The conditions that the scenario declares, in words."""
+
+    @property
+    def altered(self) -> tuple[MutantRun, ...]:
+        """The changes that alter what the run brings about."""
+        return tuple(run for run in self.runs if run.is_altered)
+
+    @property
+    def share(self) -> float:
+        """The fraction of the changes that alter the run which `success` notices; 1 of none."""
+        altered = self.altered
+        return sum(run.by_success for run in altered) / len(altered) if altered else 1.0
+
+
+def ordered(runs: Sequence[MutantRun]) -> tuple[MutantRun, ...]:
+    """Return runs in the order of the table: what nothing notices, the verdict alone, `success`.
+
+    Changes that alter nothing come last.
+    """
+
+    def rank(run: MutantRun) -> tuple[object, ...]:
+        return (
+            not run.is_altered,
+            run.by_success,
+            run.by_verdict,
+            run.file,
+            run.line,
+            run.kind,
+            run.change,
+        )
+
+    return tuple(sorted(runs, key=rank))
+
+
+def render_mutants(found: MutantRuns, paper: Paper = PAPER) -> str:
+    """Return the changes that alter the run as a table for a terminal; empty where none does."""
+    if not found.altered:
+        return ""
+    rows = [
+        (f"{run.file}:{run.line}", run.change, run.noticed_by, _differences(run))
+        for run in found.altered
+    ]
+    columns = [Column(heading) for heading in ("place", "change", "noticed by", "the run")]
+    return render_table("Changes that alter what the run brings about", columns, rows, paper)
+
+
+def _differences(run: MutantRun) -> str:
+    shown = list(run.differs[:_MOST_SHOWN]) if run.is_whole else []
+    if len(run.differs) > len(shown) > 0:
+        shown[-1] += f" (and {len(run.differs) - len(shown)} more)"
+    if not shown or (run.by_verdict and run.reason):
+        shown.append(f"{run.verdict or 'no run'}: {run.reason}")
+    return "; ".join(shown)
+
+
+def summary_line(found: MutantRuns) -> str:
+    """Return how much of what the changes alter is noticed, and by what."""
+    altered = found.altered
+    by_success = sum(run.by_success for run in altered)
+    by_verdict = sum(run.by_verdict for run in altered)
+    neither = sum(not (run.by_success or run.by_verdict) for run in altered)
+    broken = sum(not run.is_whole for run in altered)
+    changes = f"{len(found.runs)} change{'' if len(found.runs) == 1 else 's'}"
+    alter = "alters" if len(altered) == 1 else "alter"
+    share = f" ({share_text(found.share)})" if altered else ""
+    also = f"; {broken} did not run to an end, which counts as noticed by both" if broken else ""
+    return (
+        f"{len(altered)} of {changes} {alter} what the run brings about; success: notices "
+        f"{by_success}{share}, the verdict {by_verdict}, neither {neither}{also}"
+    )
