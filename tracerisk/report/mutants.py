@@ -8,8 +8,8 @@ from tracerisk.records import dataclass
 from tracerisk.report.tables import Column, render_table, share_text
 from tracerisk.text.paper import PAPER, Paper
 
-_MOST_SHOWN = 3
-"""How many differences of a run the table names."""
+_MOST_SHOWN, _LONGEST = 2, 100
+"""How many differences of a run the table names, and how many letters of each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +60,7 @@ class MutantRun:
         """Who notices it, in words."""
         if not self.is_whole:
             return "no whole run"
-        by = [name for name, is_so in (("success", self.by_success), ("verdict", self.by_verdict))
-              if is_so]  # fmt: skip
+        by = ["success"] * self.by_success + ["verdict"] * self.by_verdict
         return ", ".join(by) or "nothing"
 
 
@@ -123,12 +122,16 @@ def render_mutants(found: MutantRuns, paper: Paper = PAPER) -> str:
 
 
 def _differences(run: MutantRun) -> str:
-    shown = list(run.differs[:_MOST_SHOWN]) if run.is_whole else []
+    shown = [_cut(text) for text in run.differs[:_MOST_SHOWN]] if run.is_whole else []
     if len(run.differs) > len(shown) > 0:
         shown[-1] += f" (and {len(run.differs) - len(shown)} more)"
     if not shown or (run.by_verdict and run.reason):
-        shown.append(f"{run.verdict or 'no run'}: {run.reason}")
+        shown.append(_cut(f"{run.verdict or 'refused'}: {run.reason}"))
     return "; ".join(shown)
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3].rstrip()}..."
 
 
 def summary_line(found: MutantRuns) -> str:
