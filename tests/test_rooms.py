@@ -48,6 +48,7 @@ SUB_ROOMS = {
             "results",
             "review",
             "check",
+            "mutation",
             "evidence",
             "stages",
             "scenarios",

@@ -38,7 +38,7 @@ GROUPS = {
         "hardware": "convert, show or start a hardware description; print its schema",
         "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
         "sweep": "run a controller over values of settings, parameters, scenario",
-        "mutate": "change a controller, one place at a time; list what nobody notices",
+        "mutate": "change a controller, place by place; list what none notices",
         "field": "sum up recorded missions: visits, times, what follows",
         "build": "build the risk model from the blocks in sources alone",
         "solve": "solve a model, or the blocks in sources, exactly",

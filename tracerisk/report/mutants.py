@@ -142,7 +142,7 @@ def summary_line(found: MutantRuns) -> str:
     neither = sum(not (run.by_success or run.by_verdict) for run in altered)
     broken = sum(not run.is_whole for run in altered)
     changes = f"{len(found.runs)} change{'' if len(found.runs) == 1 else 's'}"
-    alter = "alters" if len(altered) == 1 else "alter"
+    alter = "alters" if 1 in (len(altered), len(found.runs)) else "alter"
     share = f" ({share_text(found.share)})" if altered else ""
     also = f"; {broken} did not run to an end, which counts as noticed by both" if broken else ""
     return (

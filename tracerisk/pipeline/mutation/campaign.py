@@ -130,7 +130,8 @@ def _names_alike(nominal: Nominal) -> Iterator[Collection[str]]:
     yield [*robot.groups]
     for states in robot.named_states.values():
         yield [*states]
-    yield [thing.name for thing in nominal.trace.objects]
+    if nominal.trace.outcome is not None:
+        yield [thing.name for thing in nominal.trace.outcome.objects]
 
 
 def _key(change: Change) -> list[Any]:

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError
+from tracerisk.outcome.changes import outcome_changes
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
 from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_with_sources
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.report.mutants import MutantRun
-from tracerisk.trace import GAPS, NOTES, Reason, Trace
+from tracerisk.trace import GAPS, Reason, Trace
 
 MISSION_MISSED = "mission-missed"
 """The code of the reason that a condition of `success` is not met."""
 _MORE_OWN = 3.0
 _MORE_OWN_S = 5.0
 """A changed controller may compute or sleep this many times as long, and more [s]."""
-_MOVED_M, _TURNED_RAD = 2e-3, 0.035
-"""How far apart an object ends that is elsewhere [m], or turned [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,51 +99,14 @@ def _mutant(change: Change, **found: Any) -> MutantRun:
 
 
 def differences(nominal: Trace, trace: Trace) -> tuple[str, ...]:
-    """Return what a run brought about that another did not, a sentence each."""
-    return tuple(
-        dict.fromkeys(
-            (
-                *_other_end(nominal, trace),
-                *_other_visits(nominal, trace),
-                *_other_objects(nominal, trace),
-                *_other_findings(nominal, trace),
-            )
-        )
-    )
+    """Return what a run brought about that another did not, a sentence each, the gravest first.
 
-
-def _other_end(nominal: Trace, trace: Trace) -> Iterator[str]:
+    How long the arm rests and moves decides nothing.
+    """
+    end: tuple[str, ...] = ()
     if trace.end.cause != nominal.end.cause:
-        yield f"the run ends otherwise: {trace.end.message}"
-
-
-def _other_visits(nominal: Trace, trace: Trace) -> Iterator[str]:
-    before = [(visit.function.name, visit.outcome) for visit in nominal.visits]
-    now = [(visit.function.name, visit.outcome) for visit in trace.visits]
-    for name in dict.fromkeys(name for name, _ in (*before, *now)):
-        were, are = (sum(visited == name for visited, _ in each) for each in (before, now))
-        if were != are:
-            yield f"{name} commands {are} times, before: {were}"
-    if sorted(before) == sorted(now) and before != now:
-        yield "the functions command in another order"
-
-
-def _other_objects(nominal: Trace, trace: Trace) -> Iterator[str]:
-    ends = {thing.name: thing for thing in trace.objects}
-    for thing in nominal.objects:
-        now = ends.get(thing.name)
-        if now is None or now.goal != thing.goal:
-            yield f"{thing.name} ends elsewhere"
-        elif abs(now.offset_m - thing.offset_m) > _MOVED_M:
-            off = 1e3 * now.offset_m, 1e3 * thing.offset_m
-            yield f"{thing.name} ends {off[0]:.0f} mm off its goal, before: {off[1]:.0f} mm"
-        elif abs(now.tilt_rad - thing.tilt_rad) > _TURNED_RAD:
-            yield f"{thing.name} ends tilted"
-
-
-def _other_findings(nominal: Trace, trace: Trace) -> Iterator[str]:
-    known = {(finding.kind, finding.function, finding.object) for finding in nominal.findings}
-    for finding in trace.findings:
-        key = (finding.kind, finding.function, finding.object)
-        if finding.kind not in NOTES and key not in known:
-            yield finding.message
+        end = (f"the run ends otherwise: {trace.end.message}",)
+    if nominal.outcome is None or trace.outcome is None:
+        return end
+    changes = outcome_changes(nominal.outcome, trace.outcome)
+    return (*changes.result, *changes.lost, *changes.added, *end)
