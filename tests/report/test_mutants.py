@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
 
@@ -68,9 +69,15 @@ def test_of_changes_that_alter_nothing_all_are_noticed():
 
 def test_the_table_says_what_the_run_did_and_who_noticed():
     text = " ".join(render_mutants(FOUND, Paper(160)).split())
-    assert "pick.py:4 4 becomes -4 nothing cup ends 30 mm from where it ended" in text
-    assert "(and 1 more)" in text
+    assert "4 4 becomes -4 nothing cup ends 30 mm from where it ended" in text
+    assert "cup ends 30 mm from where it ended; 2 more" in text
     assert "success, verdict" in text
     assert "complete: a motion ended before its goal" in text
-    assert "pick.py:6 6 becomes -6 no whole run stuck: nothing moves" in text
-    assert "pick.py:5" not in text
+    assert "6 6 becomes -6 no whole run stuck: nothing moves" in text
+    assert "5 becomes" not in text
+
+
+def test_places_name_their_file_where_there_are_several():
+    found = MutantRuns((RUNS[3], replace(RUNS[3], file="poses.py")), 2, 2)
+    assert "poses.py:4" in render_mutants(found)
+    assert "pick.py:4" in render_mutants(found)

@@ -8,8 +8,8 @@ from tracerisk.records import dataclass
 from tracerisk.report.tables import Column, render_table, share_text
 from tracerisk.text.paper import PAPER, Paper
 
-_MOST_SHOWN, _LONGEST = 2, 100
-"""How many differences of a run the table names, and how many letters of each."""
+_LONGEST = 72
+"""How many letters of a difference or a reason the table has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,18 +113,28 @@ def render_mutants(found: MutantRuns, paper: Paper = PAPER) -> str:
     """Return the changes that alter the run as a table for a terminal; empty where none does."""
     if not found.altered:
         return ""
+    files = sorted({run.file for run in found.runs})
+    of_one = f" of {files[0]}" if len(files) == 1 else ""
     rows = [
-        (f"{run.file}:{run.line}", run.change, run.noticed_by, _differences(run))
+        (
+            str(run.line) if of_one else f"{run.file}:{run.line}",
+            run.change,
+            run.noticed_by,
+            _differences(run),
+        )
         for run in found.altered
     ]
-    columns = [Column(heading) for heading in ("place", "change", "noticed by", "the run")]
-    return render_table("Changes that alter what the run brings about", columns, rows, paper)
+    place = Column("line", is_number=True) if of_one else Column("place")
+    columns = [place, *map(Column, ("change", "noticed by", "the run"))]
+    title = f"Changes{of_one} that alter what the run brings about"
+    return render_table(title, columns, rows, paper)
 
 
 def _differences(run: MutantRun) -> str:
-    shown = [_cut(text) for text in run.differs[:_MOST_SHOWN]] if run.is_whole else []
-    if len(run.differs) > len(shown) > 0:
-        shown[-1] += f" (and {len(run.differs) - len(shown)} more)"
+    """Return what a run did otherwise, and what its verdict says where that notices it."""
+    shown = [_cut(text) for text in run.differs[:1]] if run.is_whole else []
+    if shown and len(run.differs) > 1:
+        shown.append(f"{len(run.differs) - 1} more")
     if not shown or (run.by_verdict and run.reason):
         shown.append(_cut(f"{run.verdict or 'refused'}: {run.reason}"))
     return "; ".join(shown)
