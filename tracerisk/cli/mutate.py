@@ -63,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
             ],
             success=list(found.success),
             tried=len(found.runs),
+            unchanged=found.unchanged,
         )
     else:
         print_text(report.render_mutants(found, paper()))
@@ -74,6 +75,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _note(options: argparse.Namespace, found: MutantRuns) -> None:
+    if found.unchanged:
+        note(
+            f"the run without a change is {found.unchanged}; only what a change adds is noticed",
+            quiet=options.quiet,
+        )
     if len(found.runs) < found.planned:
         note(
             f"{len(found.runs)} of {found.planned} changes are tried; run the same command again",

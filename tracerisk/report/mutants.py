@@ -76,6 +76,8 @@ class MutantRuns:
     """How many there are in the functions that ran."""
     success: tuple[str, ...] = ()
     """The conditions that the scenario declares, in words."""
+    unchanged: str = ""
+    """The verdict of the run without a change, in a line; empty where it is complete."""
 
     @property
     def altered(self) -> tuple[MutantRun, ...]:

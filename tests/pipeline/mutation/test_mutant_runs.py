@@ -206,6 +206,17 @@ def test_a_changed_source_is_tried_anew(turning, example_in, tmp_path):
     )
 
 
+def test_what_is_kept_of_other_inputs_is_removed(turning, monkeypatch):
+    monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
+    plan = plan_mutation(turning.folder / "turning.py", (), most=1)
+    other = plan.journal.with_name(plan.journal.name.replace(".jsonl", "0.jsonl"))
+    other.parent.mkdir(exist_ok=True)
+    other.write_text("\n")
+    api.mutate(turning.folder / "turning.py", most=1, jobs=1, fresh=True)
+    assert plan.journal.is_file()
+    assert not other.exists()
+
+
 def test_a_run_without_a_mission_is_refused(example):
     path = example.write("idle.py", "import rospy\nrospy.init_node('idle')\n")
     with pytest.raises(ControllerFailedError, match="there is no mission to change"):

@@ -15,16 +15,18 @@ from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
+from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.mutation.mutant_run import MutantJob, run_mutant
 from tracerisk.pipeline.mutation.plan import changes_of, drawn
-from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.report.mutants import MutantRun, MutantRuns, ordered
 from tracerisk.text.read_back import read_back
 
 MOST = 60
 """How many changes are tried where nobody says how many."""
 _MOST_CHANGES = 10_000
+_KEPT = "mutate-"
+"""How the names of files begin in which runs are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +80,19 @@ def mutate(
         if change not in found
     ]
     if todo:
+        _remove_older(plan.journal)
         with journal(plan.journal) as keep:
             for job, done in workers.run(run_mutant, todo, progress):
                 found[job.change] = done
                 keep([json.dumps({"of": _key(job.change), "run": asdict(done)})])
-    success = tuple(condition.words for condition in nominal.success)
-    return MutantRuns(ordered([*found.values()]), len(mine), plan.places, success)
+    verdict = nominal.trace.verdict
+    return MutantRuns(
+        ordered([*found.values()]),
+        len(mine),
+        plan.places,
+        tuple(condition.words for condition in nominal.success),
+        "" if verdict is None or verdict.kind == "complete" else str(verdict),
+    )
 
 
 def plan_mutation(
@@ -108,9 +117,13 @@ def plan_mutation(
     inputs = run_inputs(nominal.controller, trace, nominal.settings, given=dict(given))
     parts = [inputs.fingerprint, nominal.digest]
     parts += [f"{file} {hashlib.sha256(sources[file]).hexdigest()}" for file in sorted(sources)]
-    name = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
-    kept = nominal.controller.root / FOLDER / f"mutate-{name}.jsonl"
+    kept = nominal.controller.root / FOLDER
+    kept /= f"{_KEPT}{_digest(nominal.controller.file)}-{_digest(*parts)}.jsonl"
     return MutationPlan(nominal, chosen, len(changes), kept)
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
 def _of_file(nominal: Nominal, file: str) -> Sequence[Change]:
@@ -137,6 +150,13 @@ def _names_alike(nominal: Nominal) -> Iterator[Collection[str]]:
 def _key(change: Change) -> list[Any]:
     """Return what says which change it is, of the same sources."""
     return [change.file, change.start, change.end, change.new.decode("latin-1")]
+
+
+def _remove_older(path: Path) -> None:
+    """Remove what is kept of a controller's runs with other inputs."""
+    for older in path.parent.glob(f"{path.name.rpartition('-')[0]}-*.jsonl"):
+        if older != path:
+            older.unlink(missing_ok=True)
 
 
 def _kept(path: Path, wanted: Sequence[Change]) -> dict[Change, MutantRun]:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import libcst as cst
 
-from tracerisk.pipeline.mutation.change import Draft, brief
+from tracerisk.pipeline.mutation.change import ChangeKind, Draft, brief
 from tracerisk.pipeline.mutation.source_tree import Walk, last_name, number_of
 
 _OTHER_UNITS = ((1000.0, "as in mm"), (180.0 / math.pi, "as in degrees"))
@@ -81,13 +81,13 @@ def order_changes(node: cst.CSTNode, walk: Walk) -> Iterator[Draft]:
             yield exchanged(one, other, "slot", walk)
 
 
-def exchanged(one: cst.CSTNode, other: cst.CSTNode, kind: str, walk: Walk) -> Draft:
+def exchanged(one: cst.CSTNode, other: cst.CSTNode, kind: ChangeKind, walk: Walk) -> Draft:
     """Return the draft by which two nodes change places, the first of which stands before."""
     tree = walk.tree
     (start, end), (begin, last) = tree.span(one), tree.span(other)
     first, second = tree.code(one), tree.code(other)
     words = f"{brief(first)} and {brief(second)} change places"
-    return Draft(start, last, f"{second}{tree.between(end, begin)}{first}", kind, words)  # type: ignore[arg-type]
+    return Draft(start, last, f"{second}{tree.between(end, begin)}{first}", kind, words)
 
 
 def axis_changes(node: cst.CSTNode, walk: Walk) -> Iterator[Draft]:

@@ -14,7 +14,7 @@ from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_with_sources
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.report.mutants import MutantRun
-from tracerisk.trace import GAPS, Reason, Trace
+from tracerisk.trace import MISSED_CALL, Reason, Trace
 
 MISSION_MISSED = "mission-missed"
 """The code of the reason that a condition of `success` is not met."""
@@ -89,9 +89,9 @@ def compared(change: Change, nominal: Trace, trace: Trace) -> MutantRun:
 
 
 def _key(reason: Reason) -> tuple[str, ...]:
-    """Return what makes a reason another one; a call that was missed is called by its function."""
+    """Return what makes a reason another one: of a missed call its function, however written."""
     code, function, thing = reason.key
-    return (code, function) if code in GAPS else (code, function, thing)
+    return (code, function) if code == MISSED_CALL else (code, function, thing)
 
 
 def _mutant(change: Change, **found: Any) -> MutantRun:

@@ -6,6 +6,7 @@ import ast
 import hashlib
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import zip_longest
 from typing import Any
 
@@ -86,7 +87,12 @@ def is_another(change: Change, source: bytes) -> bool:
             compile(changed, change.file, "exec", dont_inherit=True)
         except (SyntaxError, ValueError, RecursionError):
             return False
-        return ast.dump(changed) != ast.dump(ast.parse(source))
+        return ast.dump(changed) != _tree_text(source)
+
+
+@lru_cache(maxsize=8)
+def _tree_text(source: bytes) -> str:
+    return ast.dump(ast.parse(source))
 
 
 def drawn(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import tokenize
+from bisect import bisect_right
+from itertools import accumulate
 from typing import cast
 
 import libcst as cst
@@ -11,7 +13,7 @@ from libcst.metadata import ByteSpanPositionProvider, CodeSpan, MetadataWrapper
 
 from tracerisk.adder.sources.definitions import BYTE_ORDER_MARK
 from tracerisk.errors import Location, UnsafeRewriteError
-from tracerisk.pipeline.mutation.change import Change, Draft, brief
+from tracerisk.pipeline.mutation.change import Change, ChangeKind, Draft, brief
 from tracerisk.source.python_source import MODULE_NAME, parse_source
 
 _MAIN_TEST = "__name__"
@@ -38,6 +40,8 @@ class SourceTree:
         self.module = wrapper.module
         self._spans = cast("dict[cst.CSTNode, CodeSpan]", spans)
         self._utf8 = text.encode()
+        lengths = map(len, self._utf8.splitlines(keepends=True))
+        self._line_starts = [0, *accumulate(lengths)]
         self._encoding = tokenize.detect_encoding(io.BytesIO(source).readline)[0]
         self._skipped = len(BYTE_ORDER_MARK) if source.startswith(BYTE_ORDER_MARK) else 0
 
@@ -60,12 +64,12 @@ class SourceTree:
 
     def line(self, at: int) -> int:
         """Return the line of a place, from 1."""
-        return len((self._utf8[:at] + b".").splitlines())
+        return bisect_right(self._line_starts, at)
 
-    def replaced(self, node: cst.CSTNode, new: str, kind: str, words: str = "") -> Draft:
+    def replaced(self, node: cst.CSTNode, new: str, kind: ChangeKind, words: str = "") -> Draft:
         """Return the draft that puts other text in the place of a node."""
         shown = words or f"{brief(self.code(node))} becomes {brief(new)}"
-        return Draft(*self.span(node), new, kind, shown)  # type: ignore[arg-type]
+        return Draft(*self.span(node), new, kind, shown)
 
     def change(self, draft: Draft, function: str) -> Change:
         """Return the change of the file's own bytes that a draft makes."""
