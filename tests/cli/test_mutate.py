@@ -60,7 +60,7 @@ def test_a_shard_tries_its_part(mutated):
 
 @pytest.mark.slow
 def test_of_many_changes_most_alter_what_the_run_brings_about(example, pick_and_place):
-    example.write("pick.py", pick_and_place.replace(b"range(10)", b"range(2)"))
+    example.write("pick.py", pick_and_place.replace(b"TUBES = 10", b"TUBES = 2"))
     outcome = example.run("mutate", "pick.py", "--most", "24", "--json")
     found = outcome.json
     assert found["tried"] == 24
