@@ -7,6 +7,7 @@ import pytest
 import tracerisk
 from tracerisk.prm import FIGURE_STATEMENT
 from tracerisk.prm.review.risk_change import RunVerdicts
+from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.text import render_diff
 from tracerisk.trace import Coverage, Reason, Verdict
 
@@ -231,6 +232,23 @@ def test_what_a_run_that_was_cut_short_does_not_show_is_not_said_to_be_repaired(
     text = render_diff(review_of(diff))
     assert "raised happened" in text
     assert ("What was repaired" in text) is is_said
+
+
+@pytest.mark.parametrize("render", [render_diff, render_diff_markdown])
+@pytest.mark.parametrize(
+    ("kinds", "said"),
+    [
+        (("complete", "faulted"), "cell.py was complete, is faulted; the two runs cannot"),
+        (("faulted", "complete"), "cell.py is complete, was faulted; the two runs cannot"),
+        (("stuck", "stuck"), "cell.py is stuck; the two runs cannot"),
+    ],
+)
+def test_a_verdict_of_a_lock_that_gives_no_reason_is_reported_without(
+    difference, review_of, kinds, said, render
+):
+    step = one_step("motor = 4e-8")
+    diff = replace(difference(step, step), verdicts=RunVerdicts(*map(run_of, kinds)))
+    assert said in " ".join(render(review_of(diff)).split())
 
 
 def test_functions_that_never_ran_keep_no_figure_from_falling(difference, review_of):

@@ -134,15 +134,16 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
         text = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
     elif new in ("faulted", "stuck") or verdicts.does_less:
         reasons = verdicts.after.open_reasons if verdicts.after else ()
-        first = next(iter(verdicts.broke or reasons))
+        # A lock that was edited by hand may keep a verdict without a reason.
+        first = next(iter(verdicts.broke or reasons), None)
         was = f"was {old}, " if verdicts.in_before and old != new else ""
-        is_known = below_verdict and first in reasons[:1]
+        is_known = first is None or (below_verdict and first in reasons[:1])
         text = f"{diff.name} {was}is {new}" + ("" if is_known else f": {first}")
     elif verdicts.before is None:
         text = f"{diff.name} is {new}; the verdict of its run before is unknown"
     else:
-        first = next(iter(verdicts.repaired or verdicts.before.open_reasons))
-        text = f"{diff.name} is {new}, was {old}; repaired: {first}"
+        first = next(iter(verdicts.repaired or verdicts.before.open_reasons), None)
+        text = f"{diff.name} is {new}, was {old}" + (f"; repaired: {first}" if first else "")
     return f"{text}; the two runs cannot be compared"
 
 
