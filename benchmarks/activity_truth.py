@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import quick
 from activity_programs import PROGRAMS, Bench, Program
 from numpy.typing import NDArray
 
@@ -229,7 +230,7 @@ def compare(program: str, found: Mapping[str, ElementActivity], true: Mapping[st
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("programs", nargs="*", metavar="PROGRAM", help="parts of their names")
-    options = parser.parse_args()
+    options = quick.parsed(parser, programs=lambda: ["gripper on nothing"])
     chosen = [
         each
         for each in PROGRAMS

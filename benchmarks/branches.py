@@ -18,6 +18,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import quick
+
 from tracerisk.pipeline.evidence.campaign import plan_campaign
 from tracerisk.pipeline.evidence.cell_runs import CellBatch, run_batch, whole_run
 from tracerisk.sandbox import fork_server
@@ -45,7 +47,7 @@ def main() -> None:
     parser.add_argument("--cells", type=int, default=32, help="how many are run")
     parser.add_argument("--of", type=int, default=400, help="of a campaign of so many drawn cells")
     parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
+    options = quick.parsed(parser, controller=quick.controller, cells=lambda: 2, of=lambda: 4)
     fork_server.several_come()
     before, began = cpu_s(), time.perf_counter()
     plan = plan_campaign(options.controller, cells=options.of)

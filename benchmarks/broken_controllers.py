@@ -4,10 +4,19 @@
 
 Samples and the programs of `broken_cases` are broken in ways that are found automatically
 (`broken_kinds`), and refactored (`broken_refactorings`). Whether the mission is still carried out
-is judged from the recorded physics alone (`broken_mission`), against the unbroken run. A breakage
-is caught if its verdict is not `complete`, the reasons of the unbroken run being accepted.
+is judged from the recorded physics alone (`broken_mission`), against the unbroken run.
+
+A breakage that keeps the mission from being carried out is noticed by one of these rules alone:
+
+1. tracerisk refuses the run, or its verdict is `stuck`;
+2. its verdict is `faulted` or `partial`, and one of its reasons that are not accepted has a code,
+   function and object that no reason of the unbroken run has.
+
+Whatever else a run shows does not count: a finding or a reason beside `complete`, a reason that
+the unbroken run has as well, a figure that moved, an exit code, an internal error of tracerisk.
+
 A false alarm is a mission that is carried out with a verdict worse than that of the unbroken run.
-Prints a table of each; exits 1 where less than 95 % are caught, or with a false alarm.
+Prints a table of each; exits 1 where less than 95 % are noticed, or with a false alarm.
 """
 
 from __future__ import annotations
@@ -26,15 +35,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import quick
 from broken_kinds import KINDS, MOVED, Breakage, Commanded, Unbroken, breakages, spread
 from broken_mission import Mission, missing, read_mission
 from broken_refactorings import REFACTORINGS, refactorings
 
 ROOT = Path(__file__).parents[1]
 SAMPLES, CASES = ROOT / "sample_controllers", Path(__file__).parent / "broken_cases"
-SCENES = ROOT / "tracerisk" / "twin" / "scenes"
+SCENES = ROOT / "tracerisk" / "twin" / "physics" / "scenes"
 RANKS = ("complete", "partial", "faulted", "stuck")
-LEAST_CAUGHT, LEAST_REFACTORINGS = 0.95, 50
+LEAST_NOTICED = 0.95
 
 
 @dataclass(frozen=True)
@@ -51,10 +61,12 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run: its verdict, the keys of the reasons, and what happened."""
+    """A run: its verdict, its reasons, and what happened."""
 
     verdict: str
+    """Of `RANKS`; else `refused` or `internal error`."""
     reasons: frozenset[tuple[str, str, str]]
+    """Code, function and object of each reason that is not accepted."""
     words: str
     mission: Mission | None
 
@@ -69,13 +81,12 @@ class Row:
     """What of the mission is not carried out; empty where all is."""
     verdict: str
     words: str
-    is_new: bool
-    """Whether a reason was found that the unbroken run has not."""
+    is_noticed: bool
     is_worse: bool
 
     @property
     def is_miss(self) -> bool:
-        return bool(self.lacks) and not self.is_new
+        return bool(self.lacks) and not self.is_noticed
 
     @property
     def is_false_alarm(self) -> bool:
@@ -164,12 +175,10 @@ def run(case: Case, folder: Path) -> Outcome:
     trace = found.get("trace") or {}
     given = found.get("verdict")
     verdict = trace.get("verdict") or (given if isinstance(given, dict) else {})
-    reasons = verdict.get("reasons") or ()
+    reasons = [each for each in verdict.get("reasons") or () if not each["accepted"]]
     kind = verdict.get("kind") or (given if isinstance(given, str) else "") or "refused"
     words = found.get("verdict_line") or str((found.get("error") or {}).get("message"))
     keys = frozenset((each["code"], each["function"], each["object"]) for each in reasons)
-    if kind in ("stuck", "refused") and not keys:
-        keys = frozenset({(kind, "", "")})
     return Outcome(kind, keys, " ".join(words.split())[:170], read_mission(keep))
 
 
@@ -199,9 +208,15 @@ def _run_broken(case: Case, breakage: Breakage, nominal: Outcome, folder: Path) 
     lacks = missing(nominal.mission, found.mission)
     shutil.rmtree(folder)
     is_worse = _rank(found.verdict) > _rank(nominal.verdict)
-    is_new = found.verdict != "complete" and bool(found.reasons - nominal.reasons)
-    words = found.words
-    return Row(case.name, breakage, lacks, found.verdict, words, is_new, is_worse)
+    noticed = is_noticed(nominal, found)
+    return Row(case.name, breakage, lacks, found.verdict, found.words, noticed, is_worse)
+
+
+def is_noticed(unbroken: Outcome, broken: Outcome) -> bool:
+    """Return whether a run notices that its controller is broken, by the rules above."""
+    if broken.verdict in ("refused", "stuck"):
+        return True
+    return broken.verdict in ("faulted", "partial") and bool(broken.reasons - unbroken.reasons)
 
 
 def _rank(verdict: str) -> int:
@@ -215,7 +230,7 @@ def main() -> int:
     parser.add_argument("--only", default="", help="only controllers whose name holds this text")
     parser.add_argument("--kind", default="", help="only kinds that hold this text")
     parser.add_argument("--rows", type=Path, help="write every row as a line of JSON")
-    options = parser.parse_args()
+    options = quick.parsed(parser, only=lambda: "weighing", kind=lambda: "early return")
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as where:
         rows = measure(Path(where), options)
@@ -286,11 +301,13 @@ def report(rows: Sequence[Row], seconds: float) -> int:
             print(f"  mission: {row.lacks or 'carried out'}; verdict: {row.words or row.verdict}")
     failed = [each for each in broken if each.lacks]
     done = [each for each in rows if not each.lacks]
-    caught = sum(not each.is_miss for each in failed) / max(len(failed), 1)
+    noticed = sum(not each.is_miss for each in failed) / max(len(failed), 1)
     false = sum(each.is_false_alarm for each in done)
-    print(f"\n{len(broken)} breakages, {len(failed)} missions not carried out, {caught:.1%} caught")
+    print(
+        f"\n{len(broken)} breakages, {len(failed)} missions not carried out, {noticed:.1%} noticed"
+    )
     print(f"{len(done)} missions carried out, {false} false alarms; {seconds:.0f} s")
-    is_good = caught >= LEAST_CAUGHT and not false and not any(each.lacks for each in refactored)
+    is_good = noticed >= LEAST_NOTICED and not false and not any(each.lacks for each in refactored)
     return 0 if is_good else 1
 
 

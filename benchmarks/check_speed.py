@@ -28,6 +28,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import quick
+
 from tracerisk.adder.annotate import Changed, SourceBlocks, annotate_sources
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import (
@@ -122,7 +124,7 @@ def main() -> None:
     parser.add_argument("--files", type=int, default=1000)
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--python", type=Path, default=Path(sys.executable))
-    options = parser.parse_args()
+    options = quick.parsed(parser, files=lambda: 3, repeat=lambda: 1)
     with tempfile.TemporaryDirectory() as compiled:
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         os.environ["PYTHONPYCACHEPREFIX"] = compiled

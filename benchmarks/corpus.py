@@ -42,6 +42,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import quick
+
 TIMEOUT_S = 240.0
 ALLOWED_S = 120.0
 CLASSES = Path(__file__).with_name("corpus_classes.csv")
@@ -176,12 +178,16 @@ def shares(rows: list[Row], kinds: dict[str, str]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--list", type=Path, required=True)
-    parser.add_argument("--sources", type=Path, required=True)
+    parser.add_argument("--list", type=Path)
+    parser.add_argument("--sources", type=Path)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", default="", help="only rows whose name holds this text")
     parser.add_argument("--scenarios", type=Path, help="a folder for a scenario of each row")
-    options = parser.parse_args()
+    options = quick.parsed(parser, sources=quick.checkouts)
+    if options.quick and options.list is None:
+        options.list = options.sources / "controllers.csv"
+    if options.list is None or options.sources is None:
+        parser.error("give --list controllers.csv and --sources DIR")
     if options.scenarios is not None:
         options.scenarios.mkdir(parents=True, exist_ok=True)
     with options.list.open(encoding="utf-8") as stream:

@@ -30,6 +30,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import quick
 from lsprotocol import types as lsp
 from pygls.lsp.client import LanguageClient
 
@@ -163,7 +164,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--functions", type=int, default=28)
     parser.add_argument("--repeat", type=int, default=20)
-    options = parser.parse_args()
+    options = quick.parsed(parser, functions=lambda: 10, repeat=lambda: 1)
     with tempfile.TemporaryDirectory() as name:
         path = write(Path(name), options.functions)
         count = len(path.read_text("utf-8").splitlines())

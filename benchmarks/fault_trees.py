@@ -41,12 +41,32 @@ from decimal import Decimal
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import quick
+
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd import SharedTree
 from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
+
+QUICK_MODELS = {
+    "expected.csv": "model,p_top\none,0.136\n",
+    "one.xml": """\
+<opsa-mef>
+ <define-fault-tree name="one">
+  <define-gate name="top">
+   <or><basic-event name="a"/><and><basic-event name="b"/><basic-event name="c"/></and></or>
+  </define-gate>
+ </define-fault-tree>
+ <model-data>
+  <define-basic-event name="a"><float value="0.1"/></define-basic-event>
+  <define-basic-event name="b"><float value="0.2"/></define-basic-event>
+  <define-basic-event name="c"><float value="0.2"/></define-basic-event>
+ </model-data>
+</opsa-mef>
+""",
+}
 
 TIMES, MOST_TIMES = 3, 10
 """How often each run is repeated, and how often a short one; the least counts."""
@@ -321,7 +341,7 @@ def arguments() -> argparse.Namespace:
         help="of the environment whose tracerisk is measured cold (this one)",
     )
     parser.add_argument("--time-limit", type=float, default=120.0, help="of a process, [s]")
-    options = parser.parse_args()
+    options = quick.parsed(parser, models=lambda: quick.folder(QUICK_MODELS))
     if not options.models:
         parser.error("give --models DIR")
     return options

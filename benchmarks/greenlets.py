@@ -18,6 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
+import quick
 from sandbox import listed
 
 _MOST_S = 600
@@ -76,7 +77,9 @@ def main() -> None:
     parser.add_argument("--only", default="", help="only rows whose name holds this text")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--one", type=Path, help=argparse.SUPPRESS)
-    options = parser.parse_args()
+    options = quick.parsed(parser, sources=quick.checkouts)
+    if options.quick and options.list is None:
+        options.list = options.sources / "controllers.csv"
     if options.one is not None:
         print(f"found: {one(options.one)}")
         return

@@ -17,6 +17,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import quick
+
 MOST_S = 0.5
 
 HEAD = """\
@@ -80,14 +82,14 @@ def main() -> int:
     parser.add_argument("--parts", type=int, default=1000)
     parser.add_argument("--times", type=int, default=5)
     parser.add_argument("--peer-parts", type=int, default=20)
-    options = parser.parse_args()
+    options = quick.parsed(parser, parts=lambda: 20, times=lambda: 1, peer_parts=lambda: 1)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "plant.sysml"
         path.write_text(sysml(options.parts), encoding="utf-8")
         yaml = path.with_suffix(".yaml")
         write_yaml(path, yaml)
         ours = READ.format(module="sysml.reader", function="read_sysml", path=str(path))
-        theirs = READ.format(module="reader", function="read_hardware", path=str(yaml))
+        theirs = READ.format(module="yaml.reader", function="read_hardware", path=str(yaml))
         readings: dict[str, list[float]] = {"start": [], "sysml": [], "yaml": []}
         for _ in range(options.times):
             readings["start"].append(child_seconds([sys.executable, "-c", "pass"]))
@@ -105,7 +107,7 @@ def main() -> int:
             program = PEER.format(path=str(path), parts=options.peer_parts)
             peer = reading_seconds(program, options.peer_parts)
             print(f"{options.peer_parts} parts by longeron {peer:18.3f} s  (syntax only)")
-    return 0 if seconds["sysml"] <= MOST_S * max(options.parts, 1000) / 1000 else 1
+    return 0 if options.quick or seconds["sysml"] <= MOST_S * max(options.parts, 1000) / 1000 else 1
 
 
 def write_yaml(path: Path, yaml: Path) -> None:

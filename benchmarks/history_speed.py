@@ -17,6 +17,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import quick
 from check_speed import commit, make, median
 
 NAME = "controller.py"
@@ -39,7 +40,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--commits", type=int, default=200)
     parser.add_argument("--repeat", type=int, default=5)
-    options = parser.parse_args()
+    options = quick.parsed(parser, commits=lambda: 3, repeat=lambda: 1)
     history = [sys.executable, "-m", "tracerisk", "history"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -29,6 +29,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 
+import quick
+
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.blocks.values import read_redundancy
 
@@ -55,6 +57,8 @@ CASES = {
     "uncertainty": Case(1_000, 10, is_shared=True, solve=False, samples=100_000),
     "inputs": Case(1_000, 10, solve=False, samples=100_000),
 }
+
+SMALL = {"small": Case(20, 3), "small pairs": Case(5, 2, pairs=4)}
 
 
 def blocks_of(case: Case) -> list[RiskBlock]:
@@ -125,12 +129,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--cases", default=",".join(CASES))
     parser.add_argument("--one", help=argparse.SUPPRESS)
-    options = parser.parse_args()
+    options = quick.parsed(parser, cases=lambda: ",".join(SMALL))
     if options.one:
         print(json.dumps(measure(Case(**json.loads(options.one)))))
         return 0
     for name in options.cases.split(","):
-        case = CASES[name]
+        case = {**CASES, **SMALL}[name]
         command = [sys.executable, __file__, "--one", json.dumps(asdict(case))]
         done = subprocess.run(command, check=True, capture_output=True, text=True)
         taken = json.loads(done.stdout)

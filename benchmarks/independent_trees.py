@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+import quick
 
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 
@@ -44,7 +45,7 @@ def balanced(count: int, width: int, kind: GateKind, k: int | None = None) -> Fa
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--events", type=int, default=1_000_000)
-    count = parser.parse_args().events
+    count = quick.parsed(parser, events=lambda: 1000).events
     given = np.full(count, 1e-9)
     start = time.perf_counter()
     -np.expm1(np.log1p(-given).sum())

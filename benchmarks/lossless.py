@@ -26,6 +26,8 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import quick
+
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import (
     computed_count,
@@ -43,6 +45,10 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import QualifiedName
+
+QUICK_SOURCES = {
+    "plain.py": "def one():\n    return 1\n\n\nclass Two:\n    def three(self): return 3\n"
+}
 
 VERDICTS = ("exact", "refused", "wrong")
 _DEEPEST = 20_000
@@ -193,7 +199,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folders", nargs="*", type=Path, metavar="DIR")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    options = parser.parse_args()
+    options = quick.parsed(parser, folders=lambda: [quick.folder(QUICK_SOURCES)], jobs=lambda: 1)
     stdlib, site = (Path(sysconfig.get_path(name)) for name in ("stdlib", "purelib"))
     suites: list[tuple[str, list[Path]]]
     if options.folders:

@@ -36,6 +36,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import quick
 from scipy.sparse import csr_array
 
 from tracerisk.prm import MarkovChain
@@ -391,7 +392,7 @@ def main() -> int:
     parser.add_argument("--chains", default=",".join(CHAINS), help="some of these, by commas")
     parser.add_argument("--most-states", type=int, default=10**6)
     parser.add_argument("--child", nargs=4, help=argparse.SUPPRESS)
-    options = parser.parse_args()
+    options = quick.parsed(parser, chains=lambda: "banded", most_states=lambda: 1000)
     if options.child:
         tool, kind, size, how = options.child
         child(tool, kind, int(size), how)

@@ -11,20 +11,27 @@ distributions are those of the table as it stands.
 
 from __future__ import annotations
 
+import argparse
 import csv
 import importlib.metadata
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
-TABLE = Path(__file__).parents[1] / "tracerisk" / "ros" / "data" / "modules.csv"
+import quick
+
+TABLE = Path(__file__).parents[1] / "tracerisk" / "ros" / "imports" / "data" / "modules.csv"
 _NO_MODULES = frozenset({"bin", "docs", "doc", "examples", "share", "test", "tests", "include"})
 
 
-def main(names: Sequence[str]) -> None:
-    """Print the table of the distributions `names`, sorted by module."""
+def main() -> None:
+    """Print the table of the distributions, sorted by module."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help="distributions, as pip takes them")
+    names = quick.parsed(parser, names=lambda: [_wheel()]).names
     rows = sorted({row for name in names or _present() for row in _rows(name)})
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(("module", "distribution"))
@@ -34,6 +41,22 @@ def main(names: Sequence[str]) -> None:
 def _present() -> list[str]:
     with TABLE.open(encoding="utf-8", newline="") as stream:
         return sorted({row["distribution"] for row in csv.DictReader(stream)})
+
+
+def _wheel() -> str:
+    """Return a distribution of one module, which pip installs without a network."""
+    path = quick.folder({}) / "turning-1.0-py3-none-any.whl"
+    info = "turning-1.0.dist-info"
+    files = {
+        "turning.py": "ANGLE = 0.1\n",
+        f"{info}/METADATA": "Metadata-Version: 2.1\nName: turning\nVersion: 1.0\n",
+        f"{info}/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+        f"{info}/RECORD": f"turning.py,,\n{info}/METADATA,,\n{info}/WHEEL,,\n{info}/RECORD,,\n",
+    }
+    with zipfile.ZipFile(path, "w") as wheel:
+        for name, text in files.items():
+            wheel.writestr(name, text)
+    return str(path)
 
 
 def _rows(name: str) -> Iterator[tuple[str, str]]:
@@ -70,4 +93,4 @@ def modules_of(distribution: importlib.metadata.Distribution) -> set[str]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import quick
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, vstack
@@ -139,7 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("--robots", nargs="+", default=ROBOTS, help="names of shipped robots")
     parser.add_argument("--motions", type=int, default=50, help="motions of each robot")
-    options = parser.parse_args(arguments)
+    options = quick.parsed(parser, arguments, robots=lambda: ["panda"], motions=lambda: 1)
     print("| robot | motions | scaling | mean duration | mean difference | greatest | planner |")
     print("|---|---|---|---|---|---|---|")
     for seed, name in enumerate(options.robots):

@@ -16,6 +16,8 @@ import time
 from collections import Counter
 from pathlib import Path
 
+import quick
+
 from tracerisk.api import gather_evidence
 from tracerisk.evidence.cells import Cell
 from tracerisk.report.fmea import confusion
@@ -30,22 +32,24 @@ def main() -> None:
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--samples", nargs="*")
     parser.add_argument("--folder", type=Path)
-    options = parser.parse_args()
+    options = quick.parsed(parser, cells=lambda: 2, jobs=lambda: 1, samples=lambda: ["turn"])
     folder = options.folder or Path(tempfile.mkdtemp())
     scripts = {path.stem: path for path in sorted(SAMPLES.glob("*.py"))}
     scripts["part_sorting"] = SAMPLES / "part_sorting/src/part_sorting/scripts/sort_parts.py"
     names = options.samples or sorted(scripts)
+    scripts["turn"] = quick.controller()
     cells: list[Cell] = []
     print(f"{'sample':<18}{'robot':<8}{'tries':>6}{'failed':>8}{'told':>6}{'seconds':>9}")
     for name in names:
         place = folder / name
         place.mkdir(parents=True, exist_ok=True)
-        script = scripts[name].relative_to(SAMPLES)
-        if len(script.parts) > 1:
+        script = Path(scripts[name].name)
+        if scripts[name].parent != SAMPLES and scripts[name].is_relative_to(SAMPLES):
             # A workspace of its own, with its package.
+            script = scripts[name].relative_to(SAMPLES)
             shutil.copytree(SAMPLES / script.parts[0], place / script.parts[0], dirs_exist_ok=True)
         else:
-            shutil.copy(SAMPLES / script, place)
+            shutil.copy(scripts[name], place)
         began = time.monotonic()
         found = gather_evidence(place / script, cells=options.cells, jobs=options.jobs)
         seconds = time.monotonic() - began

@@ -25,9 +25,24 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 
+import quick
+
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.prm.formats.prism.reader import read_prism_model
 from tracerisk.prm.properties import Answer, PropertyFile, ask, parse_properties
+
+QUICK_SUITE = {
+    "dtmcs/coin/models.csv": "model_file,model_consts,states\ncoin.pm,,3\n",
+    "dtmcs/coin/coin.pm": """\
+dtmc
+module coin
+  side : [0..2] init 0;
+  [] side = 0 -> 0.25 : (side' = 1) + 0.75 : (side' = 2);
+  [] side > 0 -> true;
+endmodule
+""",
+    "dtmcs/coin/heads.pctl": "// RESULT: 0.25\nP=? [ F side = 1 ]\n",
+}
 
 LONGEST_S = 60
 MOST_BYTES = 2**31
@@ -176,10 +191,12 @@ def _limit() -> None:
 def main() -> int:
     """Run the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--models", type=Path, required=True, help="the folder `models`")
+    parser.add_argument("--models", type=Path, help="the folder `models`")
     parser.add_argument("--most-states", type=int, default=20_000)
     parser.add_argument("--open", type=float, default=1.0, help="what a property leaves open")
-    options = parser.parse_args()
+    options = quick.parsed(parser, models=lambda: quick.folder(QUICK_SUITE))
+    if options.models is None:
+        parser.error("give --models DIR")
     every = sorted(models(options.models), key=lambda each: (each.path.parent, each.states))
     chosen = [each for each in every if each.states <= options.most_states]
     rows: list[Row] = []

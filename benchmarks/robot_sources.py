@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import quick
 import yaml
 from numpy.typing import NDArray
 
@@ -29,6 +30,13 @@ from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 from tracerisk.twin.urdf.tree import Tree, read_tree, tree_of
 from tracerisk.twin.urdf.xacro_files import expand_xacro
 from tracerisk.twin.urdf.xml_reader import read_xml
+
+QUICK_CHECKOUTS = {
+    "panda_moveit_config/config/joint_limits.yaml": """\
+joint_limits:
+  panda_joint1: {has_velocity_limits: true, max_velocity: 9.0}
+"""
+}
 
 # What MoveIt 1 plans with where no acceleration is given [rad/s^2]: moveit/moveit
 # moveit_core/trajectory_processing/src/time_optimal_trajectory_generation.cpp.
@@ -395,12 +403,14 @@ def differences(
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("folder", type=Path)
+    parser.add_argument("folder", type=Path, nargs="?")
     parser.add_argument("--robot", action="append", choices=robot_names())
     parser.add_argument("--percent", type=float, default=1.0)
-    options = parser.parse_args()
-    if not options.folder.is_dir():
-        parser.error(f"{options.folder} is no folder; give one that holds the checkouts")
+    options = quick.parsed(
+        parser, folder=lambda: quick.folder(QUICK_CHECKOUTS), robot=lambda: ["panda"]
+    )
+    if options.folder is None or not options.folder.is_dir():
+        parser.error(f"{options.folder or ''} is no folder; give one that holds the checkouts")
     checkouts = Checkouts(options.folder)
     missing = []
     for name in options.robot or robot_names():

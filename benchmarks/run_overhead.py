@@ -19,6 +19,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import quick
+
 from tracerisk import pipeline
 from tracerisk.pipeline.trace.run_files import WallTime
 from tracerisk.twin.physics.scene import load_scene
@@ -68,7 +70,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("controller", nargs="?", type=Path, default=SAMPLE)
     parser.add_argument("--repeat", type=int, default=5)
-    options = parser.parse_args()
+    options = quick.parsed(parser, controller=quick.controller, repeat=lambda: 1)
     ratios = []
     for number in range(1, options.repeat + 1):
         took, plain = measure(options.controller)

@@ -30,6 +30,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import quick
+
 SAMPLES = Path(__file__).parents[1] / "sample_controllers"
 
 
@@ -135,7 +137,9 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--repeat", type=int, default=1)
     parser.add_argument("--python", type=Path, default=Path(sys.executable))
-    options = parser.parse_args()
+    options = quick.parsed(parser, sources=quick.checkouts)
+    if options.quick and options.list is None:
+        options.list = options.sources / "controllers.csv"
     wanted = listed(options)
 
     def measure(controller: tuple[Path, str, str]) -> Compared:

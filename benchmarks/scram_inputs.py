@@ -13,11 +13,15 @@ from __future__ import annotations
 
 import argparse
 import math
+import shutil
 import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
 from xml.etree import ElementTree as ET
+
+import quick
+from fault_trees import QUICK_MODELS
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.prm.formats.open_psa import read_open_psa
@@ -93,9 +97,13 @@ def compared(path: Path, limit_s: float) -> tuple[str, str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--inputs", type=Path, nargs="+", required=True, help="folders of files")
+    parser.add_argument("--inputs", type=Path, nargs="+", help="folders of files")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of SCRAM, [s]")
-    options = parser.parse_args()
+    options = quick.parsed(parser, inputs=lambda: [quick.folder(QUICK_MODELS)])
+    if not options.inputs:
+        parser.error("give --inputs DIR...")
+    if shutil.which("scram") is None:
+        quick.skip("scram is not on the PATH; https://github.com/rakhimov/scram")
     counts: Counter[str] = Counter()
     for folder in options.inputs:
         for path in sorted(folder.rglob("*.xml")):

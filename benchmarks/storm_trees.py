@@ -19,8 +19,19 @@ from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 
+import quick
+
 from tracerisk.errors import TraceRiskError
 from tracerisk.prm.formats import galileo
+
+QUICK_TREES = {
+    "either.dft": """\
+toplevel "top";
+"top" or "a" "b";
+"a" lambda=0.1 dorm=0;
+"b" lambda=0.2 dorm=0;
+"""
+}
 
 MISSION_H = 1.0
 VALUE = 0.5
@@ -56,9 +67,11 @@ def peer(path: Path, names: list[str]) -> tuple[float, float] | str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--inputs", type=Path, required=True, help="folder of the files")
+    parser.add_argument("--inputs", type=Path, help="folder of the files")
     parser.add_argument("--peer", choices=["stormpy"], help="solve with this one too")
-    options = parser.parse_args()
+    options = quick.parsed(parser, inputs=lambda: quick.folder(QUICK_TREES))
+    if options.inputs is None:
+        parser.error("give --inputs DIR")
     counts: Counter[str] = Counter()
     for path in sorted(options.inputs.rglob("*.dft")):
         name, text = str(path.relative_to(options.inputs)), path.read_text(encoding="utf-8")

@@ -9,6 +9,7 @@ import, and is counted apart; one under TYPE_CHECKING counts too, for a reader h
 
 from __future__ import annotations
 
+import argparse
 import ast
 import io
 import os
@@ -22,9 +23,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import networkx as nx
+import quick
 
 SKIPPED = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
 VERBS = ("check", "solve", "run")
+QUICK_PACKAGE = {"cell/__init__.py": "", "cell/pick.py": "import cell.place"}
 CONTROLLER = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"
 
 
@@ -102,7 +105,10 @@ def loaded_lines(verb: str, package: Path, lines: Mapping[str, int]) -> int:
 
 def main() -> None:
     """Print the figures of one package."""
-    package = Path(sys.argv[1] if len(sys.argv) > 1 else "tracerisk").resolve()
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("package", nargs="?", type=Path, default=Path("tracerisk"))
+    options = quick.parsed(parser, package=lambda: quick.folder(QUICK_PACKAGE) / "cell")
+    package = options.package.resolve()
     graph = nx.DiGraph()
     trees, lines = {}, {}
     for path in sorted(package.rglob("*.py")):
@@ -141,7 +147,7 @@ def main() -> None:
     )
     print(f"cycles of imports: {len(cycles)}, of {', '.join(map(str, cycles))} modules")
     print(f"imports within functions: {within}")
-    for verb in VERBS:
+    for verb in VERBS[: 1 if options.quick else None]:
         print(f"lines loaded by {verb}: {loaded_lines(verb, package, lines)}")
 
 

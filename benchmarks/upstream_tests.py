@@ -31,7 +31,18 @@ from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+import quick
 from upstream_rostest import StartedTest, interfaces_of, packages_of, started_tests
+
+QUICK_CHECKOUT = {
+    "rclpy/test/test_quick.py": """\
+import rclpy
+
+
+def test_it_is_not_up_yet():
+    assert not rclpy.ok()
+"""
+}
 
 HERE = Path(__file__).resolve().parent
 SCOPE = HERE / "upstream_scope.csv"
@@ -326,7 +337,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path)
     parser.add_argument("--markdown", action="store_true")
-    options = parser.parse_args()
+    options = quick.parsed(parser, rclpy=lambda: quick.folder(QUICK_CHECKOUT))
     checkouts = {
         repository: getattr(options, repository).resolve()
         for repository in REPOSITORIES

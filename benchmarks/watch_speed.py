@@ -1,7 +1,8 @@
 """Time from a save to the figure under `tracerisk run --watch`, beside the run itself.
 
 Each save changes a position by a millimetre, so that nothing is taken from an earlier run.
-Usage: python benchmarks/watch_speed.py [--saves N] [--python PYTHON]
+
+    python benchmarks/watch_speed.py [CONTROLLER] [--saves N] [--python PYTHON]
 """
 
 from __future__ import annotations
@@ -14,19 +15,22 @@ import sys
 import tempfile
 from pathlib import Path
 
+import quick
+
 SAMPLE = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"
 _TIMES = re.compile(r"([\d.]+) s, of which the run ([\d.]+) s")
-_PLACE = re.compile(r"(TRAVEL_HEIGHT = )([\d.]+)")
+_PLACE = re.compile(r"(TRAVEL_HEIGHT = |ANGLE = )([\d.]+)")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("controller", nargs="?", type=Path, default=SAMPLE)
     parser.add_argument("--saves", type=int, default=8)
     parser.add_argument("--python", default=sys.executable)
-    options = parser.parse_args()
+    options = quick.parsed(parser, controller=quick.controller, saves=lambda: 1)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "cell.py")
-        text = SAMPLE.read_text(encoding="utf-8")
+        text = options.controller.read_text(encoding="utf-8")
         path.write_text(text, encoding="utf-8")
         command = [options.python, "-u", "-m", "tracerisk", "run", path.name, "--watch"]
         process = subprocess.Popen(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import hashlib
 import importlib.metadata
 import importlib.util
 import json
+import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +18,64 @@ from types import ModuleType
 import pytest
 
 ROOT = Path(__file__).parents[1]
+STARTED = {"upstream_child.py"}
+"""Started by another program, with a task that only it can give."""
+PROGRAMS = sorted(
+    path.name
+    for path in (ROOT / "benchmarks").glob("*.py")
+    if '__name__ == "__main__"' in path.read_text(encoding="utf-8") and path.name not in STARTED
+)
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_every_program_has_a_quick_form_that_works(program, tmp_path):
+    path = ROOT / "benchmarks" / program
+    assert f"python benchmarks/{program}" in path.read_text(encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, path, "--quick"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode == 77:
+        pytest.skip(done.stdout.strip())
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.strip()
+    assert not list(tmp_path.iterdir()), "it leaves files where it was started"
+
+
+def test_a_quick_form_finds_a_file_that_has_moved(monkeypatch):
+    quick = _loaded("quick", monkeypatch)
+    monkeypatch.setattr(sys.modules["__main__"], "SCENES", ROOT / "nowhere", raising=False)
+    with pytest.raises(SystemExit, match=r"SCENES is .*nowhere, which is not there"):
+        quick.parsed(argparse.ArgumentParser(), ["--quick"])
+    assert not quick.parsed(argparse.ArgumentParser(), []).quick
+
+
+@pytest.mark.parametrize(
+    ("verdict", "reasons", "is_noticed"),
+    [
+        ("complete", (), False),
+        ("complete", ("unmet-need",), False),
+        ("partial", (), False),
+        ("partial", ("assumed-part",), False),
+        ("partial", ("assumed-part", "unmet-need"), True),
+        ("faulted", ("raised",), True),
+        ("stuck", (), True),
+        ("refused", (), True),
+        ("internal error", (), False),
+    ],
+)
+def test_a_broken_mission_is_noticed_by_the_rules_alone(verdict, reasons, is_noticed, monkeypatch):
+    broken = _loaded("broken_controllers", monkeypatch)
+
+    def outcome(kind, *codes):
+        return broken.Outcome(kind, frozenset((code, "pick", "") for code in codes), "", None)
+
+    unbroken = outcome("partial", "assumed-part")
+    assert broken.is_noticed(unbroken, outcome(verdict, *reasons)) is is_noticed
 
 
 @pytest.fixture
