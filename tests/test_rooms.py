@@ -36,7 +36,16 @@ ROOMS = (
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
     *("acceptances", "config", "dependencies", "errors", "evidence", "field", "geometry"),
-    *("instance_name", "limits", "on_demand", "outcome", "records", "sandbox", "strong_components", "text"),
+    *(
+        "instance_name",
+        "limits",
+        "on_demand",
+        "outcome",
+        "records",
+        "sandbox",
+        "strong_components",
+        "text",
+    ),
 )
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))

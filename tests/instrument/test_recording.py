@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import Location, LogError
-from tracerisk.instrument.commands import Command
+from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.recording import Recorder, Recording, read_recording
 from tracerisk.instrument.tracer import Frame
 from tracerisk.source.python_source import FunctionSite
@@ -103,3 +103,37 @@ def test_what_runs_after_the_end_is_not_recorded(tmp_path: Path) -> None:
         recorder.function_ran(MODULE, 1)
     recorder.function_ran(PICK, 4)
     assert read_recording(path).functions_ran == (FunctionSite(MODULE, 1),)
+
+
+def test_what_replaced_a_command_and_what_was_refused_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "events.jsonl"
+    with path.open("wb") as stream:
+        recorder = Recorder(stream, clock=lambda: 7)
+        first = recorder.command("trajectory", ["j1"], STACK, goal=[0.5])
+        second = recorder.command("trajectory", ["j1"], STACK, goal=[0.1])
+        recorder.command_ended(first, "replaced", way_done=0.123456, replaced_by=second)
+        recorder.refused("goal", "refused", STACK)
+        recorder.command_ended(second, "arrived", goal=[0.2])
+    recording = read_recording(path)
+    one, two = recording.commands
+    assert (one.end, one.way_done, one.replaced_by, one.goal) == ("replaced", 0.1235, 2, (0.5,))
+    assert (two.end, two.way_done, two.replaced_by, two.goal) == ("arrived", None, None, (0.2,))
+    assert [(each.kind, each.end, each.elements) for each in recording.refused] == [
+        ("goal", "refused", ())
+    ]
+    traced = traced_commands(recording.commands, recording.refused)
+    assert [(each.end, each.replaced_by) for each in traced] == [
+        ("replaced", 1),
+        ("arrived", None),
+        ("refused", None),
+    ]
+
+
+@pytest.mark.parametrize("end", ['"gone"', "7", '"replaced","replaced_by":9'])
+def test_an_end_that_there_is_not_is_an_error(tmp_path: Path, end: str) -> None:
+    path = tmp_path / "events.jsonl"
+    record(path)
+    line = f'{{"event":"command_ended","ns":2000000000,"id":2,"end":{end}}}'
+    path.write_text(path.read_text() + f"{line}\n" + '{"event":"note","ns":1}\n')
+    with pytest.raises(LogError, match="not an event of a recording"):
+        read_recording(path)

@@ -8,6 +8,7 @@ from tracerisk.ros.graph.action_goal import GoalState, GoalStateError
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.time.scheduler import RunOver
+from tracerisk.twin.motion.execution import Motion
 
 TYPE = "control_msgs/FollowJointTrajectory"
 
@@ -90,6 +91,24 @@ def test_a_goal_that_is_over_takes_no_further_step(actions, run, step):
         return goal.state
 
     assert run(main) is GoalState.REJECTED
+
+
+@pytest.mark.parametrize("outcome", ["active", "aborted", "preempted"])
+def test_a_goal_whose_motion_did_not_arrive_is_never_set_succeeded(actions, run, outcome):
+    serve(actions, [])
+    client = actions.client("/arm", TYPE, node="/client")
+
+    def main():
+        goal = client.send("there")
+        goal.accept()
+        goal.motion = Motion(("joint1",), ("joint1",), 0, outcome=outcome)
+        with pytest.raises(GoalStateError, match=f"whose motion is {outcome}; end it as"):
+            goal.succeed("done")
+        goal.motion.outcome = "succeeded"
+        goal.succeed("done")
+        return goal.state
+
+    assert run(main) is GoalState.SUCCEEDED
 
 
 def test_an_accepted_goal_is_executed_later(actions, run):

@@ -54,7 +54,9 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
 
 
 def _leads_on(command: IssuedCommand, by: IssuedCommand) -> bool:
-    """Return whether one command follows another as in a loop that tracks something."""
+    """Return whether one command follows another to the same goal, or as in a loop that tracks."""
+    if by.elements == command.elements and is_near(command.goal, by.goal):
+        return True
     return (
         by.path == command.path
         and by.issue_s - command.issue_s > _ONE_INSTANT_S

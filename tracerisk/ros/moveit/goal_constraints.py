@@ -206,7 +206,7 @@ class GoalReader:
         """
         joints = {name: bounds.middle for name, bounds in goal.joints.items()}
         if not goal.regions:
-            there = {**self._server.positions(), **(start or {}), **joints}
+            there = self._server.with_others({**(start or {}), **joints})
             if outside := goal.rule.breach(there):
                 raise PlanningError("invalid_goal", f"the goal cannot be met as a whole: {outside}")
             return joints

@@ -144,10 +144,14 @@ class MoveGroupServer(RobotGroups):
 
     def forward(self, positions: Mapping[str, float], link: str) -> Pose:
         """Return a link's pose at given joint positions; joints left out stand as they are."""
+        return self._twin.forward_kinematics(self.with_others(positions), link)
+
+    def with_others(self, positions: Mapping[str, float]) -> Mapping[str, float]:
+        """Return positions with those of the joints that they leave out; nobody reads these."""
         # A path rule asks for very many poses, each at the positions of all joints.
-        if not positions.keys() >= self._joint_names:
-            positions = {**self._positions(), **positions}
-        return self._twin.forward_kinematics(positions, link)
+        if positions.keys() >= self._joint_names:
+            return positions
+        return {**self._positions(), **positions}
 
     def frame(self, name: str) -> Pose | None:
         """Return the pose of a frame, else None, which is noted as a need.
