@@ -63,7 +63,7 @@ SUB_ROOMS = {
             "scenarios",
             "freshness",
         ),
-        *("run", "trace"),
+        *("run", "trace", "mission"),
         *("history", "robot", "launch", "launch_files", "workspace"),
     ),
     "ros": (

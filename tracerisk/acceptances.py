@@ -26,6 +26,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "ik-failed",
     "lookup-failed",
     "missed-call",
+    "mission-missed",
     "never-grasped",
     "never-ran",
     "never-released",

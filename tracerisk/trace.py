@@ -423,6 +423,8 @@ NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
 MISSED_CALL = "missed-call"
 """The code of a call that led to no command, in a function that ran."""
+MISSION_MISSED = "mission-missed"
+"""The code of a condition of `success` that a run did not meet."""
 UNUSED_INPUT = "unused-input"
 """The code of an entry of the scenario of which nobody made use."""
 GAPS = frozenset({NEVER_RAN, MISSED_CALL, UNUSED_INPUT})

@@ -28,7 +28,7 @@ from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
-from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, GRAPH_USE, RunBeside
+from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.sandbox.scratch import new_scratch, scratch
@@ -260,7 +260,7 @@ def _kept(folder: str) -> Nominal | None:
 def _nominal(loaded: Controller, settings: Settings, run: ControllerRun, folder: Path) -> Nominal:
     events = folder / EVENTS
     recording = read_recording(events) if events.exists() else Recording()
-    mission = mission_run(run.trace, folder, called=_called(recording))
+    mission = mission_run(run.trace, folder)
     samples = read_samples(folder) if has_samples(folder) else None
     digest = hashlib.sha256(trace_json.dumps(run.trace).encode()).hexdigest()
     success = declared_success(settings)
@@ -268,12 +268,16 @@ def _nominal(loaded: Controller, settings: Settings, run: ControllerRun, folder:
 
 
 def declared_success(settings: Settings) -> tuple[Condition, ...]:
-    """Return what the scenario of the settings says a mission is; empty where it does not."""
+    """Return what the scenario of the settings says a mission is; empty where it does not.
+
+    What nobody has confirmed does not count: evidence lowers figures on the user's word alone.
+    """
     if settings.scenario is None:
         return ()
     from tracerisk.ros.scenario.scenario import read_scenario
 
-    return read_scenario(Path(settings.scenario)).success
+    declared = read_scenario(Path(settings.scenario)).success
+    return tuple(each for each in declared if not each.is_assumed)
 
 
 def _judged(
@@ -296,10 +300,9 @@ def _judged(
                 unit=cell.unit,
                 fault_s=cell.time_s,
                 nominal=nominal.samples,
-                called=_called(recording),
                 is_decided=recording.note(DECIDED) is not None,
             )
-            judged = judge(nominal.mission, failed, cell, nominal.success)
+            judged = judge(nominal.mission, failed, cell, has_conditions=bool(nominal.success))
             return judged if judged.fails or not failed.is_decided else None
         except LogError as damaged:
             error = damaged
@@ -314,9 +317,3 @@ def longest_s(nominal: Nominal) -> float:
     if nominal.trace.end.cause == "duration":
         return asked
     return min(asked, _MORE_SHARE * (nominal.trace.end.simulated_s or asked) + _MORE_S)
-
-
-def _called(recording: Recording) -> Mapping[str, int]:
-    """Return how many messages and calls a run sent to each name of the graph."""
-    note = recording.note(GRAPH_USE)
-    return {} if note is None else {str(k): int(v) for k, v in note["counts"].items()}

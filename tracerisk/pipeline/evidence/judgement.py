@@ -10,8 +10,15 @@ from itertools import zip_longest
 from tracerisk.evidence.cells import EFFECTS, Cell, Effect
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
-from tracerisk.ros.scenario.success import Condition
-from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, Reason, RunEnd, Visit
+from tracerisk.trace import (
+    GOOD_ENDS,
+    MISSION_MISSED,
+    Contact,
+    ObjectOffset,
+    Reason,
+    RunEnd,
+    Visit,
+)
 
 FALLS = frozenset({"object-dropped", "object-knocked"})
 ARRIVAL = 0.02
@@ -41,23 +48,24 @@ class _Seen:
 
 
 def judge(
-    nominal: MissionRun, failed: MissionRun, cell: Cell, success: Sequence[Condition] = ()
+    nominal: MissionRun, failed: MissionRun, cell: Cell, *, has_conditions: bool = False
 ) -> Cell:
     """Return the cell with what became of the mission in its run, beside the run without.
 
-    A mission failed that did not reach what it reached without the failure; where `success`
-    declares what it is, one that misses a condition, collides or ends badly. Of a run that was
-    ended because its fate was decided, what had come by then counts.
+    A mission failed that did not reach what it reached without the failure; with
+    `has_conditions`, of `success` in the scenario, one whose verdict misses a condition, or that
+    collides or ends badly. Of a run that was ended because its fate was decided, what had come by
+    then counts.
     """
     seen = [*_collisions(nominal, failed, cell.time_s), *_falls(nominal, failed, cell.time_s)]
     if not failed.is_decided:
         seen += [*_things(nominal, failed), *_end(nominal, failed)]
     seen += _positions(nominal, failed)
     lost: tuple[str, ...] = ()
-    if success and failed.is_decided:
+    if has_conditions and failed.is_decided:
         fails = any(each.effect == "collision" for each in seen)
-    elif success:
-        missed = [each.words for each in success if not _is_met(each, failed)]
+    elif has_conditions:
+        missed = [each.words for each in _reasons(failed) if _is_missed(each)]
         fails = bool(missed) or any(each.effect in ("collision", "ended_badly") for each in seen)
         lost = tuple(f"missed: {each}" for each in missed)
     else:
@@ -134,6 +142,10 @@ def _falls(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[
 
 def _reasons(run: MissionRun) -> tuple[Reason, ...]:
     return () if run.trace.verdict is None else run.trace.verdict.reasons
+
+
+def _is_missed(reason: Reason) -> bool:
+    return reason.code == MISSION_MISSED and not reason.accepted
 
 
 def _things(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
@@ -252,47 +264,3 @@ def _local(failed: MissionRun, cell: Cell) -> str:
         case "offset" | "frozen" | "absent":
             return f"reading {cell.mode}" if cell.unit != "control" else "commands frozen"
     return "no motor has torque"
-
-
-# What the mission is
-
-
-def _is_met(condition: Condition, run: MissionRun) -> bool:
-    match condition.kind:
-        case "object":
-            return _is_at(condition, run)
-        case "joints":
-            return bool(run.arrivals) and _are_at(condition, run.arrivals[-1])
-        case "reached":
-            return any(_are_at(condition, each) for each in run.arrivals)
-        case "visited":
-            done = sum(
-                1
-                for each in run.trace.visits
-                if each.function.name == condition.name and each.outcome == "succeeded"
-            )
-            return done >= condition.times
-        case "called" | "sent":
-            return (run.called or {}).get(condition.name, 0) >= condition.times
-        case "within_s":
-            return (run.trace.end.simulated_s or math.inf) <= condition.seconds
-
-
-def _is_at(condition: Condition, run: MissionRun) -> bool:
-    if condition.at is not None:
-        place = (run.things or {}).get(condition.name)
-        return place is not None and _distance(place, condition.at) <= condition.within
-    return any(
-        each.name == condition.name
-        and each.goal is not None
-        and each.upright
-        and each.offset_m <= condition.within
-        for each in run.trace.objects
-    )
-
-
-def _are_at(condition: Condition, positions: Mapping[str, float]) -> bool:
-    return all(
-        abs(positions.get(name, math.inf) - wanted) <= condition.within
-        for name, wanted in (condition.joints or {}).items()
-    )

@@ -23,8 +23,6 @@ class MissionRun:
     """The positions of the robot's joints at the end of each visit of the trace [rad or m]."""
     things: Mapping[str, Position] | None = None
     """Where each thing that can be moved was at the end [m]; `None` where the run was cut."""
-    called: Mapping[str, int] | None = None
-    """How many messages and calls went to each name of the graph."""
     is_decided: bool = False
     """Whether the run was ended because its fate was decided: how it would end is not known."""
     unit_moved: float = 0.0
@@ -38,7 +36,6 @@ def mission_run(
     unit: str | None = None,
     fault_s: float = 0.0,
     nominal: Samples | None = None,
-    called: Mapping[str, int] | None = None,
     is_decided: bool = False,
 ) -> MissionRun:
     """Return a run whose recording is in `folder`; `unit` failed at `fault_s` [s].
@@ -46,13 +43,12 @@ def mission_run(
     Raises LogError where the recording is damaged.
     """
     if not has_samples(folder):
-        return MissionRun(trace, called=called, is_decided=is_decided)
+        return MissionRun(trace, is_decided=is_decided)
     samples = read_samples(folder)
     return MissionRun(
         trace,
         _arrivals(trace, samples),
         _things(samples),
-        called,
         is_decided,
         _moved(samples, nominal, unit, fault_s),
     )

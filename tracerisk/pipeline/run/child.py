@@ -26,6 +26,8 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.mission.asked_calls import AskedCalls
+from tracerisk.pipeline.mission.names import check_names
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companions.companion_run import Companions
@@ -163,7 +165,7 @@ def _run(
     clock[0] = lambda: scheduler.now_ns
     workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
     runtime = runtime_of(request, scenario, scheduler, tracer, twin, recorder, workspace)
-    cell = CellLog(runtime.graph)
+    cell = CellLog(runtime.graph, AskedCalls(recorder, scheduler, scenario.success).take)
     companions = Companions(request.companions, runtime, recorder)
     watch = RunWatch(scheduler, recorder)
     note_given(recorder, scenario)
@@ -320,6 +322,7 @@ def twin_of(
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
     robot = with_start(robot, scenario.start)
     scene = with_objects(load_scene(request.scene), scenario.objects)
+    check_names(scenario, robot, scene)
     twin = Twin.build(robot, scene, samples=samples)
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     return twin, scenario

@@ -153,7 +153,8 @@ def _read(
     end = _run_end(recording, process_end, ran)
     if options.progress is not None:
         options.progress("attributing", end.simulated_s or 0.0)
-    left = Ran(ran, robot, request.scene, settings, recording, folder, end)
+    has_faults = bool(request.faults) or options.beside is not None
+    left = Ran(ran, robot, request.scene, settings, recording, folder, end, has_faults)
     trace = make_trace(left, beside=options.beside)
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [

@@ -20,7 +20,7 @@ from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import DraftsNoted
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.trace import DRAFTED, Reason, Trace
+from tracerisk.trace import DRAFTED, MISSION_MISSED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
 from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
 
@@ -183,12 +183,12 @@ class _Places:
         place = reason.location
         if place is None or Path(place.file).name != self._name:
             return reason
-        is_unused = reason.code != "input-assumed"
+        is_unused = reason.code not in ("input-assumed", MISSION_MISSED)
         # No line of the source asks for the robot and the arguments.
         is_asked = not reason.object.startswith(("robot", "arguments[")) or is_unused
         at = self.of(place, is_shown=is_unused)
         moved = replace(reason, location=at if is_asked or place.line in self._of_base else None)
-        if is_unused or place.line in self._of_base:
+        if reason.code != "input-assumed" or place.line in self._of_base:
             return moved
         self.drafted += 1
         text = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)

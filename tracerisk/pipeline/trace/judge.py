@@ -11,10 +11,16 @@ from dataclasses import replace
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
-from tracerisk.pipeline.trace.recorded_run import IssuedCommand, MissedCommand, RecordedRun
+from tracerisk.pipeline.trace.recorded_run import (
+    IssuedCommand,
+    MissedCommand,
+    MissedCondition,
+    RecordedRun,
+)
 from tracerisk.pipeline.trace.unfinished import unfinished
 from tracerisk.trace import (
     MISSED_CALL,
+    MISSION_MISSED,
     NEVER_RAN,
     UNUSED_INPUT,
     VERDICTS,
@@ -47,6 +53,7 @@ CODES: dict[str, VerdictKind] = {
     "object-dropped": "faulted",
     "object-knocked": "faulted",
     "past-limit": "faulted",
+    MISSION_MISSED: "faulted",
     NEVER_RAN: "partial",
     MISSED_CALL: "partial",
     UNUSED_INPUT: "partial",
@@ -113,6 +120,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
             *_of_assumptions(run),
             *_of_coverage(run.coverage),
             *_of_missed(run.missed),
+            *_of_mission(run.mission),
             *_of_end(run),
         ]
     )
@@ -400,3 +408,15 @@ def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
             object_name=each.call,
             location=each.location,
         )
+
+
+def _of_mission(mission: Sequence[MissedCondition]) -> Iterator[Reason]:
+    for each in mission:
+        code, words = MISSION_MISSED, each.words
+        if each.is_assumed:
+            code = "input-assumed"
+            words += (
+                "; nobody has confirmed this line of success: correct it, or delete its mark where "
+                "the mission is so"
+            )
+        yield _reason(code, words, object_name=each.object, location=each.location)

@@ -28,6 +28,8 @@ class Ran:
     recording: Recording
     folder: Path
     end: RunEnd
+    has_faults: bool = False
+    """Whether units of its robot failed, so that not all came to be that the controller makes."""
 
 
 Grip = Literal["closes", "opens"]
@@ -95,6 +97,20 @@ class MissedCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class MissedCondition:
+    """A condition of the scenario's `success` that the run did not meet."""
+
+    object: str
+    """The object, link, function or interface that it names, else the condition in words."""
+    words: str
+    """What was found, and what is asked."""
+    location: Location | None
+    """Where the condition stands."""
+    is_assumed: bool
+    """Whether nobody has confirmed it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Fall:
     """A thing that fell or tipped while nobody held it."""
 
@@ -121,6 +137,8 @@ class RecordedRun:
     coverage: Coverage = field(default_factory=lambda: Coverage(0, 0))
     missed: tuple[MissedCommand, ...] = ()
     falls: tuple[Fall, ...] = ()
+    mission: tuple[MissedCondition, ...] = ()
+    """What `success` declares and the run did not bring about."""
     assumed: tuple[tuple[str, str], ...] = ()
     """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
     unconfirmed: tuple[tuple[str, str, Location], ...] = ()

@@ -85,7 +85,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
     collided = collisions(robot, attribution, visits)
     found = _in_time((*recording.findings, *attribution.findings, *collided))
     findings = placed_findings(found, controller)
-    verdict, more = run_verdict(ran, findings, coverage, samples, contacts)
+    verdict, more = run_verdict(ran, findings, coverage, samples, contacts, visits)
     return Trace(
         controller=controller.file,
         robot=robot.name,

@@ -22,13 +22,14 @@ from tracerisk.pipeline.trace.recorded_run import (
     Grip,
     IssuedCommand,
     MissedCommand,
+    MissedCondition,
     Ran,
     RecordedRun,
     UnmetNeed,
 )
-from tracerisk.pipeline.trace.run_files import GIVEN, UNMET
+from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
-from tracerisk.trace import Acceptance, Coverage, Finding, Verdict
+from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Gripper, Joint, Robot
 
 NOTHING_TO_GRASP = "nothing_to_grasp"
+_BY_ITSELF: frozenset[EndCause] = frozenset({"raised", "exited"})
+"""How a controller ends itself badly; what it brought about until then is known."""
 _SAME_PLACE = 0.05  # of its range: a command that moves a gripper by less neither opens nor closes
 _AFTER_S = 1.0  # a grip shows no later than this after the gripper's command ended [s]
 
@@ -86,6 +89,7 @@ def run_verdict(
     coverage: Coverage,
     samples: Samples | None,
     contacts: RunContacts | None,
+    visits: Sequence[Visit],
 ) -> tuple[Verdict, tuple[Finding, ...]]:
     """Return the verdict of a run, and findings on grasps for which there was nothing to grasp.
 
@@ -105,6 +109,7 @@ def run_verdict(
         coverage=coverage,
         missed=tuple(_missed(recording, controller)),
         falls=falls(samples, contacts) if samples is not None else (),
+        mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
         has_objects=bool(named),
@@ -160,6 +165,49 @@ def _unconfirmed(
             f"{what} of the scenario is assumed{text}; delete its mark to confirm it",
             place,
         )
+
+
+def _mission(
+    ran: Ran, samples: Samples | None, contacts: RunContacts | None, visits: Sequence[Visit]
+) -> Iterator[MissedCondition]:
+    """Yield what `success` of the scenario declares and the run did not bring about.
+
+    A run that a limit or a deadlock ended shows nothing of the kind.
+    Raises ScenarioError where a run that came to its end has none of the objects that are named.
+    """
+    if ran.settings.scenario is None or not (ran.end.is_good or ran.end.cause in _BY_ITSELF):
+        return
+    from tracerisk.pipeline.mission.facts import mission_facts
+    from tracerisk.pipeline.mission.judged import missed
+    from tracerisk.pipeline.mission.names import check_objects
+    from tracerisk.ros.scenario.scenario import read_scenario
+
+    scenario = read_scenario(Path(ran.settings.scenario))
+    if not scenario.success:
+        return
+    use, objects = ran.recording.note(GRAPH_USE) or {}, ran.recording.note(OBJECTS) or {}
+    facts = mission_facts(
+        ran.robot,
+        ran.scene,
+        scenario,
+        ran.recording,
+        ran.folder,
+        end_s=ran.end.simulated_s or 0.0,
+        samples=samples,
+        holds=contacts.holds if contacts is not None else (),
+        log=contacts.log if contacts is not None else None,
+        bearing=objects.get("bearing", {}),
+        visits=visits,
+        counts=use.get("counts", {}),
+    )
+    if ran.end.is_good and samples is not None and not ran.has_faults:
+        check_objects(scenario.success, facts.scene, facts.frames, facts.tracks)
+    root = ran.controller.root.resolve()
+    for each in missed(scenario.success, facts):
+        place = each.condition.location
+        if place is not None:
+            place = replace(place, file=from_root(root, Path(place.file).resolve()))
+        yield MissedCondition(each.condition.label, each.words, place, each.condition.is_assumed)
 
 
 def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:

@@ -56,6 +56,8 @@ class CellLog:
     """Collects what is sent to the cell: the `cell` of a `Graph`."""
 
     graph: Graph
+    take: Callable[[str, Any], None] | None = None
+    """Called with the name and content of each message, call and goal, the robot's own too."""
     _uses: list[_Use] = field(default_factory=list)
     _times: dict[str, list[int]] = field(default_factory=dict)
 
@@ -66,6 +68,7 @@ class CellLog:
         self, publication: Publication, receivers: Sequence[Subscription], message: Any
     ) -> None:
         """Take a message of the controller."""
+        self._ask(publication.topic, message)
         if _SHOWN.search(publication.type_name) or self._is_beside:
             return
         if any(not receiver.by_controller for receiver in receivers):
@@ -76,6 +79,7 @@ class CellLog:
 
     def called(self, server: ServiceServer, request: Any) -> Callable[[Any], None] | None:
         """Take a call; return what is to be called with the response, or with None for none."""
+        self._ask(server.name, request)
         is_driver = not server.is_callback and not server.is_scenario
         if self._is_beside or (is_driver and not _SWITCHES.search(server.name)):
             return None
@@ -86,6 +90,7 @@ class CellLog:
 
     def sent(self, goal: ActionGoal) -> None:
         """Take a goal of the controller."""
+        self._ask(goal.client.name, goal.message)
         server = goal.server
         if self._is_beside:
             return
@@ -104,6 +109,10 @@ class CellLog:
             if use.interface not in streams
         ]
         return {"uses": uses, "streams": sorted(streams)}
+
+    def _ask(self, name: str, message: Any) -> None:
+        if self.take is not None:
+            self.take(name, message)
 
     @property
     def _is_beside(self) -> bool:

@@ -98,4 +98,9 @@ def _name(entry: object, section: str, index: int) -> str:
         for key in _NAMES:
             if isinstance(entry.get(key), str):
                 return str(entry[key])
+    return entry_name(section, index)
+
+
+def entry_name(section: str, index: int) -> str:
+    """Return what an entry is called that has no name of its own; `index` counts from 0."""
     return f"{section}[{index + 1}]"

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.graph.parameter_files import Parameter, parameters_of
-from tracerisk.ros.scenario.marks import Unconfirmed, unconfirmed
+from tracerisk.ros.scenario.marks import Unconfirmed, entry_name, unconfirmed
 from tracerisk.ros.scenario.message import Written
 from tracerisk.ros.scenario.success import Condition, read_condition
 from tracerisk.text.yaml_reader import YamlMap, read_yaml
@@ -24,6 +24,7 @@ from tracerisk.trace import Acceptance
 Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
 """What an action server makes of a goal."""
 
+_SUCCESS = "success"
 _TYPE_KINDS = ("msg", "srv", "action")
 
 
@@ -124,6 +125,7 @@ class Scenario:
     arguments: tuple[str, ...] = ()
     """The controller's command line, where nobody gives another."""
     unconfirmed: tuple[Unconfirmed, ...] = ()
+    """The entries with the mark `# assumed`, but those of `success`, which give a run nothing."""
     success: tuple[Condition, ...] = ()
     """What a mission is; empty where the file does not say."""
     start: tuple[tuple[str, float, Location], ...] = ()
@@ -146,6 +148,7 @@ def read_scenario(path: Path) -> Scenario:
             *("start", "drivers"),
         }
     )
+    assumed = unconfirmed(path, top)
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
     scenario = Scenario(
         file=str(path),
@@ -161,8 +164,8 @@ def read_scenario(path: Path) -> Scenario:
         accept=_accept(top),
         robot=_robot(top, path),
         arguments=_texts(top, "arguments", "one word of the command line each"),
-        unconfirmed=unconfirmed(path, top),
-        success=_entries(top, "success", read_condition),
+        unconfirmed=tuple(each for each in assumed if each.section != _SUCCESS),
+        success=_success(top, {each.name for each in assumed if each.section == _SUCCESS}),
         start=_start(top),
     )
     _forbid_twice(top, "services", "name")
@@ -187,6 +190,17 @@ def _section(top: YamlMap, key: str) -> tuple[YamlMap, ...]:
 
 def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
     return tuple(read(entry) for entry in _section(top, key))
+
+
+def _success(top: YamlMap, assumed: set[str]) -> tuple[Condition, ...]:
+    """Return the conditions; `assumed` are the names of those with a mark, or of all of them."""
+    return tuple(
+        replace(
+            read_condition(entry),
+            is_assumed=bool(assumed & {_SUCCESS, entry_name(_SUCCESS, number)}),
+        )
+        for number, entry in enumerate(_section(top, _SUCCESS))
+    )
 
 
 def _start(top: YamlMap) -> tuple[tuple[str, float, Location], ...]:

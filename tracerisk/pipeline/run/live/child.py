@@ -18,6 +18,7 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.mission.asked_calls import AskedCalls
 from tracerisk.pipeline.run.child import (
     drivers_of,
     note_given,
@@ -97,7 +98,8 @@ class _LiveRun:
         self._runtime = runtime_of(
             request, scenario, self._scheduler, tracer, self._twin, recorder, self._workspace
         )
-        self._cell = CellLog(self._runtime.graph)
+        asked = AskedCalls(recorder, self._scheduler, scenario.success).take
+        self._cell = CellLog(self._runtime.graph, asked)
         self._threads = RemoteThreads(self._scheduler)
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch

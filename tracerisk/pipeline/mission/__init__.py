@@ -1,0 +1,1 @@
+"""What a run did for its mission, and whether that is what `success` of a scenario declares."""
