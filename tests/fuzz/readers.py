@@ -135,6 +135,10 @@ frames:
 objects:
   - {name: crate, box: [0.2, 0.2, 0.1], xyz: [-0.5, 0, 0.05]}
 answers: ["", ""]
+success:
+  - {object: crate, at: [0, 0, 0.1], of: camera, tilt: 0.1, rests_on: floor}
+  - {called: /camera/enable, with: {data: [1, x, true]}, exactly: 2}
+  - steps: [{reached: {panda_joint1: 0.5}}, {passed: {panda_hand: [0.4, 0, 0.5]}}]
 """
 DRIVER = b"""\
 driver: acme

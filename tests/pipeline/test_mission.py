@@ -1,106 +1,16 @@
-"""What `success` of a scenario declares, judged of runs whose recording is made by hand."""
+"""What `success` of a scenario declares, judged of a run that is made by hand."""
 
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
+from tests.pipeline.made_mission import FACTS, PANDA, SCENE, track
 from tracerisk.errors import ScenarioError
-from tracerisk.geometry.rotation import quaternion_of
 from tracerisk.pipeline.mission.asked_calls import AskedCall
-from tracerisk.pipeline.mission.facts import MissionFacts, Track
 from tracerisk.pipeline.mission.judged import missed
 from tracerisk.pipeline.mission.names import check_names, check_objects
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
-from tracerisk.trace import FunctionRef, Visit
-from tracerisk.twin.physics.scene import Fixture, Goal, GraspableObject, Scene
-from tracerisk.twin.recording.contact_log import ROW, ContactLog, LoggedBody
-from tracerisk.twin.recording.contact_pairs import Hold
-from tracerisk.twin.recording.samples import SampleHeader, Samples
-from tracerisk.twin.robots.robot import load_robot
-
-PANDA = load_robot("panda")
-JOINTS = tuple(joint.name for joint in PANDA.joints)
-STEP_NS, END_S = 10_000_000, 2.0
-N = 200
-ZERO = (0.0, 0.0, 0.0)
-SCENE = Scene(
-    "cell",
-    "A cell",
-    ZERO,
-    ZERO,
-    (Fixture("tray", (0.5, 0.0, 0.0), ZERO, ()), Fixture("table", ZERO, ZERO, ())),
-    (GraspableObject("part", (0.5, 0.2, 0.03), ZERO, 0.1, 0.5, ()),),
-    (Goal("slot_1", (0.5, 0.0, 0.03)), Goal("slot_2", (0.5, 0.04, 0.03))),
-    "cell.yaml",
-)
-TIMES = np.array([0.0, 1.0, END_S])
-
-
-def track(*rows, rpy=ZERO):
-    """A body at positions at the begin, after 1 s and at the end; `rpy` is how it lies then."""
-    turns = [quaternion_of(ZERO), quaternion_of(ZERO), quaternion_of(rpy)]
-    return Track(TIMES, np.array([[*p, *q] for p, q in zip(rows, turns, strict=True)]))
-
-
-def samples():
-    """Joint 1 rests at 0, turns to 0.8 from 0.5 s to 1.5 s, and rests there."""
-    position = np.zeros((N, len(JOINTS)))
-    position[:, 0] = np.interp(np.arange(N) * 0.01, [0.5, 1.5], [0.0, 0.8])
-    velocity = np.zeros_like(position)
-    velocity[50:150, 0] = 0.8
-    empty = np.zeros((N, 0))
-    header = SampleHeader("panda", "cell", STEP_NS, (), JOINTS, (), 0)
-    return Samples(header, empty, position, velocity, np.zeros_like(position), empty, empty)
-
-
-BODIES = (
-    LoggedBody("part", "free", 0.1),
-    LoggedBody("tray", "fixed"),
-    LoggedBody("table", "fixed"),
-    LoggedBody("panda_leftfinger", "link"),
-)
-ROWS = np.array(
-    [(0, 0, 2, 1.0), (50, 0, 3, 5.0), (146, 0, 1, 1.0), (146, 0, 3, 5.0), (150, 0, 1, 1.0)],
-    dtype=ROW,
-)
-PICK, PLACE = FunctionRef("cell.py", "pick"), FunctionRef("cell.py", "place")
-
-
-def visit(ref, start_s, outcome="succeeded"):
-    return Visit(ref, start_s, 1.0, outcome, {})
-
-
-def call(name, time_s, **fields):
-    return AskedCall(name, time_s, fields, {})
-
-
-FACTS = MissionFacts(
-    robot=PANDA,
-    scene=SCENE,
-    end_s=END_S,
-    samples=samples(),
-    tracks={
-        "part": track((0.5, 0.2, 0.03), (0.5, 0.1, 0.3), (0.5, 0.008, 0.03)),
-        "tray": track((0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.5, 0.0, 0.0)),
-        "table": track(ZERO, ZERO, ZERO),
-        "lid": track((0.2, 0.2, 0.0), (0.2, 0.2, 0.0), (0.2, 0.2, 0.0), rpy=(0.7, 0.0, 0.0)),
-    },
-    movable=("part", "lid"),
-    frames={
-        "pallet": Track(np.zeros(1), np.array([[0.5, 0.0, 0.0, *quaternion_of((0, 0, math.pi))]]))
-    },
-    holds=(Hold("hand", 0, 50, 147),),
-    log=ContactLog(BODIES, (), ROWS),
-    visits=(visit(PICK, 0.0), visit(PLACE, 1.0), visit(PLACE, 1.5, "aborted")),
-    counts={"/glue/enable": 2, "/status": 5},
-    calls=(
-        call("/glue/enable", 0.2, on=True, **{"setting.flow": 0.30000001192092896}),
-        call("/glue/enable", 1.6, on=False, **{"setting.flow": 0.0}),
-    ),
-)
-"""A part is lifted from a table at 0.5 s, and stands 8 mm beside the middle of a tray."""
 
 
 @pytest.fixture
@@ -122,7 +32,7 @@ def read(tmp_path):
         "{object: part, at: tray, within: 0.05}",
         "{object: part, at: [0.0, 0.008, 0.03], of: tray, within: 0.001}",
         "{object: part, at: [0.0, -0.008, 0.03], of: pallet, within: 0.001}",
-        "{object: part, tilt: 0.05, on: tray}",
+        "{object: part, tilt: 0.05, rests_on: tray}",
         "{object: part, moved: true}",
         "{object: lid, moved: false}",
         "{joints: {panda_joint1: 0.79}}",
@@ -137,7 +47,7 @@ def read(tmp_path):
         "{sent: /status, times: 5}",
         "{within_s: 2.0}",
         "{steps: [{called: /glue/enable}, {object: part, held_by: hand}, "
-        "{object: part, on: tray}, {called: /glue/enable, with: {on: false}}]}",
+        "{object: part, rests_on: tray}, {called: /glue/enable, with: {on: false}}]}",
         "{steps: [{reached: {panda_joint1: 0}}, {passed: {panda_joint1: 0.4}}, "
         "{joints: {panda_joint1: 0.8}}]}",
         "{steps: [{called: /glue/enable}, {called: /glue/enable}]}",
@@ -156,7 +66,7 @@ def test_what_the_run_brought_about_is_met(read, entry):
         ("{object: part, at: [0.5, 0.0, 0.06]}", "31 mm from (0.5, 0, 0.06) (at most 10 mm allow"),
         ("{object: part, at: [0, 0.008, 0.03], of: pallet}", "16 mm from its place on pallet (at"),
         ("{object: lid, tilt: 0.1}", "lid ends leaning 40.1 degrees (at most 5.73 allowed)"),
-        ("{object: part, on: table}", "part rests on tray at the end, not on table"),
+        ("{object: part, rests_on: table}", "part rests on tray at the end, not on table"),
         ("{object: part, held_by: hand}", "part is not held by hand at the end"),
         ("{object: part, moved: false}", "part ends 192 mm from where it began (at most 5 mm all"),
         ("{object: lid, moved: true}", "lid ends 0 mm from where it began (more than 5 mm asked)"),
@@ -250,7 +160,10 @@ def test_a_goal_is_asked_of_a_scene_that_has_some(read):
         ("{object: prat, moved: true}", "unknown object 'prat' of the run; did you mean 'part'?"),
         ("{object: part, at: slot_9}", "unknown goal, object or frame 'slot_9' of the run; did y"),
         ("{object: part, at: [0, 0, 0], of: palet}", "unknown object or frame 'palet' of the run"),
-        ("{object: part, on: trey}", "unknown object 'trey' of the run; did you mean 'tray'?"),
+        (
+            "{object: part, rests_on: trey}",
+            "unknown object 'trey' of the run; did you mean 'tray'?",
+        ),
     ],
 )
 def test_an_unknown_object_or_frame_is_an_error_with_the_valid_names(read, entry, message):

@@ -22,6 +22,7 @@ GROUPS = {
         "trace": "run a controller and print which hardware each function used",
         "attach": "listen to a real robot; print what each function used",
         "scenario": "list a controller's needs; write a scenario that meets them",
+        "success": "draft what the mission is from what a good run brought about",
         "check": "check, without a simulation, whether blocks can be trusted",
         "refresh": "bring blocks up to date, simulating only what is stale",
         "annotate": "write risk blocks into a controller from a trace or a log",

@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
         )
     draft, asked = _drafted(options, controller, settings, base)
     if options.write:
-        _write(output, draft.text)
+        write_scenario(output, draft.text)
     code = _exit_code(draft)
     if options.json:
         _print_json(options, output, draft, asked, code)
@@ -99,7 +99,7 @@ def _exit_code(draft: ScenarioDraft) -> int:
     return int(ExitCode.CONTROLLER_FAILED if trace is None else failure_code(trace))
 
 
-def _write(output: Path, text: str) -> None:
+def write_scenario(output: Path, text: str) -> None:
     """Write the scenario, unless the file holds just that."""
     try:
         is_same = output.read_bytes() == text.encode()
@@ -118,6 +118,11 @@ def _output(options: argparse.Namespace, controller: Controller) -> Path:
         raise InputError("--output says where --write writes; give both, or neither")
     if options.output is not None:
         return Path(options.output)
+    return scenario_file(controller)
+
+
+def scenario_file(controller: Controller) -> Path:
+    """Return the file of a controller's scenario, where no other is named."""
     return controller.path.with_name(controller.path.stem + _ENDING)
 
 

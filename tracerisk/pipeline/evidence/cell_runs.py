@@ -277,7 +277,7 @@ def declared_success(settings: Settings) -> tuple[Condition, ...]:
     from tracerisk.ros.scenario.scenario import read_scenario
 
     declared = read_scenario(Path(settings.scenario)).success
-    return tuple(each for each in declared if not each.is_assumed)
+    return tuple(condition for condition in declared if not condition.is_assumed)
 
 
 def _judged(

@@ -65,7 +65,7 @@ def judge(
     if has_conditions and failed.is_decided:
         fails = any(each.effect == "collision" for each in seen)
     elif has_conditions:
-        missed = [each.words for each in _reasons(failed) if _is_missed(each)]
+        missed = [reason.words for reason in _reasons(failed) if _is_missed(reason)]
         fails = bool(missed) or any(each.effect in ("collision", "ended_badly") for each in seen)
         lost = tuple(f"missed: {each}" for each in missed)
     else:

@@ -51,7 +51,7 @@ def object_clauses(condition: Condition, facts: MissionFacts, times: Array) -> I
         yield _moved(condition, track, poses)
     if condition.tilt is not None:
         yield _tilted(condition, condition.tilt, poses)
-    if condition.on:
+    if condition.rests_on:
         yield _on(condition, facts, times)
     if condition.held_by:
         yield _held(condition, facts, times)
@@ -236,6 +236,6 @@ def _on(condition: Condition, facts: MissionFacts, times: Array) -> Clause:
     def words(index: int) -> str:
         now = sorted(name for name, flags in bearing.items() if flags[index])
         found = f"rests on {', '.join(now)}" if now else "touches nothing"
-        return f"{condition.name} {found} at the end, not on {condition.on}"
+        return f"{condition.name} {found} at the end, not on {condition.rests_on}"
 
-    return Clause(bearing.get(condition.on, never), words)
+    return Clause(bearing.get(condition.rests_on, never), words)

@@ -61,8 +61,6 @@ class MissionFacts:
     """The joints at each step; `None` where nothing was simulated."""
     tracks: Mapping[str, Track] = field(default_factory=dict)
     """Where each object was, those that never move included."""
-    movable: tuple[str, ...] = ()
-    """The names of the objects that can be moved, in the scene's order."""
     frames: Mapping[str, Track] = field(default_factory=dict)
     """Where the frames of the scenario are that do not hang on a moving link."""
     holds: Sequence[Hold] = ()
@@ -106,13 +104,10 @@ def mission_facts(
     Raises LogError where the recording is damaged, ScenarioError for objects that are malformed.
     """
     scene = with_objects(load_scene(scene_name), scenario.objects)
-    tracks = {each.name: _fixed(each.xyz, quaternion_of(each.rpy)) for each in scene.fixtures}
-    movable: tuple[str, ...] = ()
+    tracks = {body.name: _fixed(body.xyz, quaternion_of(body.rpy)) for body in scene.fixtures}
     if samples is not None:
-        moved = _tracks(samples, end_s)
         declared = _declared_tracks(folder, samples, end_s)
-        tracks = {**declared, **tracks, **moved}
-        movable = (*moved, *(name for name in declared if name not in moved))
+        tracks = {**declared, **tracks, **_tracks(samples, end_s)}
     base = _fixed(scene.robot_xyz, quaternion_of(scene.robot_rpy))
     return MissionFacts(
         robot=robot,
@@ -120,7 +115,6 @@ def mission_facts(
         end_s=end_s,
         samples=samples,
         tracks=tracks,
-        movable=movable,
         frames=_frames(scenario.frames, {WORLD: base, robot.base_link: base}),
         holds=holds,
         log=log,

@@ -42,7 +42,7 @@ class Missed:
 
 def missed(conditions: Iterable[Condition], facts: MissionFacts) -> tuple[Missed, ...]:
     """Return the conditions that a run did not meet, in their order."""
-    found = ((each, _found(each, facts)) for each in conditions)
+    found = ((condition, _found(condition, facts)) for condition in conditions)
     return tuple(Missed(condition, words) for condition, words in found if words)
 
 
@@ -70,7 +70,7 @@ def _found(condition: Condition, facts: MissionFacts) -> str:
 
 
 def _absent(condition: Condition, facts: MissionFacts) -> str:
-    names = [condition.of, condition.on, condition.name if condition.kind == "object" else ""]
+    names = [condition.of, condition.rests_on, condition.name if condition.kind == "object" else ""]
     goals = {goal.name for goal in facts.scene.goals}
     if isinstance(condition.at, str) and condition.at not in goals:
         names.append(condition.at)
@@ -206,8 +206,8 @@ def _is_equal(found: Any, wanted: Any) -> bool:
     if isinstance(found, list) and isinstance(wanted, list):
         pairs = zip(found, wanted, strict=False)
         return len(found) == len(wanted) and all(_is_equal(one, two) for one, two in pairs)
-    numbers = all(isinstance(each, int | float) for each in (found, wanted))
-    if numbers and not any(isinstance(each, bool) for each in (found, wanted)):
+    numbers = all(isinstance(value, int | float) for value in (found, wanted))
+    if numbers and not any(isinstance(value, bool) for value in (found, wanted)):
         return math.isclose(found, wanted, rel_tol=1e-6, abs_tol=1e-9)
     return bool(found == wanted)
 

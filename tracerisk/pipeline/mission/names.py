@@ -26,13 +26,13 @@ def check_names(scenario: Scenario, robot: Robot, scene: Scene) -> None:
         for name in (*condition.links, *([condition.name] if condition.kind == "link" else [])):
             _check(condition, "link", name, robot.link_names, f"of robot '{robot.name}'")
         if condition.held_by:
-            holders = [*(each.name for each in robot.grippers), *robot.link_names]
+            holders = [*(gripper.name for gripper in robot.grippers), *robot.link_names]
             _check(condition, "gripper or link", condition.held_by, holders, "of the robot")
         if condition.is_at_goal and not scene.goals:
             _fail(
                 condition,
                 f"scene '{scene.name}' has no goals; say where {condition.name} is to end: "
-                "at, on, held_by, tilt or moved",
+                "at, rests_on, held_by, tilt or moved",
             )
         for frame in scenario.frames:
             if frame.frame in (condition.at, condition.of):
@@ -55,8 +55,8 @@ def check_objects(
             _check(condition, "goal, object or frame", condition.at, known, "of the run")
         if condition.of:
             _check(condition, "object or frame", condition.of, [*objects, *frames], "of the run")
-        if condition.on:
-            _check(condition, "object", condition.on, objects, "of the run")
+        if condition.rests_on:
+            _check(condition, "object", condition.rests_on, objects, "of the run")
 
 
 def parts_of(conditions: Iterable[Condition]) -> Iterator[Condition]:
@@ -72,7 +72,7 @@ def _check(condition: Condition, what: str, name: str, known: Collection[str], o
 
 
 def _check_frame(condition: Condition, frame: Frame, frames: Iterable[Frame], robot: Robot) -> None:
-    parents: Mapping[str, str] = {each.frame: each.parent for each in frames}
+    parents: Mapping[str, str] = {known.frame: known.parent for known in frames}
     top, seen = frame.parent, {frame.frame}
     while top in parents and top not in seen:
         seen.add(top)

@@ -411,12 +411,12 @@ def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
 
 
 def _of_mission(mission: Sequence[MissedCondition]) -> Iterator[Reason]:
-    for each in mission:
-        code, words = MISSION_MISSED, each.words
-        if each.is_assumed:
+    for condition in mission:
+        code, words = MISSION_MISSED, condition.words
+        if condition.is_assumed:
             code = "input-assumed"
             words += (
                 "; nobody has confirmed this line of success: correct it, or delete its mark where "
                 "the mission is so"
             )
-        yield _reason(code, words, object_name=each.object, location=each.location)
+        yield _reason(code, words, object_name=condition.object, location=condition.location)

@@ -203,11 +203,11 @@ def _mission(
     if ran.end.is_good and samples is not None and not ran.has_faults:
         check_objects(scenario.success, facts.scene, facts.frames, facts.tracks)
     root = ran.controller.root.resolve()
-    for each in missed(scenario.success, facts):
-        place = each.condition.location
+    for found in missed(scenario.success, facts):
+        condition, place = found.condition, found.condition.location
         if place is not None:
             place = replace(place, file=from_root(root, Path(place.file).resolve()))
-        yield MissedCondition(each.condition.label, each.words, place, each.condition.is_assumed)
+        yield MissedCondition(condition.label, found.words, place, condition.is_assumed)
 
 
 def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:

@@ -12,7 +12,7 @@ from tracerisk.ros.scenario.marks import MARK
 _WIDTH = 88
 _PLAIN = re.compile(r"[A-Za-z/~][\w/.]*")
 _NO_STRINGS = frozenset({"true", "false", "null", "yes", "no", "on", "off", "nan", "inf"})
-_ORDER = ("robot", "arguments", *dict.fromkeys(SECTIONS.values()))
+_ORDER = ("robot", "arguments", *dict.fromkeys(SECTIONS.values()), "success")
 
 
 def scenario_lines(drafts: Iterable[Draft]) -> str:
@@ -73,6 +73,15 @@ def plain_lines(value: Any) -> list[str]:
 def word_lines(words: Iterable[str], remark: str) -> list[str]:
     """Return the lines of a list of words, each with the mark and what is said of it."""
     return [f"  - {_quoted(each)}  {MARK}: {remark}" for each in words]
+
+
+def marked_entry(value: Mapping[str, Any], remark: str) -> list[str]:
+    """Return the lines of an entry of a list, the first with the mark and what is said of it."""
+    mark = f"{MARK}: {remark}"
+    if len(flow := _flow(value)) <= _WIDTH:
+        return [f"  - {flow}  {mark}"]
+    first, *more = _block(value, 4)
+    return [f"  - {first.lstrip()}  {mark}", *more]
 
 
 def _block(value: Mapping[str, Any], indent: int) -> list[str]:

@@ -164,8 +164,8 @@ def read_scenario(path: Path) -> Scenario:
         accept=_accept(top),
         robot=_robot(top, path),
         arguments=_texts(top, "arguments", "one word of the command line each"),
-        unconfirmed=tuple(each for each in assumed if each.section != _SUCCESS),
-        success=_success(top, {each.name for each in assumed if each.section == _SUCCESS}),
+        unconfirmed=tuple(entry for entry in assumed if entry.section != _SUCCESS),
+        success=_success(top, {entry.name for entry in assumed if entry.section == _SUCCESS}),
         start=_start(top),
     )
     _forbid_twice(top, "services", "name")

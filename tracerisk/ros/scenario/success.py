@@ -27,7 +27,7 @@ COUNTED = frozenset({"visited", "called", "sent"})
 
 _PLACE = frozenset({"at", "of", "within"})
 _WITH: Mapping[ConditionKind, frozenset[str]] = {
-    "object": _PLACE | {"tilt", "on", "held_by", "moved"},
+    "object": _PLACE | {"tilt", "rests_on", "held_by", "moved"},
     "link": _PLACE,
     "joints": frozenset({"within"}),
     "reached": frozenset({"within"}),
@@ -64,7 +64,7 @@ class Condition:
     """How far off is still met [m, rad]."""
     tilt: float | None = None
     """The most that an object's z axis may lean from the vertical [rad]."""
-    on: str = ""
+    rests_on: str = ""
     """What an object is to rest on."""
     held_by: str = ""
     """The gripper or link that is to hold an object."""
@@ -93,11 +93,11 @@ class Condition:
     def is_at_goal(self) -> bool:
         """Whether an object is to be at any goal of the scene, for nothing else is said of it."""
         said = (self.at, self.tilt, self.moved)
-        return self.kind == "object" and not (self.on or self.held_by) and said == (None,) * 3
+        return self.kind == "object" and not (self.rests_on or self.held_by) and said == (None,) * 3
 
     @property
     def label(self) -> str:
-        """What tells it from other conditions: the object, link, function or interface it names."""
+        """What it names: an object, link, function or interface; else the condition in words."""
         return self.name or self.words
 
     @property
@@ -132,7 +132,7 @@ class Condition:
             clauses.append(f"{'' if self.moved else 'not '}moved by more than {self.within:g} m")
         if self.tilt is not None:
             clauses.append(f"tilted by at most {self.tilt:g} rad")
-        clauses += [f"on {self.on}"] if self.on else []
+        clauses += [f"on {self.rests_on}"] if self.rests_on else []
         clauses += [f"held by {self.held_by}"] if self.held_by else []
         return clauses
 
@@ -200,7 +200,7 @@ def _of_place(entry: YamlMap, kind: ConditionKind) -> Condition:
         of=entry.string("of", default=""),
         within=within,
         tilt=entry.number("tilt", minimum=0.0) if "tilt" in entry else None,
-        on=entry.string("on", default=""),
+        rests_on=entry.string("rests_on", default=""),
         held_by=entry.string("held_by", default=""),
         moved=moved,
         location=entry.location,
@@ -272,7 +272,7 @@ def _flatten(table: YamlMap, above: str, found: dict[str, Any]) -> None:
 def _plain(value: Any, table: YamlMap, key: str) -> Any:
     if isinstance(value, list):
         return [_plain(item, table, key) for item in value]
-    kind = next((each for each in (bool, int, float, str) if isinstance(value, each)), None)
+    kind = next((plain for plain in (bool, int, float, str) if isinstance(value, plain)), None)
     if kind is None:
         table.fail(key, "expected numbers, texts or truth values, or a list of them")
     return kind(value)
