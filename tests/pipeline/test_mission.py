@@ -66,6 +66,7 @@ def test_what_the_run_brought_about_is_met(read, entry):
         ("{object: part, at: [0.5, 0.0, 0.06]}", "31 mm from (0.5, 0, 0.06) (at most 10 mm allow"),
         ("{object: part, at: [0, 0.008, 0.03], of: pallet}", "16 mm from its place on pallet (at"),
         ("{object: lid, tilt: 0.1}", "lid ends leaning 40.1 degrees (at most 5.73 allowed)"),
+        ("{object: part, rests_on: floor}", "part rests on tray at the end, not on floor"),
         ("{object: part, rests_on: table}", "part rests on tray at the end, not on table"),
         ("{object: part, held_by: hand}", "part is not held by hand at the end"),
         ("{object: part, moved: false}", "part ends 192 mm from where it began (at most 5 mm all"),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.outcome.outcome import FLOOR
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.bodies import (
     Clause,
@@ -74,7 +75,7 @@ def _absent(condition: Condition, facts: MissionFacts) -> str:
     goals = {goal.name for goal in facts.scene.goals}
     if isinstance(condition.at, str) and condition.at not in goals:
         names.append(condition.at)
-    known = {*facts.tracks, *facts.frames}
+    known = {*facts.tracks, *facts.frames, FLOOR}
     return next((name for name in names if name and name not in known), "")
 
 

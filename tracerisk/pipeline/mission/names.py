@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import NoReturn
 
 from tracerisk.errors import ScenarioError, one_of
+from tracerisk.outcome.outcome import FLOOR
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.scenario.scenario import Frame, Scenario
 from tracerisk.ros.scenario.success import Condition
@@ -56,7 +57,8 @@ def check_objects(
         if condition.of:
             _check(condition, "object or frame", condition.of, [*objects, *frames], "of the run")
         if condition.rests_on:
-            _check(condition, "object", condition.rests_on, objects, "of the run")
+            bearing = [*objects, FLOOR]
+            _check(condition, "object", condition.rests_on, bearing, "of the run")
 
 
 def parts_of(conditions: Iterable[Condition]) -> Iterator[Condition]:
