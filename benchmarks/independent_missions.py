@@ -140,10 +140,9 @@ def run(mission: Mission, folder: Path) -> Ran:
     if lock.exists():
         controllers = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
         entry = next(iter(controllers.values()), {}).get("trace", {})
-    verdict = found.get("verdict") or entry.get("verdict") or {}
-    if isinstance(verdict, str):
-        verdict = {"kind": verdict}
-    error = found.get("error") or {}
+    given: Any = found.get("verdict") or entry.get("verdict") or {}
+    verdict: dict[str, Any] = {"kind": given} if isinstance(given, str) else given
+    error: dict[str, Any] = found.get("error") or {}
     kind = verdict.get("kind") or str(error.get("code") or "refused")
     open_reasons = [each for each in verdict.get("reasons", ()) if not each.get("accepted")]
     keys = frozenset((each["code"], each["function"], each["object"]) for each in open_reasons)

@@ -102,9 +102,9 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
     alerts = []
     for diff in review.controllers:
         if diff.outcome is not None:
-            place = Location(diff.name, 1)
+            first_line = Location(diff.name, 1)
             alerts += [
-                _alert("changed-outcome", line, place, folder, subject=line)
+                _alert("changed-outcome", line, first_line, folder, subject=line)
                 for line in diff.outcome.of_mission
             ]
         for change in diff.changes:
