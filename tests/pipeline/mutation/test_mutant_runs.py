@@ -13,8 +13,8 @@ from tracerisk.errors import ControllerFailedError, InputError
 from tracerisk.pipeline.evidence import workers
 from tracerisk.pipeline.mutation import campaign
 from tracerisk.pipeline.mutation.campaign import plan_mutation
-from tracerisk.pipeline.mutation.mutant_run import MISSION_MISSED, MutantJob, compared, run_mutant
-from tracerisk.trace import Location, Reason
+from tracerisk.pipeline.mutation.mutant_run import MutantJob, compared, run_mutant
+from tracerisk.trace import MISSION_MISSED, Location, Reason
 
 TURNING = """\
 import moveit_commander, rospy
@@ -166,6 +166,22 @@ def test_a_reason_of_the_run_without_a_change_is_not_new(plan):
 def test_the_same_run_differs_in_nothing(plan):
     nominal = plan.nominal.trace
     assert not compared(plan.changes[0], nominal, nominal).is_altered
+
+
+def test_what_is_declared_is_noticed(example):
+    path = example.write("turning.py", TURNING)
+    example.write("angles.py", ANGLES)
+    example.write("pyproject.toml", '[tool.tracerisk]\nscenario = "cell.yaml"\n')
+    example.write("cell.yaml", "success:\n  - {joints: {panda_joint1: 0.05}, within: 0.004}\n")
+    plan = plan_mutation(path, (), most=200)
+    by = {}
+    for words in ("0.02 becomes 0.04", "wait=True becomes False", "0.02 and 0.03 change places"):
+        (change,) = [change for change in plan.changes if change.words == words]
+        done = run_mutant(MutantJob(str(path), (), plan.nominal.digest, "", change))
+        assert done.is_altered
+        by[words] = done.noticed_by
+    # The way there is no part of what is declared.
+    assert list(by.values()) == ["success", "verdict", "nothing"]
 
 
 def test_a_campaign_goes_on_where_it_was_and_ends_as_in_one_go(turning, monkeypatch):

@@ -14,10 +14,8 @@ from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_with_sources
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.report.mutants import MutantRun
-from tracerisk.trace import MISSED_CALL, Reason, Trace
+from tracerisk.trace import MISSED_CALL, MISSION_MISSED, Reason, Trace
 
-MISSION_MISSED = "mission-missed"
-"""The code of the reason that a condition of `success` is not met."""
 _MORE_OWN = 3.0
 _MORE_OWN_S = 5.0
 """A changed controller may compute or sleep this many times as long, and more [s]."""
