@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import io
+import json
 import random
 import re
 from collections.abc import Callable
@@ -72,6 +73,7 @@ class EditedController:
         lock = loads(self.repository.read("tracerisk.lock"), "tracerisk.lock")
         entry = lock.controllers[self.script]
         self.trace: dict[str, Any] = dict(entry.trace)
+        self.first_outcome = self.trace.get("outcome", {})
         self.inputs: dict[str, Any] = dict(entry.inputs)
         self.sources: dict[str, bytes] = {}
         self.blocks: dict[Key, RiskBlock] = {}
@@ -110,6 +112,7 @@ class EditedController:
         changes: tuple[Callable[[], None], ...] = (
             *(self._add, self._remove, self._reorder, self._rename, self._split, self._move),
             *(self._flow, self._figures, self._components, self._inputs, self._trace),
+            *(self._outcome, self._outcome),
         )
         change = self.chance.choice(changes)
         change()
@@ -277,6 +280,30 @@ class EditedController:
             self.trace.pop("verdict", None)
         elif isinstance(self.trace.get("verdict"), dict):
             self.trace["verdict"] = {**self.trace["verdict"], "kind": kind}
+
+    def _outcome(self) -> None:
+        """Have the run bring about something else, or the lock keep what is no outcome."""
+        data = self.trace.get("outcome")
+        kind = self.chance.choice(("back", "number", "number", "step", "form", "gone"))
+        if kind == "back" or not isinstance(data, dict):
+            self.trace["outcome"] = self.first_outcome
+        elif kind == "number":
+            text = json.dumps(data)
+            found = self.chance.choice(list(re.finditer(r"(?<![\d.])[1-9]\d*", text)))
+            number = str(self.chance.randint(1, 9999))
+            text = text[: found.start()] + number + text[found.end() :]
+            self.trace["outcome"] = json.loads(text)
+        elif kind == "step":
+            lists = [name for name, value in data.items() if isinstance(value, list) and value]
+            name = self.chance.choice(lists)
+            kept = list(data[name])
+            kept.pop(self.chance.randrange(len(kept)))
+            self.trace["outcome"] = {**data, name: kept}
+        elif kind == "form":
+            forms: tuple[Any, ...] = ([], {"way": 3}, {**data, "arms": None})
+            self.trace["outcome"] = self.chance.choice(forms)
+        else:
+            del self.trace["outcome"]
 
     # What the tool writes.
 
