@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 from ruamel.yaml import YAML
 
-from tracerisk.outcome.outcome import CellUse, ObjectOutcome, Outcome, Rest
+from tracerisk.outcome.arm import Arm
+from tracerisk.outcome.outcome import CellUse, ObjectOutcome, Outcome, rest_of
 from tracerisk.pipeline.mission.drafted import drafted_conditions
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.scenario.success import Condition
@@ -158,8 +159,9 @@ def test_uses_of_the_cell_are_counted_but_those_of_a_stream():
 
 
 def test_the_last_rest_of_each_arm_is_drafted_if_the_controller_was_done():
-    rests = tuple(Rest(i, (0.1 * i,), (0, 0, 0), 1.0, 1.0, arm=i % 2) for i in range(4))
-    outcome = Outcome(arms=(("left_1",), ("right_1",)), rests=rests)
+    arms = (Arm(("left_1",)), Arm(("right_1",)))
+    rests = tuple(rest_of(arms[i % 2], (0.1 * i,), order=i, number=i % 2) for i in range(4))
+    outcome = Outcome(arms=arms, rests=rests)
     found = [each.value for each in drafted_conditions(outcome, (), is_over=True)]
     assert found == [{"joints": {"left_1": 0.2}}, {"joints": {"right_1": pytest.approx(0.3)}}]
     assert drafted_conditions(outcome, (), is_over=False) == ()

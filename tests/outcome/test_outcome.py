@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tracerisk.outcome.arm import Arm, ArmFrame, tool_pose
 from tracerisk.outcome.changes import Tolerances, outcome_changes
 from tracerisk.outcome.kept import MOST_BYTES, kept_outcome, outcome_summary
 from tracerisk.outcome.outcome import (
@@ -19,11 +20,22 @@ from tracerisk.outcome.outcome import (
     Outcome,
     Rest,
     moved_line,
+    rest_of,
     rounded,
 )
 from tracerisk.outcome.ways import corners, line_distance
 
-ARM = ("joint1", "joint2")
+Z = (0.0, 0.0, 1.0)
+ARM = Arm(
+    ("joint1", "joint2", "joint3", "joint4"),
+    (
+        ArmFrame((0.0, 0.0, 0.3), (0.0, 0.0, 0.0), "joint1", (1.0, 0.0, 0.0), slides=True),
+        ArmFrame((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "joint2", (0.0, 1.0, 0.0), slides=True),
+        ArmFrame((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "joint3", (1.0, 0.0, 0.0), slides=True),
+        ArmFrame((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "joint4", Z),
+    ),
+)
+"""Slides along x, y and x again, and turns the tool about z."""
 
 
 def thing(name="cup", begin=(0.4, 0.1, 0.05), end=(0.4, -0.2, 0.05), **more) -> ObjectOutcome:
@@ -44,8 +56,8 @@ def outcome(*steps, objects=(), **more) -> Outcome:
     )
 
 
-def rest(a: float, b: float = 0.0, *, tool=None, held_s=0.0, took_s=1.0, via=()) -> Rest:
-    return Rest(0, (a, b), tool or (a, b, 0.3), held_s, took_s, 0, via)
+def rest(a: float, b: float = 0.0, c: float = 0.0, d: float = 0.0, **more) -> Rest:
+    return rest_of(ARM, (a, b, c, d), **{"took_s": 1.0, **more})
 
 
 def call(name="/glue/enable", content="data=true", *, succeeded=True) -> CellUse:
@@ -121,11 +133,24 @@ def test_a_rest_elsewhere_says_how_far():
     assert line == "rest 5 of 6 at (-0.300, 0.000, 0.300) m is now 24 mm from there"
 
 
-def test_another_posture_at_the_same_place_is_named_by_its_joint():
-    other = rest(0.3, 0.25, tool=DOWN.tool_m)
-    after = outcome(*MISSION[:2], other, *MISSION[3:], objects=[thing()])
+def test_another_posture_at_the_same_place_loses_nothing():
+    after = outcome(*MISSION[:2], rest(0.18, 0.2, 0.12), *MISSION[3:], objects=[thing()])
+    changes = outcome_changes(WHOLE, after)
+    (line,) = changes.added
+    assert "is reached in another posture: joint1 is 0.120 rad or m off" in line
+    assert not changes.does_something_else
+
+
+def test_a_tool_turned_otherwise_is_another_rest():
+    after = outcome(*MISSION[:2], rest(0.3, 0.2, d=0.5), *MISSION[3:], objects=[thing()])
     (line,) = outcome_changes(WHOLE, after).lost
-    assert "is now with joint2 0.050 rad or m from there" in line
+    assert line.endswith("is now with the tool turned by 29 deg from there")
+
+
+def test_an_arm_arrives_a_little_before_its_last_goal():
+    near = outcome(*MISSION[:-1], rest(0.008), objects=[thing()])
+    assert not outcome_changes(WHOLE, near).result
+    assert outcome_changes(WHOLE, near).lost
 
 
 def test_where_the_arm_ends_is_the_result():
@@ -175,7 +200,7 @@ def test_a_call_at_another_point_of_the_mission_is_lost_way():
 
 def test_another_way_between_the_same_rests_is_named():
     straight = outcome(HOME, rest(0.3))
-    around = outcome(HOME, rest(0.3, via=((0.15, 0.1, 0.3),)))
+    around = outcome(HOME, rest(0.3, via_m=((0.15, 0.1, 0.3),)))
     (line,) = outcome_changes(straight, around).lost
     assert line.endswith("passes 100 mm beside the old one")
 
@@ -213,14 +238,11 @@ tenths = st.integers(0, 600).map(lambda value: value / 10.0)
 names = st.text("abcdefghij_1/", min_size=1, max_size=12).map("x".__add__)
 contents = st.text("abc =.'12", max_size=30).map(str.strip)
 rests = st.builds(
-    Rest,
-    st.just(0),
-    st.tuples(millimetres, millimetres),
-    places,
-    tenths,
-    tenths,
-    st.just(0),
-    st.lists(places, max_size=3).map(tuple),
+    rest,
+    *(millimetres,) * 4,
+    took_s=tenths,
+    held_s=tenths,
+    via_m=st.lists(places, max_size=3),
 )
 uses = st.one_of(
     rests,
@@ -256,7 +278,7 @@ def test_every_pair_of_outcomes_compares(one, other):
 
 def test_a_long_run_keeps_its_first_steps_in_a_few_kilobytes():
     way = ((0.1, 0.2, 0.3), (0.4, 0.9, 0.3), (0.1, 0.2, 0.9))
-    steps = [rest(number / 10.0, via=way) for number in range(500)]
+    steps = [rest(number / 10.0, via_m=way) for number in range(500)]
     summary = outcome_summary(outcome(*steps))
     assert len(json.dumps(summary, indent=1)) <= MOST_BYTES
     kept = kept_outcome(summary)
@@ -296,7 +318,7 @@ def test_of_a_long_run_steps_ends_and_counts_are_compared():
 
 def test_fewer_corners_are_kept_where_there_is_no_room_for_all():
     wave = tuple((number / 100.0, 0.02 * (number % 2), 0.3) for number in range(40))
-    steps = [rest(number / 10.0, via=wave) for number in range(20)]
+    steps = [rest(number / 10.0, via_m=wave) for number in range(20)]
     kept = kept_outcome(outcome_summary(outcome(*steps)))
     assert kept is not None
     assert len(kept.rests) == 20
@@ -308,3 +330,9 @@ def test_fewer_corners_are_kept_where_there_is_no_room_for_all():
 def test_a_way_lies_within_reach_of_the_lines_between_its_corners(points, within_m):
     way = [points[0], *corners(points, within_m), points[-1]]
     assert all(min(line_distance(p, a, b) for a, b in pairwise(way)) <= within_m for p in points)
+
+
+@given(st.tuples(*(millimetres,) * 4))
+def test_the_kept_arm_has_its_tool_where_the_twin_has_it(joints):
+    (x, y, z), _ = tool_pose(ARM, joints)
+    assert (x, y, z) == pytest.approx((joints[0] + joints[2], joints[1], 0.3))

@@ -12,13 +12,13 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 
+from tracerisk.outcome.arm import Position, angle_between
 from tracerisk.outcome.outcome import (
     CellCount,
     CellUse,
     GripperUse,
     ObjectOutcome,
     Outcome,
-    Position,
     Rest,
     Step,
 )
@@ -40,6 +40,8 @@ class Tolerances:
 
 TOLERANCES = Tolerances()
 _ROUNDING = 1.0001  # of a tolerance: figures are kept in whole steps
+_ENDS = 5.0
+"""How many times the tolerances the last rest may differ: an arm has arrived a little before."""
 _OPENING = 0.1  # of a gripper's range
 _WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
 _PACE_S, _PACE_RATIO = 0.5, 1.5  # a time is another one that differs by more of both
@@ -87,9 +89,10 @@ def outcome_changes(
 ) -> OutcomeChanges:
     """Return how what a later run brought about differs from that of an earlier one."""
     comparison = _Comparison(old, new, tolerances)
-    if old.arms != new.arms and old.arms and new.arms:
-        joints = comparison.other_joints()
-        return OutcomeChanges(result=(*comparison.objects(), *joints, *comparison.cell()))
+    joints = [tuple(arm.joints for arm in outcome.arms) for outcome in (old, new)]
+    if joints[0] != joints[1] and all(joints):
+        other = comparison.other_joints()
+        return OutcomeChanges(result=(*comparison.objects(), *other, *comparison.cell()))
     lost, added = comparison.way()
     result = (*comparison.objects(), *comparison.cell(), *comparison.last_rest())
     return OutcomeChanges(
@@ -205,7 +208,7 @@ class _Comparison:
         for number in range(max(len(self._old.arms), len(self._new.arms))):
             before = [rest for rest in self._old.rests if rest.arm == number]
             after = [rest for rest in self._new.rests if rest.arm == number]
-            if before and after and not self._is_same(before[-1], after[-1]):
+            if before and after and not self._is_same_rest(before[-1], after[-1], _ENDS):
                 lines.append(f"the arm ends {self._apart(before[-1], after[-1])} where it ended")
             elif before and not after:
                 lines.append("the arm never comes to rest, before: it did")
@@ -213,8 +216,8 @@ class _Comparison:
 
     def other_joints(self) -> list[str]:
         """Return which joints are commanded only in one run."""
-        before = {name for arm in self._old.arms for name in arm}
-        after = {name for arm in self._new.arms for name in arm}
+        before = {name for arm in self._old.arms for name in arm.joints}
+        after = {name for arm in self._new.arms for name in arm.joints}
         lines = []
         if before - after:
             lines.append(f"never commanded any more: {', '.join(sorted(before - after))}")
@@ -236,6 +239,7 @@ class _Comparison:
             lost += self._lost_rests(rests[len(others) :])
             added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
             lost += _grip_changes(gone, come, added)
+        added += self._other_postures()
         lost += self._moved_uses()
         lost += self._other_ways()
         totals = [len(outcome.steps) + outcome.left_out for outcome in (self._old, self._new)]
@@ -243,6 +247,26 @@ class _Comparison:
             line = f"the mission has {totals[1]} steps in all, before: {totals[0]}"
             (lost if totals[1] < totals[0] else added).append(line)
         return lost, added
+
+    def _other_postures(self) -> Iterator[str]:
+        """Yield rests at which the tool is where it was, and the arm is not."""
+        found = []
+        for i, j in self._pairs:
+            old, new = self._before[i], self._after[j]
+            if isinstance(old, Rest) and isinstance(new, Rest):
+                turned = [abs(a - b) for a, b in zip(old.joints, new.joints, strict=True)]
+                if max(turned) > self._tolerances.joint * _ROUNDING:
+                    found.append((old, turned))
+        if len(found) >= _IN_A_ROW:
+            yield f"{len(found)} rests are reached in another posture of the arm"
+            return
+        for old, turned in found:
+            worst = turned.index(max(turned))
+            joint = self._old.arms[old.arm].joints[worst]
+            yield (
+                f"{self._rest_name(old)} is reached in another posture: {joint} is "
+                f"{turned[worst]:.3f} rad or m off"
+            )
 
     def _lost_rests(self, rests: Sequence[Rest]) -> Iterator[str]:
         """Yield rests in a row that are not reached, many of them in one sentence."""
@@ -346,23 +370,28 @@ class _Comparison:
             return is_alike and _is_same_content(old.content, new.content)
         return False
 
-    def _is_same_rest(self, old: Rest, new: Rest) -> bool:
+    def _is_same_rest(self, old: Rest, new: Rest, times: float = 1.0) -> bool:
+        """Return whether the tool rests at the same place, within some times the tolerances."""
         if old.arm != new.arm or len(old.joints) != len(new.joints):
             return False
         limits = self._tolerances
-        return math.dist(old.tool_m, new.tool_m) <= limits.place_m * _ROUNDING and all(
-            abs(one - other) <= limits.joint * _ROUNDING
-            for one, other in zip(old.joints, new.joints, strict=True)
-        )
+        if self._is_alike(old, new, times * limits.joint):
+            return True
+        is_near = math.dist(old.tool_m, new.tool_m) <= times * limits.place_m * _ROUNDING
+        turned = math.degrees(angle_between(old.tool_turn, new.tool_turn))
+        return is_near and turned <= times * limits.angle_deg * _ROUNDING
+
+    @staticmethod
+    def _is_alike(old: Rest, new: Rest, limit: float) -> bool:
+        joints = zip(old.joints, new.joints, strict=True)
+        return all(abs(one - other) <= limit * _ROUNDING for one, other in joints)
 
     def _apart(self, old: Rest, new: Rest) -> str:
         off = math.dist(old.tool_m, new.tool_m)
         if off > self._tolerances.place_m * _ROUNDING:
             return f"{_mm(off)} from"
-        names = self._old.arms[old.arm]
-        turned = [abs(one - other) for one, other in zip(old.joints, new.joints, strict=True)]
-        worst = turned.index(max(turned))
-        return f"with {names[worst]} {turned[worst]:.3f} rad or m from"
+        turned = math.degrees(angle_between(old.tool_turn, new.tool_turn))
+        return f"with the tool turned by {turned:.0f} deg from"
 
     def _rest_name(self, rest: Rest) -> str:
         total = sum(found.arm == rest.arm for found in self._old.rests)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from tracerisk.outcome.arm import Arm, ArmFrame, Position
 from tracerisk.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.outcome.outcome import (
     CORNER_M,
@@ -15,8 +16,8 @@ from tracerisk.outcome.outcome import (
     GripperUse,
     ObjectOutcome,
     Outcome,
-    Position,
     Rest,
+    rest_of,
 )
 from tracerisk.outcome.ways import corners
 from tracerisk.records import asdict, replace
@@ -114,7 +115,7 @@ def _first(outcome: Outcome, number: int) -> Outcome:
 
 def _data(outcome: Outcome) -> dict[str, Any]:
     data: dict[str, Any] = {
-        "arms": [" ".join(arm) for arm in outcome.arms],
+        "arms": [_arm_text(arm) for arm in outcome.arms],
         "grippers": _grippers(outcome),
         "objects": [_object_text(found) for found in outcome.objects],
         "way": list(_way_lines(outcome)),
@@ -136,6 +137,24 @@ def _grippers(outcome: Outcome) -> list[str]:
     return sorted({use.gripper for use in outcome.grips})
 
 
+def _arm_text(arm: Arm) -> str:
+    """Return an arm: its joints, then how each link hangs on the one before, in 0.1 mm and mrad."""
+    return "|".join((" ".join(arm.joints), *map(_frame_text, arm.frames)))
+
+
+def _frame_text(frame: ArmFrame) -> str:
+    numbers = [_tenths_of_mm(frame.xyz_m), _tenths_of_mm(frame.rpy)]
+    if frame.joint:
+        numbers.append(_tenths_of_mm(frame.axis))
+        numbers.append(frame.joint + ("/" if frame.slides else ""))
+    return ",".join(numbers)
+
+
+def _tenths_of_mm(values: Position) -> str:
+    """Return three numbers in steps of 1e-4, without what is 0 in all."""
+    return " ".join(str(round(10000.0 * value)) for value in values) if any(values) else ""
+
+
 def _object_text(found: ObjectOutcome) -> str:
     heading = "-" if found.heading_deg is None else f"{found.heading_deg:.0f}"
     return (
@@ -146,7 +165,7 @@ def _object_text(found: ObjectOutcome) -> str:
 
 def _way_lines(outcome: Outcome) -> Iterator[str]:
     """Yield the steps in order, as many in a line as are easy to read."""
-    known: dict[tuple[int, tuple[float, ...], Position], int] = {}
+    known: dict[tuple[int, tuple[float, ...]], int] = {}
     grippers = _grippers(outcome)
     line: list[str] = []
     for step in outcome.steps:
@@ -169,16 +188,16 @@ def _way_lines(outcome: Outcome) -> Iterator[str]:
 _WIDTH = 400
 
 
-def _rest_text(rest: Rest, known: dict[tuple[int, tuple[float, ...], Position], int]) -> str:
-    """Return a rest in whole mrad and mm; one that was there before by its number."""
-    key = rest.arm, rest.joints, rest.tool_m
+def _rest_text(rest: Rest, known: dict[tuple[int, tuple[float, ...]], int]) -> str:
+    """Return a rest in whole mrad or mm; one that was there before by its number."""
+    key = rest.arm, rest.joints
     times = f"{_tenths(rest.took_s)} {_tenths(rest.held_s)}"
     via = f" via {','.join(map(_steps, rest.via_m))}" if rest.via_m else ""
     if key in known:
         return f"={known[key]} {times}{via}"
     known[key] = len(known)
     arm = f"{rest.arm}" if rest.arm else ""
-    return f"r{arm} {_steps(rest.joints)}@{_steps(rest.tool_m)}@{times}{via}"
+    return f"r{arm} {_steps(rest.joints)}@{times}{via}"
 
 
 def _steps(values: Sequence[float]) -> str:
@@ -201,11 +220,12 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
     grips: list[GripperUse] = []
     cell: list[CellUse] = []
     known: list[Rest] = []
+    arms = tuple(map(_read_arm, data.get("arms", ())))
     texts = [text for line in data.get("way", ()) for text in line.split(_STEP)]
     for order, text in enumerate(texts):
         letter, _, rest = text.partition(" ")
         if letter[0] in "r=":
-            rests.append(_read_rest(letter, rest, order, known))
+            rests.append(_read_rest(letter, rest, order, known, arms))
         elif letter[0] == "g":
             opened, _, holds = rest.partition(" ")
             gripper = data["grippers"][int(letter[1:])]
@@ -215,7 +235,7 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
             kind = _KINDS[letter[0]]
             cell.append(CellUse(order, kind, interface, content, not letter.endswith("!")))
     return Outcome(
-        arms=tuple(tuple(arm.split(" ")) for arm in data.get("arms", ())),
+        arms=arms,
         objects=tuple(map(_read_object, data.get("objects", ()))),
         rests=tuple(rests),
         grips=tuple(grips),
@@ -232,6 +252,25 @@ def _read_count(text: str) -> CellCount:
     return CellCount(interface, _KINDS[letter], int(uses), int(succeeded))
 
 
+def _read_arm(text: str) -> Arm:
+    joints, *frames = text.split("|")
+    return Arm(tuple(joints.split(" ")), tuple(map(_read_frame, frames)))
+
+
+def _read_frame(text: str) -> ArmFrame:
+    xyz, rpy, *moving = text.split(",")
+    place, turn = _read_tenths(xyz), _read_tenths(rpy)
+    if not moving:
+        return ArmFrame(place, turn)
+    axis, joint = moving
+    return ArmFrame(place, turn, joint.removesuffix("/"), _read_tenths(axis), joint.endswith("/"))
+
+
+def _read_tenths(text: str) -> Position:
+    x, y, z = (int(value) / 10000.0 for value in text.split(" ")) if text else (0.0, 0.0, 0.0)
+    return x, y, z
+
+
 def _read_object(text: str) -> ObjectOutcome:
     name, begin, end, turned, rests_on, held_in = text.split("|")
     tilt, heading = turned.split(" ")
@@ -246,18 +285,24 @@ def _read_object(text: str) -> ObjectOutcome:
     )
 
 
-def _read_rest(letter: str, text: str, order: int, known: list[Rest]) -> Rest:
+def _read_rest(letter: str, text: str, order: int, known: list[Rest], arms: Sequence[Arm]) -> Rest:
     text, _, via = text.partition(" via ")
     if letter[0] == "=":
         before, times = known[int(letter[1:])], text
-        arm, joints, tool = before.arm, before.joints, before.tool_m
+        number, joints = before.arm, before.joints
     else:
-        joints_text, tool_text, times = text.split("@")
-        arm = int(letter[1:] or 0)
-        joints, tool = _read_steps(joints_text), _read_position(tool_text)
+        joints_text, times = text.split("@")
+        number, joints = int(letter[1:] or 0), _read_steps(joints_text)
     took, held = times.split(" ")
-    corners = tuple(_read_position(corner) for corner in via.split(",")) if via else ()
-    rest = Rest(order, joints, tool, int(held) / 10.0, int(took) / 10.0, arm, corners)
+    rest = rest_of(
+        arms[number],
+        joints,
+        order=order,
+        number=number,
+        took_s=int(took) / 10.0,
+        held_s=int(held) / 10.0,
+        via_m=[_read_position(corner) for corner in via.split(",")] if via else (),
+    )
     if letter[0] == "r":
         known.append(rest)
     return rest

@@ -10,15 +10,16 @@ import math
 from collections.abc import Iterable
 from typing import Literal
 
+from tracerisk.geometry.rotation import Quaternion
+from tracerisk.outcome.arm import Arm, Position, tool_pose
 from tracerisk.records import dataclass
 
 CellUseKind = Literal["call", "message", "goal"]
-Position = tuple[float, float, float]
-
 CORNER_M = 0.003
 """How far a way may lie from the lines between its corners, where there is room for them [m]."""
 FLOOR = "floor"
 """What an object rests on that touches nothing with a name."""
+_SMALL = 1e-3
 _EDGE = 1e-4  # of a step: half a step, as round figures have it, is always rounded up
 
 
@@ -60,9 +61,11 @@ class Rest:
     order: int
     """Its place among all steps of the run."""
     joints: tuple[float, ...]
-    """The positions of the arm's joints, [rad or m]; their names are `Outcome.arms[arm]`."""
+    """The positions of the arm's joints, [rad or m]; their names are those of the arm."""
     tool_m: Position
     """Where the arm's tool was, in the frame of the robot's base, [m]."""
+    tool_turn: Quaternion
+    """How the tool was turned there, (w, x, y, z)."""
     held_s: float
     """For how long the arm rested there, [s]."""
     took_s: float
@@ -71,6 +74,29 @@ class Rest:
     """Which arm it is, by its place in `Outcome.arms`."""
     via_m: tuple[Position, ...] = ()
     """The corners of the tool's way there from the rest before, [m]."""
+
+
+def rest_of(
+    arm: Arm,
+    joints: Iterable[float],
+    *,
+    order: int = 0,
+    number: int = 0,
+    took_s: float = 0.0,
+    held_s: float = 0.0,
+    via_m: Iterable[Position] = (),
+) -> Rest:
+    """Return the rest of an arm in a posture; the tool is where its kinematics say.
+
+    joints: (n_joints,), positions [rad or m]; `number` is the place of the arm in the outcome.
+    """
+    posture = tuple(rounded(position) for position in joints)
+    place, turn = tool_pose(arm, posture)
+    sign = -1.0 if next((value for value in turn if abs(value) > _SMALL), 1.0) < 0.0 else 1.0
+    w, x, y, z = (rounded(sign * value, 0.0001) for value in turn)
+    return Rest(
+        order, posture, rounded_position(place), (w, x, y, z), held_s, took_s, number, tuple(via_m)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +145,8 @@ Step = Rest | GripperUse | CellUse
 class Outcome:
     """What one run brought about."""
 
-    arms: tuple[tuple[str, ...], ...] = ()
-    """The joints of each arm that was commanded."""
+    arms: tuple[Arm, ...] = ()
+    """Each arm that was commanded."""
     objects: tuple[ObjectOutcome, ...] = ()
     """Every object that can be moved, by name."""
     rests: tuple[Rest, ...] = ()

@@ -8,21 +8,24 @@ from dataclasses import replace
 import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
+from tracerisk.outcome.arm import Arm, ArmFrame
 from tracerisk.outcome.changes import Tolerances
 from tracerisk.outcome.kept import outcome_summary
-from tracerisk.outcome.outcome import ObjectOutcome, Outcome, Rest
+from tracerisk.outcome.outcome import ObjectOutcome, Outcome, rest_of
 from tracerisk.pipeline.review.review import review
 from tracerisk.trace import Coverage, Verdict
 from tracerisk.trace_json import plain_data
 
-HOME, PLACE = Rest(0, (0.0,), (0.3, 0.0, 0.5), 0.0, 1.0), Rest(1, (0.5,), (0.3, 0.2, 0.5), 0.0, 1.0)
-CUP = ObjectOutcome("cup", (0.3, 0.0, 0.1), (0.3, 0.2, 0.1), 0.0, None, "table", "")
-WHOLE = Outcome(arms=(("joint1",),), objects=(CUP,), rests=(HOME, PLACE))
-HALF = replace(WHOLE, objects=(replace(CUP, end_m=CUP.begin_m),), rests=(HOME,))
-LONGER = replace(
-    WHOLE,
-    rests=(HOME, replace(PLACE, joints=(0.2,), tool_m=(0.3, 0.1, 0.5)), replace(PLACE, order=2)),
+ARM = Arm(
+    ("joint1",), (ArmFrame((0.3, 0.0, 0.5), (0.0, 0.0, 0.0), "joint1", (0.0, 1.0, 0.0), True),)
 )
+HOME = rest_of(ARM, (0.0,), took_s=1.0)
+PLACE = rest_of(ARM, (0.2,), took_s=1.0, order=1)
+DETOUR = rest_of(ARM, (0.1,), took_s=1.0, order=1)
+CUP = ObjectOutcome("cup", (0.3, 0.0, 0.1), (0.3, 0.2, 0.1), 0.0, None, "table", "")
+WHOLE = Outcome(arms=(ARM,), objects=(CUP,), rests=(HOME, PLACE))
+HALF = replace(WHOLE, objects=(replace(CUP, end_m=CUP.begin_m),), rests=(HOME,))
+LONGER = replace(WHOLE, rests=(HOME, DETOUR, replace(PLACE, order=2)))
 WITHOUT_DETOUR, WITH_DETOUR = WHOLE, LONGER
 COMPLETE = plain_data(Verdict("complete", (), Coverage(1, 1)))
 

@@ -14,7 +14,7 @@ from tracerisk.pipeline.mission.facts import MissionFacts, Track, on_axes
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.physics.scene import Goal
 from tracerisk.twin.recording.contact_log import LOOK_EVERY
-from tracerisk.twin.recording.tool_way import tool_places
+from tracerisk.twin.recording.tool_way import arm_to, tool_places
 
 UPRIGHT_RAD = math.radians(5.0)
 """An object at a goal of the scene leans by less [rad]."""
@@ -67,8 +67,9 @@ def link_places(facts: MissionFacts, link: str, times: Array) -> Array:
     samples = facts.samples
     assert samples is not None
     steps = np.clip(np.round(times / samples.step_s).astype(int), 0, samples.n_steps - 1)
-    columns = zip(samples.header.joints, samples.position[steps].T, strict=True)
-    points = tool_places(facts.robot, link, dict(columns))
+    arm = arm_to(facts.robot, link)
+    columns = [samples.header.joints.index(name) for name in arm.joints]
+    points = tool_places(arm, samples.position[steps][:, columns])
     scene = facts.scene
     placed: Array = points @ rotation(scene.robot_rpy).T + np.asarray(scene.robot_xyz)
     return placed

@@ -105,5 +105,5 @@ def _rests(outcome: Outcome) -> Iterator[DraftedCondition]:
     for number, arm in enumerate(outcome.arms):
         rest = next((rest for rest in reversed(outcome.rests) if rest.arm == number), None)
         if rest is not None:
-            joints = dict(zip(arm, rest.joints, strict=True))
+            joints = dict(zip(arm.joints, rest.joints, strict=True))
             yield DraftedCondition({"joints": joints}, "the arm rests there at the end of the run")

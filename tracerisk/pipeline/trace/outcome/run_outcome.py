@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from tracerisk.geometry.frames import matrix_of
 from tracerisk.instrument.commands import Command
+from tracerisk.outcome.arm import Arm, Position
 from tracerisk.outcome.outcome import (
     CORNER_M,
     CellUse,
     GripperUse,
     ObjectOutcome,
     Outcome,
-    Position,
     Rest,
     Step,
+    rest_of,
     rounded,
     rounded_position,
 )
@@ -32,7 +33,7 @@ from tracerisk.ros.scenario.cell_log import CELL
 from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
-from tracerisk.twin.recording.tool_way import tool_link, tool_places
+from tracerisk.twin.recording.tool_way import arm_of, tool_places
 
 _SAME_JOINT = 0.002  # a rest is another one whose joints differ by more [rad or m]
 _SAME_OPENING = 0.05  # of a gripper's range
@@ -85,8 +86,12 @@ class _Maker:
         return tuple(joint.name for joint in self.ran.robot.arm_joints)
 
     @cached_property
-    def arms(self) -> tuple[tuple[str, ...], ...]:
-        """The joints of each arm that was commanded: those that are ever commanded together."""
+    def arms(self) -> tuple[Arm, ...]:
+        """Each arm that was commanded, with all joints between its base and its tool."""
+        return tuple(arm_of(self.ran.robot, joints) for joints in self._commanded_together)
+
+    @cached_property
+    def _commanded_together(self) -> tuple[tuple[str, ...], ...]:
         joined: list[set[str]] = []
         for command in self._arm_commands:
             joints = {name for name in command.elements if name in self._arm_joints}
@@ -108,47 +113,42 @@ class _Maker:
         for number, arm in enumerate(self.arms):
             yield from self._rests_of(number, arm)
 
-    def _rests_of(self, number: int, arm: tuple[str, ...]) -> Iterator[tuple[int, Rest]]:
-        own = [command for command in self._arm_commands if set(arm) & set(command.elements)]
-        link = tool_link(self.ran.robot, arm)
+    def _rests_of(self, number: int, arm: Arm) -> Iterator[tuple[int, Rest]]:
+        own = [command for command in self._arm_commands if set(arm.joints) & set(command.elements)]
         last: Rest | None = None
         left_ns = 0
-        reached = dict(zip(arm, self._measured(arm, 0).tolist(), strict=True))
+        reached = dict.fromkeys(arm.joints, 0.0)
         found: list[tuple[int, Rest]] = []
         for span in _busy_spans(own, self._end_ns):
-            self._reach(reached, span, arm)
-            joints = tuple(rounded(reached[name]) for name in arm)
+            self._reach(reached, span)
             stood_s = rounded((span.next_ns - span.end_ns) / 1e9, 0.1)
             took_s = rounded((span.end_ns - span.start_ns) / 1e9, 0.1)
-            via = self._via(link, left_ns, span.end_ns)
+            rest = rest_of(
+                arm,
+                reached.values(),
+                number=number,
+                took_s=took_s,
+                held_s=stood_s,
+                via_m=self._via(arm, left_ns, span.end_ns),
+            )
             left_ns = span.next_ns
-            if last is not None and not via and _is_same(joints, last.joints):
+            if last is not None and not rest.via_m and _is_same(rest.joints, last.joints):
                 time_ns, before = found.pop()
                 last = replace(before, held_s=rounded((span.next_ns - time_ns) / 1e9, 0.1))
                 found.append((time_ns, last))
                 continue
-            at = {**self._all_at(span.end_ns), **reached}
-            tool = tool_places(self.ran.robot, link, {name: np.array([at[name]]) for name in at})[0]
-            last = Rest(
-                order=0,
-                joints=joints,
-                tool_m=rounded_position(tool),
-                held_s=stood_s,
-                took_s=took_s,
-                arm=number,
-                via_m=via,
-            )
+            last = rest
             found.append((span.end_ns, last))
         yield from found
 
-    def _reach(self, reached: dict[str, float], span: _Span, arm: Sequence[str]) -> None:
+    def _reach(self, reached: dict[str, float], span: _Span) -> None:
         """Note where the commands of a span brought the joints: to their goals, or measured."""
-        measured = self._measured(arm, self._settled_ns(span))
-        reached.update(zip(arm, measured.tolist(), strict=True))
+        measured = self._all_at(self._settled_ns(span))
+        reached.update({name: measured[name] for name in reached})
         for command in span.commands:
             if command.end == "arrived" and len(command.goal) == len(command.elements):
                 goals = zip(command.elements, command.goal, strict=True)
-                reached.update({name: goal for name, goal in goals if name in arm})
+                reached.update({name: goal for name, goal in goals if name in reached})
 
     @staticmethod
     def _settled_ns(span: _Span) -> int:
@@ -156,14 +156,13 @@ class _Maker:
             return span.end_ns
         return min(span.next_ns, span.end_ns + round(_BRAKED_S * 1e9))
 
-    def _via(self, link: str, start_ns: int, end_ns: int) -> tuple[Position, ...]:
+    def _via(self, arm: Arm, start_ns: int, end_ns: int) -> tuple[Position, ...]:
         first, last = self._step(start_ns), self._step(end_ns)
         if last - first < 2 * _WAY_EVERY:
             return ()
         rows = np.append(np.arange(first, last, _WAY_EVERY), last)
-        names = self.samples.header.joints
-        columns = {name: self.samples.position[rows, i] for i, name in enumerate(names)}
-        places = tool_places(self.ran.robot, link, columns).tolist()
+        columns = [self.samples.header.joints.index(name) for name in arm.joints]
+        places = tool_places(arm, self.samples.position[rows][:, columns]).tolist()
         way = [(x, y, z) for x, y, z in places]
         return tuple(rounded_position(corner) for corner in corners(way, CORNER_M))
 
@@ -173,11 +172,6 @@ class _Maker:
 
     def _step(self, time_ns: int) -> int:
         return max(0, min(time_ns // self.samples.header.step_ns, self.samples.n_steps - 1))
-
-    def _measured(self, joints: Sequence[str], time_ns: int) -> Array:
-        columns = [self.samples.header.joints.index(name) for name in joints]
-        row: Array = self.samples.position[self._step(time_ns), columns]
-        return row
 
     def _all_at(self, time_ns: int) -> dict[str, float]:
         names = self.samples.header.joints
