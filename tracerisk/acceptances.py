@@ -27,6 +27,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "lookup-failed",
     "missed-call",
     "mission-missed",
+    "never-called",
     "never-grasped",
     "never-ran",
     "never-released",

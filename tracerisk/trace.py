@@ -223,6 +223,8 @@ class Uncovered:
 
     ref: FunctionRef
     line: int
+    is_spare: bool = False
+    """Whether only `except` clauses lead to it, for exceptions that did not occur."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -422,12 +424,14 @@ def verdict_line(verdict: Verdict | None) -> str:
 NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
 MISSED_CALL = "missed-call"
-"""The code of a call that led to no command, in a function that ran."""
+"""The code of a call that was executed and led to no command, although it did elsewhere."""
+NEVER_CALLED = "never-called"
+"""The code of a call that was not executed, in a function that ran; elsewhere it commanded."""
 MISSION_MISSED = "mission-missed"
 """The code of a condition of `success` that a run did not meet."""
 UNUSED_INPUT = "unused-input"
 """The code of an entry of the scenario of which nobody made use."""
-GAPS = frozenset({NEVER_RAN, MISSED_CALL, UNUSED_INPUT})
+GAPS = frozenset({NEVER_RAN, NEVER_CALLED, MISSED_CALL, UNUSED_INPUT})
 """The codes of what a run left out, which `check` counts against the base alone."""
 
 

@@ -240,3 +240,43 @@ def test_a_motion_may_be_reported_as_it_is_written() -> None:
     )
     found = motion_reaching(graph, {"self.joints.publish"})
     assert [str(site.ref.name) for site in found] == ["Node.move"]
+
+
+def spare(source: str, *ran: str) -> list[str]:
+    refs = {FunctionRef("c.py", QualifiedName(name)) for name in ran}
+    return [
+        str(each.ref.name) for each in uncovered(graph_of(source), MOTION, refs) if each.is_spare
+    ]
+
+
+HANDLER = """
+def back(): arm.go()
+def retreat(): back()
+def main():
+    try: look()
+    except ValueError: retreat()
+"""
+
+
+def test_a_function_to_which_only_except_clauses_lead_is_spare() -> None:
+    assert spare(HANDLER, "<module>", "main") == ["back", "retreat"]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "def main2(): back()\n",  # it did not run either
+        "def other(): pass\ntimer = Timer(back)\n",
+        "class Cell:\n    def step(self): return back\n",
+    ],
+)
+def test_a_function_that_is_called_in_a_regular_course_too_is_not_spare(more) -> None:
+    assert spare(HANDLER + more, "<module>", "main") == ["retreat"]
+
+
+def test_a_function_that_nothing_calls_is_not_spare() -> None:
+    assert spare("def back(): arm.go()\n", "<module>") == []
+
+
+def test_the_handler_of_a_function_that_did_not_run_makes_none_spare() -> None:
+    assert spare(HANDLER, "<module>") == []

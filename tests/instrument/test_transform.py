@@ -13,6 +13,7 @@ import pytest
 
 from tests.slow import slow_but_every
 from tracerisk.errors import SourceError
+from tracerisk.instrument.call_marks import MARK
 from tracerisk.instrument.endless_loops import MARKER
 from tracerisk.instrument.transform import compile_instrumented, instrument_source
 
@@ -213,9 +214,9 @@ def test_standard_library_keeps_its_tree_and_its_lines(path: Path) -> None:
 
 
 def lines_without_markers(code: object) -> list[int | None]:
-    """Return the lines in the order of the code, without the calls that mark endless loops."""
+    """Return the lines in the order of the code, without what marks endless loops and calls."""
     lines: list[int | None] = []
-    within_marker = False
+    within_marker = within_mark = False
     line_at = {
         offset: line
         for start, end, line in code.co_lines()  # type: ignore[attr-defined]
@@ -223,9 +224,13 @@ def lines_without_markers(code: object) -> list[int | None]:
     }
     for instruction in dis.get_instructions(code):  # type: ignore[arg-type]
         within_marker = within_marker or instruction.argval == MARKER
+        if instruction.opname.startswith("LOAD") and instruction.argval == MARK:
+            within_mark = True
         line = line_at[instruction.offset]
-        if not within_marker and lines[-1:] != [line]:
+        if not within_marker and not within_mark and lines[-1:] != [line]:
             lines.append(line)
+        if instruction.opname.startswith("CALL"):
+            within_mark = False
         if instruction.opname == "POP_TOP":
             within_marker = False
     return lines

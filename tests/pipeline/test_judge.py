@@ -406,6 +406,19 @@ def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
     )
     accepted = Acceptance("missed-call", "pick", "self.arm.go", "a second try")
     assert judge(recorded(missed=(missed,)), [accepted]).kind == "complete"
+    branch = MissedCommand("pick", "self.arm.go", HERE, was_executed=False)
+    verdict = judge(recorded(missed=(branch,)), [accepted])
+    assert verdict_line(verdict) == (
+        "partial: self.arm.go was not executed here, elsewhere it led to a command "
+        "(cell.py:12, in pick); 3 of 3 functions with commands ran"
+    )
+    assert [reason.code for reason in verdict.reasons] == ["never-called"]
+
+
+def test_a_function_to_which_only_an_exception_leads_is_counted_and_no_reason():
+    never = Uncovered(FunctionRef("cell.py", QualifiedName("Cell.recover")), 40, is_spare=True)
+    verdict = judge(recorded(coverage=Coverage(3, 4, (never,))))
+    assert verdict_line(verdict) == "complete, 3 of 4 functions with commands ran"
 
 
 @pytest.mark.parametrize(

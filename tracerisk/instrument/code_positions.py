@@ -50,6 +50,17 @@ def source_position(code: CodeType, instruction: int) -> Position:
     return next((place for at, place in _annotation(code)[1] if at == instruction), _NOWHERE)
 
 
+def call_position(call: ast.Call) -> tuple[int, int]:
+    """Return where the code of a call is: that of `source_position` while the call runs.
+
+    Where a name behind a dot is on a later line than what precedes the dot, it is at that name.
+    """
+    named = call.func
+    if isinstance(named, ast.Attribute) and _is_plain(call) and named.lineno != named.end_lineno:
+        return named.end_lineno or 0, (named.end_col_offset or 0) - len(named.attr.encode())
+    return call.lineno, call.col_offset
+
+
 def qualified_name(code: CodeType, namespace: Mapping[str, Any]) -> str:
     """Return the dotted name of a code object.
 
@@ -112,13 +123,13 @@ def _instructions(code: CodeType) -> Iterator[tuple[int, str, int]]:
 
 
 def _place(node: ast.AST, line: int) -> Position:
-    """Return where later versions of Python place an instruction of a node.
-
-    Where a name behind a dot is on a later line than what precedes the dot, it is at that name.
-    """
-    named = node.func if isinstance(node, ast.Call) and _is_plain(node) else node
-    if isinstance(named, ast.Attribute) and named.lineno != named.end_lineno:
-        return named.end_lineno, (named.end_col_offset or 0) - len(named.attr.encode())
+    """Return where later versions of Python place an instruction of a node."""
+    if isinstance(node, ast.Call):
+        position = call_position(node)
+        if position != (node.lineno, node.col_offset):
+            return position
+    if isinstance(node, ast.Attribute) and node.lineno != node.end_lineno:
+        return node.end_lineno, (node.end_col_offset or 0) - len(node.attr.encode())
     return line or None, getattr(node, "col_offset", None)
 
 

@@ -8,7 +8,7 @@ that only an interruption or a shutdown reaches.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from tracerisk.source.dotted_names import last_name
 
@@ -50,13 +50,16 @@ def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
             if "lineno" in node._attributes:
                 ast.copy_location(node, loop.body[0])
         loop.body.insert(0, marker)
-    if loops:
-        line = ast.ImportFrom(module, [ast.alias("looped", MARKER)], 0)
-        for node in ast.walk(line):
-            if "lineno" in node._attributes:
-                node.lineno = node.end_lineno = 1  # type: ignore[attr-defined]
-                node.col_offset = node.end_col_offset = 0  # type: ignore[attr-defined]
-        tree.body.insert(begin_of_code(tree), line)
+    import_into(tree, module, {"looped": MARKER} if loops else {})
+
+
+def import_into(tree: ast.Module, module: str, names: Mapping[str, str]) -> None:
+    """Insert the import of what inserted code calls: its names in `module`, and in the tree."""
+    if not names:
+        return
+    place = {"lineno": 1, "col_offset": 0, "end_lineno": 1, "end_col_offset": 0}
+    aliases = [ast.alias(name, own, **place) for name, own in names.items()]
+    tree.body.insert(begin_of_code(tree), ast.ImportFrom(module, aliases, 0, **place))
 
 
 def begin_of_code(tree: ast.Module) -> int:

@@ -67,6 +67,8 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
     module = ModuleType(TRACER_MODULE, "Tracing decorator of the run in progress.")
     module.traced = tracer.traced  # type: ignore[attr-defined]
     module.looped = tracer.looped  # type: ignore[attr-defined]
+    module.called = tracer.calls.called  # type: ignore[attr-defined]
+    module.made = tracer.calls.made  # type: ignore[attr-defined]
     with _entry(sys.modules, TRACER_MODULE, module):
         yield
 

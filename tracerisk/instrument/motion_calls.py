@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import ast
+import builtins
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass
 
-from tracerisk.instrument.tracer import Site
-from tracerisk.source.dotted_names import dotted_name
+from tracerisk.instrument.call_marks import Calls, MarkedCall, Place, Site, Turn, marked_calls
+from tracerisk.instrument.code_positions import call_position
+from tracerisk.source.dotted_names import dotted_name, last_name
 from tracerisk.source.python_source import parsed
+from tracerisk.trace import FunctionRef
 
 MOTION_CALLS = frozenset(
     {"go", "execute", "execute_and_wait", "pick", "place"}
@@ -33,10 +36,12 @@ def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
     if tree is None:
         return frozenset()
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and (node.lineno, node.col_offset + 1) in wanted:
-            written = dotted_name(node.func)
-            if not written:
-                continue
+        if not isinstance(node, ast.Call):
+            continue
+        line, column = call_position(node)
+        written = dotted_name(node.func)
+        # `exec` and `next` command by what they are given.
+        if (line, column + 1) in wanted and written and not hasattr(builtins, written):
             names.add(written)
             last = written.rpartition(".")[2]
             if isinstance(node.func, ast.Attribute) and last not in _COMMON:
@@ -48,74 +53,117 @@ def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
 class MissedCall:
     """A call that led to no command, although the same call did at another place."""
 
+    file: str
     line: int
     written: str
     """As it is written: `self.arm.go`."""
+    was_executed: bool
+    """Whether the run executed it, in vain."""
+
+
+@dataclass(frozen=True, slots=True)
+class Commanding:
+    """What of a run led to commands."""
+
+    calls: frozenset[Place]
+    """The places of all calls that did, whichever function they are in."""
+    functions: frozenset[FunctionRef]
 
 
 def missed_calls(
-    source: bytes, made: Collection[Site], commanding: Collection[str]
+    source: bytes, file: str, commanding: Commanding, calls: Calls
 ) -> tuple[MissedCall, ...]:
-    """Return the calls that led to no command although the same call did at another place.
+    """Return the calls of a file that led to no command although the same call did elsewhere.
 
-    `made` are the places of the calls of this source that led to commands, `commanding` the last
-    names of the controller's functions that did. A call is the same by its whole expression
-    (`self.arm.go`); or as one of such a function, by its plain name or on `self`, where the
-    source has no other function of that name.
+    One that was executed is missed if the function it called turned back before it commanded, or
+    if nothing has run what it made. One that was not executed is missed unless only an exception
+    leads to it, or the same call led to no command where it was executed.
     """
     tree = parsed(source)
     if tree is None:
         return ()
-    calls = list(_calls(tree))
-    known = {_same(call, scope) for call, scope in calls if _is_made(call, made)}
-    functions = [node for node in ast.walk(tree) if isinstance(node, _FUNCTIONS)]
-    defined = Counter(node.name for node in functions)
-    coroutines = {node.name for node in functions if isinstance(node, ast.AsyncFunctionDef)}
+    found = [_InSource(call, (file, call.site)) for call in marked_calls(tree)]
+    own = _commanding_names(tree, file, commanding)
+    known = {call.same for call in found if call.place in commanding.calls}
+    in_vain = _turned_back(commanding, calls) | {
+        call.place
+        for call in found
+        if call.place in calls.waiting - commanding.calls
+        and (call.same in known or last_name(call.marked.node.func) in own)
+    }
+    # A call that only asks (a mode, a state) shows that its name does not say what it does.
+    asking = {
+        call.same
+        for call in found
+        if call.place in calls.executed - commanding.calls and call.place not in in_vain
+    }
     missed = []
-    for call, scope in calls:
-        # A coroutine that goes on later is called by its executor: its callers are not on the
-        # stack.
-        if isinstance(scope, ast.AsyncFunctionDef) or _is_made(call, made):
-            continue
-        written = dotted_name(call.func)
-        if not written:
-            continue
-        owner, _, last = written.rpartition(".")
-        if last in coroutines:
-            # The call only makes it; a loop runs it.
-            continue
-        is_own = owner in ("", "self") and last in commanding and defined[last] == 1
-        if _same(call, scope) in known or is_own:
-            missed.append(MissedCall(call.lineno, written))
-    return tuple(sorted(missed, key=lambda each: (each.line, each.written)))
+    for call in found:
+        is_missed = call.place in in_vain
+        if call.place not in calls.executed | commanding.calls and not call.marked.is_spare:
+            is_missed = (call.same in known or call.is_of(own)) and call.same not in asking
+        if is_missed:
+            written = call.written or last_name(call.marked.node.func)
+            was_executed = call.place in calls.executed
+            missed.append(MissedCall(file, call.marked.node.lineno, written, was_executed))
+    return tuple(sorted(missed, key=lambda call: (call.line, call.written)))
 
 
-_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+@dataclass(frozen=True, slots=True)
+class _InSource:
+    marked: MarkedCall
+    place: Place
+
+    @property
+    def written(self) -> str:
+        return dotted_name(self.marked.node.func)
+
+    @property
+    def same(self) -> tuple[str, int]:
+        """What is equal for calls of the same thing."""
+        owner, _, last = self.written.rpartition(".")
+        # A local `publisher` may be another one in another function.
+        is_local = last in _COMMON and owner.partition(".")[0] != "self"
+        return self.written, id(self.marked.scope) if is_local else 0
+
+    def is_of(self, names: Collection[str]) -> bool:
+        """Return whether it calls one of the functions of its file with these names."""
+        owner, _, last = self.written.rpartition(".")
+        return owner in ("", "self") and last in names
 
 
-def _calls(
-    node: ast.AST, scope: ast.AST | None = None
-) -> Iterator[tuple[ast.Call, ast.AST | None]]:
-    """Yield the calls below a node, each with the function around it."""
-    if isinstance(node, ast.Call):
-        yield node, scope
-    inner = node if isinstance(node, _FUNCTIONS) else scope
-    for each in ast.iter_child_nodes(node):
-        yield from _calls(each, inner)
+def _commanding_names(tree: ast.Module, file: str, commanding: Commanding) -> set[str]:
+    """Return the names of the functions of a file that led to commands, if there is one of each."""
+    functions = (ast.FunctionDef, ast.AsyncFunctionDef)
+    defined = Counter(node.name for node in ast.walk(tree) if isinstance(node, functions))
+    names = {ref.name.rpartition(".")[2] for ref in commanding.functions if ref.file == file}
+    return {name for name in names if defined[name] == 1}
 
 
-def _same(call: ast.Call, scope: ast.AST | None) -> tuple[str, int]:
-    """Return what is equal for calls of the same thing."""
-    written = dotted_name(call.func)
-    owner, _, last = written.rpartition(".")
-    # A local `publisher` may be another one in another function.
-    is_local = last in _COMMON and owner.partition(".")[0] != "self"
-    return written, id(scope) if is_local else 0
+def _turned_back(commanding: Commanding, calls: Calls) -> frozenset[Place]:
+    """Return the places of calls whose functions always returned before they commanded."""
+    turns: dict[Place, list[Turn]] = {}
+    executed: dict[FunctionRef, set[Place]] = {}
+    for turn in calls.turns:
+        turns.setdefault(turn.place, []).append(turn)
+        if turn.executed & commanding.calls:
+            executed.setdefault(turn.function, set()).update(turn.executed)
 
+    def turned_back(turn: Turn, within: frozenset[Place]) -> bool:
+        """Return whether a function returned before the calls by which it commands elsewhere."""
+        if turn.function not in commanding.functions or turn.place in within:
+            return False
+        inner = turn.executed & commanding.calls
+        if not inner:
+            # What did something else in their place had another task.
+            return turn.executed <= executed.get(turn.function, set())
+        deeper = within | {turn.place}
+        return all(
+            any(turned_back(below, deeper) for below in turns.get(place, ())) for place in inner
+        )
 
-def _is_made(node: ast.Call, made: Collection[Site]) -> bool:
-    if (node.lineno, node.col_offset + 1) in made:
-        return True
-    # Where no column is known, its lines decide.
-    last = node.end_lineno or node.lineno
-    return any(column == 0 and node.lineno <= line <= last for line, column in made)
+    return frozenset(
+        place
+        for place, found in turns.items()
+        if place not in commanding.calls and all(turned_back(turn, frozenset()) for turn in found)
+    )

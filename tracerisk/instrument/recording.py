@@ -258,7 +258,7 @@ class Recorder:
             [
                 self._function(frame.function, frame.line),
                 *(frame.activation, *frame.site, frame.root),
-                *(() if frame.instance is None else (frame.instance,)),
+                *_further(frame),
             ]
             for frame in stack
         ]
@@ -281,6 +281,13 @@ class Recorder:
             line = line[os.write(self._stream.fileno(), line) :]
         if self.on_event is not None:
             self.on_event(event, self._clock(), data)
+
+
+def _further(frame: Frame) -> tuple[Any, ...]:
+    """Return what few frames have."""
+    if frame.through:
+        return frame.instance, [[file, *site] for file, site in frame.through]
+    return () if frame.instance is None else (frame.instance,)
 
 
 NEAR = 0.02
@@ -418,9 +425,13 @@ class _Reader:
 
     def _stack(self, event: dict[str, Any]) -> tuple[Frame, ...]:
         frames = []
-        for number, activation, line, column, root, *instance in event["stack"]:
+        for number, activation, line, column, root, *further in event["stack"]:
             site = self.functions[number]
-            frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
+            instance = further[0] if further else None
+            through = tuple(_place(*place) for place in (further[1] if len(further) > 1 else ()))
+            frames.append(
+                Frame(site.ref, site.line, activation, (line, column), root, instance, through)
+            )
         return tuple(frames)
 
     def _finding(self, event: dict[str, Any]) -> None:
@@ -459,6 +470,10 @@ def _end(event: dict[str, Any]) -> CommandEnd:
     if event["end"] not in get_args(CommandEnd):
         raise ValueError(f"unknown end of a command {event['end']!r}")
     return cast(CommandEnd, event["end"])
+
+
+def _place(file: Any, line: int, column: int) -> tuple[str, tuple[int, int]]:
+    return _text(file), (line, column)
 
 
 def _text(value: Any) -> str:

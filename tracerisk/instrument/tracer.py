@@ -9,13 +9,14 @@ from __future__ import annotations
 import itertools
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextvars import ContextVar, Token
 from dataclasses import dataclass, field, replace
 from types import CodeType, FrameType
 from typing import Any, Literal
 
 from tracerisk.errors import Location
+from tracerisk.instrument.call_marks import CallLog, Place, Site, place_of
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.state_instances import StateEntries
@@ -26,12 +27,11 @@ from tracerisk.trace import FunctionRef, QualifiedName
 RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "service"]
 """How controller code comes to run when no controller code calls it."""
 
-Site = tuple[int, int]
-"""Line and column of a call, both from 1 (the column in UTF-8 bytes); (line of def, 0) unknown."""
 
 # Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
 _getframe = sys._getframe
 _COMPREHENSIONS = frozenset({"<listcomp>", "<setcomp>", "<dictcomp>", "<genexpr>"})
+_UNNAMED = _COMPREHENSIONS | {"<lambda>"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,8 @@ class Frame:
     """One activation of a function on the stack of a command.
 
     `line` is that of the `def`; `activation` is unique to this call in the run; `site` is
-    where this function made the call towards the next frame, or issued the command.
+    where this function made the call towards the next frame, or issued the command; where that
+    is not known, the line of its `def` and the column 0.
     `root` says how the function came to run where no controller code called it, else `None`.
     `instance` is not `None` where a state machine or behaviour tree entered one of its states
     here: the label of the instance, empty where none is known.
@@ -51,6 +52,14 @@ class Frame:
     site: Site
     root: RootKind | None = None
     instance: str | None = None
+    through: tuple[Place, ...] = ()
+    """The other calls that led to it or on from it: those in lambdas, and the one that made it
+    where it is a generator or a coroutine."""
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """The places of all these calls."""
+        return ((self.function.file, self.site), *self.through)
 
 
 @dataclass(slots=True, eq=False)
@@ -71,9 +80,10 @@ class _Base:
     inherited: tuple[Frame, ...] = ()
 
 
-# One link of a stack: (the caller's link or the base, the function, the activation).
-# A tuple, for one is made at each traced call.
-_Link = tuple[Any, _Record, int]
+# One link of a stack: (the caller's link or the base, the function, the activation, the keys of
+# the calls that it executed, that of the call that made it if it runs later than that). A tuple,
+# for one is made at each traced call.
+_Link = tuple[Any, _Record, int, set[str], str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +121,7 @@ class Tracer:
         self.top: ContextVar[Any] = ContextVar("tracerisk_stack", default=None)
         """The innermost link of the running code's stack."""
         self.next_activation = itertools.count(1).__next__
+        self.calls = CallLog(self.top)
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
         self.on_source: Callable[[str, bytes], None] | None = None
@@ -158,7 +169,7 @@ class Tracer:
         record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
         self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)
-        token = self.top.set((self.top.get(), record, self.next_activation()))
+        token = self.top.set((self.top.get(), record, self.next_activation(), set(), ""))
         try:
             exec(code, namespace)
         finally:
@@ -174,6 +185,10 @@ class Tracer:
                 self._on_first_run(record.ref, record.line)
 
     # --- what the stand-ins ask
+
+    def executed_calls(self) -> dict[str, Any]:
+        """Return which calls of the controller's files were executed, as `Calls.of` reads them."""
+        return self.calls.data(self._files)
 
     @property
     def functions_ran(self) -> tuple[FunctionSite, ...]:
@@ -265,8 +280,11 @@ class Tracer:
         frames: list[Frame] = []
         entries = StateEntries()
         python: FrameType | None = _getframe(1)
-        for position, (_, record, activation) in enumerate(links):
+        for position, (_, record, activation, _, made_at) in enumerate(links):
             frame, called = _find(python, record.code)
+            through = tuple(self._lambdas(python, frame))
+            if made_at:
+                through += (place_of(made_at),)
             if frame is not None:
                 site = _site(called or frame)
                 entries.passed(python, frame, record.ref.name)
@@ -277,7 +295,9 @@ class Tracer:
                 entries.unknown()
             is_root = position == len(links) - 1 and not inherited
             root = (base.kind if base is not None else _bare_root()) if is_root else None
-            frames.append(Frame(record.ref, record.line, activation, site, root))
+            if is_root:
+                through += tuple(self._lambdas(python, None))
+            frames.append(Frame(record.ref, record.line, activation, site, root, through=through))
         known = next((each.instance for each in reversed(inherited) if each.instance), None)
         labels = entries.labels(known)
         frames = [
@@ -285,6 +305,16 @@ class Tracer:
             for each, label in zip(frames, labels, strict=True)
         ]
         return (*inherited, *reversed(frames))
+
+    def _lambdas(self, python: FrameType | None, until: FrameType | None) -> Iterator[Place]:
+        """Yield where the lambdas of the controller stand, up to a frame or another function."""
+        while python is not None and python is not until:
+            file = self._files.get(python.f_code.co_filename)
+            if file is not None:
+                if python.f_code.co_name not in _UNNAMED:
+                    return
+                yield file, _site(python)
+            python = python.f_back
 
 
 def _find(python: FrameType | None, code: CodeType) -> tuple[FrameType | None, FrameType | None]:

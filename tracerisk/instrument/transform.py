@@ -3,7 +3,8 @@
 The text that libcst writes is parsed again and walked beside the original's syntax tree: but for
 what was inserted both must be the same tree, and every node takes the original's position, so
 line numbers, columns and `co_firstlineno` of the compiled code are those of the file on disk.
-Then the loops without an end are marked in the tree itself, on the lines that they have.
+Then the loops without an end, and the calls that may command, are marked in the tree itself, on
+the lines that they have.
 """
 
 from __future__ import annotations
@@ -17,17 +18,15 @@ from types import CodeType
 import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
+from tracerisk.instrument.call_marks import COMPILING_DECORATORS, mark_calls
 from tracerisk.instrument.code_positions import compile_with_positions
-from tracerisk.instrument.endless_loops import begin_of_code, mark_endless_loops
+from tracerisk.instrument.endless_loops import MARKER, begin_of_code, mark_endless_loops
 from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
 """The module from which instrumented code imports its decorator; the loader serves it."""
 DECORATOR = "__tracerisk_traced__"
 """The name of the decorator in instrumented code; not mangled in classes, hidden from `*`."""
-
-# What these make of a function no longer runs as Python, and cannot command an arm.
-_COMPILING_DECORATORS = frozenset({"jit", "njit", "vectorize", "guvectorize", "cfunc", "stencil"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +78,7 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
         tree = ast.parse(instrumented.text, filename)
     _take_positions(tree, original, instrumented.file)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
+    mark_calls(tree, TRACER_MODULE, instrumented.file, inserted=frozenset({DECORATOR, MARKER}))
     return compile_with_positions(tree, filename)
 
 
@@ -104,7 +104,7 @@ class _DecoratorInserter(cst.CSTTransformer):
     ) -> cst.FunctionDef:
         site = self._open.pop()
         if any(
-            _last_name(each.decorator) in _COMPILING_DECORATORS for each in original_node.decorators
+            _last_name(each.decorator) in COMPILING_DECORATORS for each in original_node.decorators
         ):
             return updated_node
         self._met.append(site)

@@ -11,13 +11,17 @@ import functools
 import inspect
 import sys
 from collections.abc import AsyncGenerator, Callable, Generator
-from types import CodeType, FunctionType
+from types import CodeType, FrameType, FunctionType
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.instrument.hidden_frames import HIDDEN_FILENAME, hide, shed
 
 if TYPE_CHECKING:
+    from tracerisk.instrument.call_marks import CallLog
     from tracerisk.instrument.tracer import Tracer
+
+# Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
+_getframe = sys._getframe
 
 AnyFunction = Callable[..., Any]
 
@@ -59,7 +63,7 @@ def _disguised(code: CodeType, original: CodeType) -> CodeType:
 
 def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
     get, put = tracer.top.get, tracer.top.set
-    next_activation = tracer.next_activation
+    next_activation, returned = tracer.next_activation, tracer.calls.returned
     ran = False
 
     def wrapper(*args: Any, **kwargs: Any) -> Any:
@@ -68,60 +72,68 @@ def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFuncti
             tracer.first_run(record)
             ran = True
         caller = get()
-        put((caller, record, next_activation()))
+        executed: set[str] = set()
+        put((caller, record, next_activation(), executed, ""))
         try:
-            return function(*args, **kwargs)
+            result = function(*args, **kwargs)
         except BaseException as error:
             shed(error)
             raise
         finally:
             put(caller)
+        returned(_getframe(1), record.ref, executed)
+        return result
 
     return wrapper
 
 
 def _wrap_generator(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
     def wrapper(*args: Any, **kwargs: Any) -> Generator[Any, Any, Any]:
-        activation = _begin(tracer, record)
+        activation = _Activation(tracer, record, _getframe())
         try:
-            return (yield from _Resumed(function(*args, **kwargs), tracer, record, activation))
+            result = yield from _Resumed(function(*args, **kwargs), activation)
         except BaseException as error:
             shed(error)
             raise
+        activation.end()
+        return result
 
     return wrapper
 
 
 def _wrap_coroutine(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
     async def wrapper(*args: Any, **kwargs: Any) -> Any:
-        activation = _begin(tracer, record)
+        activation = _Activation(tracer, record, _getframe())
         try:
-            return await _Resumed(function(*args, **kwargs), tracer, record, activation)
+            result = await _Resumed(function(*args, **kwargs), activation)
         except BaseException as error:
             shed(error)
             raise
+        activation.end()
+        return result
 
     return wrapper
 
 
 def _wrap_async_generator(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
     async def wrapper(*args: Any, **kwargs: Any) -> AsyncGenerator[Any, Any]:
-        activation = _begin(tracer, record)
+        activation = _Activation(tracer, record, _getframe())
         generator = function(*args, **kwargs)
         awaitable = generator.__anext__()
         try:
             while True:
-                value = await _Resumed(awaitable, tracer, record, activation)
+                value = await _Resumed(awaitable, activation)
                 try:
                     sent = yield value
                 except GeneratorExit:
-                    await _Resumed(generator.aclose(), tracer, record, activation)
+                    await _Resumed(generator.aclose(), activation)
                     raise
                 except BaseException as thrown:  # noqa: BLE001 -- it is handed on
                     awaitable = generator.athrow(thrown)
                 else:
                     awaitable = generator.asend(sent)
         except StopAsyncIteration:
+            activation.end()
             return
         except BaseException as error:
             shed(error)
@@ -130,9 +142,24 @@ def _wrap_async_generator(function: AnyFunction, tracer: Tracer, record: Any) ->
     return wrapper
 
 
-def _begin(tracer: Tracer, record: Any) -> int:
-    tracer.first_run(record)
-    return tracer.next_activation()
+class _Activation:
+    """What is the same at each resumption of a generator or a coroutine, which begins now."""
+
+    __slots__ = ("_calls", "rest", "top")
+
+    def __init__(self, tracer: Tracer, record: Any, frame: FrameType) -> None:
+        tracer.first_run(record)
+        executed: set[str] = set()
+        made_at = tracer.calls.begun(frame)
+        self._calls: CallLog = tracer.calls
+        self.rest = (record, tracer.next_activation(), executed, made_at)
+        """Its link of the stack but for the caller's, which differs."""
+        self.top = tracer.top
+
+    def end(self) -> None:
+        """Note that it came to its end."""
+        record, _, executed, made_at = self.rest
+        self._calls.ended(made_at, record.ref, executed)
 
 
 class _Resumed:
@@ -141,13 +168,12 @@ class _Resumed:
     `yield from` and `await` hand `send`, `throw` and `close` through to it.
     """
 
-    __slots__ = ("_activation", "_record", "_target", "_top")
+    __slots__ = ("_rest", "_target", "_top")
 
-    def __init__(self, target: Any, tracer: Tracer, record: Any, activation: int) -> None:
+    def __init__(self, target: Any, activation: _Activation) -> None:
         self._target = target
-        self._top = tracer.top
-        self._record = record
-        self._activation = activation
+        self._top = activation.top
+        self._rest = activation.rest
 
     def __iter__(self) -> _Resumed:
         return self
@@ -162,7 +188,7 @@ class _Resumed:
     @hide
     def send(self, value: Any) -> Any:
         caller = self._top.get()
-        self._top.set((caller, self._record, self._activation))
+        self._top.set((caller, *self._rest))
         try:
             return self._target.send(value)
         finally:
@@ -180,7 +206,7 @@ class _Resumed:
     def _within(self, call: Callable[..., Any], *arguments: Any) -> Any:
         # `send` does the same by itself, for there is one at each step of a generator.
         caller = self._top.get()
-        self._top.set((caller, self._record, self._activation))
+        self._top.set((caller, *self._rest))
         try:
             return call(*arguments)
         finally:

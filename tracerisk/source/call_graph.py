@@ -38,16 +38,27 @@ class CalledBy:
     others: frozenset[str]
     unknown: frozenset[str] = frozenset()
 
+    def with_more(self, more: CalledBy) -> CalledBy:
+        """Return it with what another part of the same function calls."""
+        return CalledBy(
+            self.line,
+            self.functions | more.functions,
+            self.others | more.others,
+            self.unknown | more.unknown,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class CallGraph:
     """Every function of one or more source files, `<module>` of each among them.
 
-    `imports` are, for each file, the last names of the modules that it may import.
+    `imports` are, for each file, the last names of the modules that it may import. `regular` are
+    the calls without those in `except` clauses.
     """
 
     calls: Mapping[FunctionRef, CalledBy]
     imports: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    regular: Mapping[FunctionRef, CalledBy] = field(default_factory=dict)
 
     @classmethod
     def joined(cls, graphs: Iterable[CallGraph]) -> CallGraph:
@@ -56,7 +67,9 @@ class CallGraph:
         What a file calls of others' by a name that a file has which it imports, at first hand or
         not, counts as a call of that; a method called on something unknown as each of that name.
         """
+        graphs = tuple(graphs)
         calls = {ref: each for graph in graphs for ref, each in graph.calls.items()}
+        regular = {ref: each for graph in graphs for ref, each in graph.regular.items()}
         imports = {file: names for graph in graphs for file, names in graph.imports.items()}
         named: dict[str, dict[str, set[FunctionRef]]] = {file: {} for file in imports}
         for ref in calls:
@@ -66,15 +79,20 @@ class CallGraph:
             for name in tail:
                 named.setdefault(ref.file, {}).setdefault(name, set()).add(ref)
         seen = {file: _imported_files(file, imports) for file in imports}
-        linked = {}
-        for ref, each in calls.items():
+
+        def linked(ref: FunctionRef, each: CalledBy) -> CalledBy:
             found = set(each.functions)
             for file, functions in named.items():
                 names = each.others if file in seen.get(ref.file, ()) else each.unknown
                 for name in names & functions.keys():
                     found |= functions[name]
-            linked[ref] = replace(each, functions=frozenset(found))
-        return cls(linked, imports)
+            return replace(each, functions=frozenset(found))
+
+        return cls(
+            {ref: linked(ref, each) for ref, each in calls.items()},
+            imports,
+            {ref: linked(ref, each) for ref, each in regular.items()},
+        )
 
 
 @lru_cache(maxsize=8)
@@ -138,21 +156,48 @@ def uncovered(
     graph: CallGraph, motion_names: Collection[str], ran: Collection[FunctionRef]
 ) -> tuple[Uncovered, ...]:
     """Return the functions that can reach a motion command and are not among those that `ran`."""
+    spare = _spare(graph, ran)
     return tuple(
-        Uncovered(site.ref, site.line)
+        Uncovered(site.ref, site.line, is_spare=site.ref in spare)
         for site in motion_reaching(graph, motion_names)
         if site.ref not in ran and site.ref.name != MODULE_NAME
     )
 
 
-@dataclass(slots=True)
-class _Uses:
-    """What a function's body uses, before names are resolved."""
+def _spare(graph: CallGraph, ran: Collection[FunctionRef]) -> frozenset[FunctionRef]:
+    """Return the functions to which only `except` clauses of those that `ran` lead."""
+    never = {ref for ref in graph.calls if ref not in ran and ref.name != MODULE_NAME}
+    spare: set[FunctionRef] = set()
+    pending = [ref for ref in graph.calls if ref not in never]
+    while pending:
+        new = (graph.calls[pending.pop()].functions & never) - spare
+        spare |= new
+        pending += new
+    # What a function that is not spare calls in its regular course is none either.
+    pending = [ref for ref in graph.calls if ref not in spare]
+    while pending:
+        lost = graph.regular[pending.pop()].functions & spare
+        spare -= lost
+        pending += lost
+    return frozenset(spare)
 
-    line: int
+
+@dataclass(slots=True)
+class _Use:
+    """What a part of a function's body uses, before names are resolved."""
+
     called: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
     handed_on: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
     read: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _Uses:
+    """What a function's body uses, in its regular course and in its `except` clauses."""
+
+    line: int
+    regular: _Use = field(default_factory=_Use)
+    handling: _Use = field(default_factory=_Use)
 
 
 class _Reader(cst.CSTVisitor):
@@ -164,13 +209,17 @@ class _Reader(cst.CSTVisitor):
         self._remaining = iter(parsed.functions)
         self._scope = Scope("module", "", None, module)
         self._uses: dict[FunctionRef, _Uses] = {module: _Uses(1)}
+        self._handling = 0
         self._classes: list[ClassBody] = []
         self._imports: set[str] = set()
 
     def graph(self) -> CallGraph:
         names = NameResolver(self._classes)
-        calls = {ref: self._resolved(uses, names) for ref, uses in self._uses.items()}
-        return CallGraph(calls, {self._module.file: frozenset(self._imports)})
+        calls, regular = {}, {}
+        for ref, uses in self._uses.items():
+            regular[ref] = self._resolved(uses.line, uses.regular, names)
+            calls[ref] = regular[ref].with_more(self._resolved(uses.line, uses.handling, names))
+        return CallGraph(calls, {self._module.file: frozenset(self._imports)}, regular)
 
     # --- scopes
 
@@ -191,9 +240,11 @@ class _Reader(cst.CSTVisitor):
                 annotations.append(parameter.annotation.annotation)
         if outer.kind == "class" and parameters:
             _bind_first_parameter(scope, outer, node, parameters[0].name.value)
+        handling, self._handling = self._handling, 0
         self._scope = scope
         node.body.visit(self)
         self._scope = outer
+        self._handling = handling
         return False
 
     def visit_ClassDef(self, node: cst.ClassDef) -> bool:  # noqa: N802
@@ -286,13 +337,20 @@ class _Reader(cst.CSTVisitor):
     def visit_Annotation(self, node: cst.Annotation) -> bool:  # noqa: N802, ARG002
         return False
 
+    def visit_ExceptHandler_body(self, node: cst.ExceptHandler) -> None:  # noqa: N802, ARG002
+        self._handling += 1
+
+    def leave_ExceptHandler_body(self, node: cst.ExceptHandler) -> None:  # noqa: N802, ARG002
+        self._handling -= 1
+
     @property
-    def _own(self) -> _Uses:
-        return self._uses[self._scope.owner]
+    def _own(self) -> _Use:
+        uses = self._uses[self._scope.owner]
+        return uses.handling if self._handling else uses.regular
 
     # --- names resolved
 
-    def _resolved(self, uses: _Uses, names: NameResolver) -> CalledBy:
+    def _resolved(self, line: int, uses: _Use, names: NameResolver) -> CalledBy:
         functions: set[FunctionRef] = set()
         others: set[str] = set()
         unknown: set[str] = set()
@@ -317,7 +375,7 @@ class _Reader(cst.CSTVisitor):
             for meaning in names.evaluate(expression, scope):
                 if meaning.function is not None:
                     functions.add(meaning.function)
-        return CalledBy(uses.line, frozenset(functions), frozenset(others), frozenset(unknown))
+        return CalledBy(line, frozenset(functions), frozenset(others), frozenset(unknown))
 
     def _methods_named(self, name: str) -> set[FunctionRef]:
         return {ref for body in self._classes for ref in body.scope.functions.get(name, ())}

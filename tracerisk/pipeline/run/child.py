@@ -20,6 +20,7 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.instrument.call_marks import CALLS
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
@@ -209,6 +210,7 @@ def _run(
     world.time_passed = [watch.time_passed, stall.time_passed]
 
     def run_over(cause: EndCause) -> None:
+        recorder.note(CALLS, **tracer.executed_calls())
         runtime.client(TwinCommands).finish(cause)
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())

@@ -21,6 +21,7 @@ from tracerisk.pipeline.trace.unfinished import unfinished
 from tracerisk.trace import (
     MISSED_CALL,
     MISSION_MISSED,
+    NEVER_CALLED,
     NEVER_RAN,
     UNUSED_INPUT,
     VERDICTS,
@@ -56,6 +57,7 @@ CODES: dict[str, VerdictKind] = {
     MISSION_MISSED: "faulted",
     NEVER_RAN: "partial",
     MISSED_CALL: "partial",
+    NEVER_CALLED: "partial",
     UNUSED_INPUT: "partial",
     "command-replaced": "partial",
     "command-cut": "partial",
@@ -390,23 +392,27 @@ def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
 
 
 def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
-    for each in coverage.never_ran:
-        yield _reason(
-            NEVER_RAN,
-            f"{each.ref.name} can command hardware and never ran",
-            function=each.ref.name,
-            location=Location(each.ref.file, each.line),
-        )
+    for never in coverage.never_ran:
+        if not never.is_spare:
+            yield _reason(
+                NEVER_RAN,
+                f"{never.ref.name} can command hardware and never ran",
+                function=never.ref.name,
+                location=Location(never.ref.file, never.line),
+            )
 
 
 def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
-    for each in missed:
+    for call in missed:
+        words = f"{call.call} was not executed here, elsewhere it led to a command"
+        if call.was_executed:
+            words = f"{call.call} led to no command here, elsewhere it did"
         yield _reason(
-            MISSED_CALL,
-            f"{each.call} led to no command here, elsewhere it did",
-            function=each.function,
-            object_name=each.call,
-            location=each.location,
+            MISSED_CALL if call.was_executed else NEVER_CALLED,
+            words,
+            function=call.function,
+            object_name=call.call,
+            location=call.location,
         )
 
 

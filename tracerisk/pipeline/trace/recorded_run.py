@@ -94,6 +94,8 @@ class MissedCommand:
     call: str
     """As it is written: `self.arm.go`."""
     location: Location
+    was_executed: bool = True
+    """Whether the run executed it, in vain."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ import numpy as np
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
+from tracerisk.instrument.call_marks import Site
 from tracerisk.instrument.commands import traced_commands
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
-from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran

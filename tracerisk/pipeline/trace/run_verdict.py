@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.definitions import function_at, parse_python
 from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.call_marks import CALLS, Calls
 from tracerisk.instrument.commands import Command
-from tracerisk.instrument.motion_calls import missed_calls
+from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
-from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.grasp_place import grasp_place
 from tracerisk.pipeline.trace.gripper_faults import closed_on_nothing, empty_grasps
@@ -225,23 +225,22 @@ def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
 
 def _missed(recording: Recording, controller: Controller) -> Iterator[MissedCommand]:
     """Yield the calls of functions that ran which led to no command, though others like it did."""
-    made: dict[str, set[Site]] = {}
-    commanding = set()
-    for command in recording.commands:
-        for frame in command.stack:
-            made.setdefault(frame.function.file, set()).add(frame.site)
-            if frame.root is None:
-                commanding.add(frame.function.name.rpartition(".")[2])
-    for file, *site in (recording.note(STOPS) or {"sites": ()})["sites"]:
-        if file in made:
-            made[file].add((site[0], site[1]))
+    note = recording.note(CALLS)
+    if note is None:
+        return
+    frames = [frame for command in recording.commands for frame in command.stack]
+    places = {place for frame in frames for place in frame.places}
+    stops = (recording.note(STOPS) or {"sites": ()})["sites"]
+    places |= {(file, (line, column)) for file, line, column in stops}
+    commanding = Commanding(frozenset(places), frozenset(frame.function for frame in frames))
+    calls = Calls.of(note)
     ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
-    for file in sorted(made):
-        for each in missed_calls(controller.source_of(file), made[file], commanding):
-            place = Location(file, each.line)
+    for file in sorted({frame.function.file for frame in frames}):
+        for missed in missed_calls(controller.source_of(file), file, commanding, calls):
+            place = Location(file, missed.line)
             function = function_of(controller, place)
             if (file, function) in ran:
-                yield MissedCommand(function, each.written, place)
+                yield MissedCommand(function, missed.written, place, missed.was_executed)
 
 
 def _commands(

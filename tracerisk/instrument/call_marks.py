@@ -1,0 +1,352 @@
+"""Mark the calls that may command, and note which of them a run executed.
+
+A mark is evaluated first of its call: `(mark(key), self)[1].arm.go()`. So the call keeps its place,
+its value and its line, and no frame comes between. What cannot command has no mark: a
+built-in function, one of Python's own modules, a line of a log.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, AbstractContextManager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType
+from typing import Any
+
+from tracerisk.instrument.code_positions import call_position, source_position
+from tracerisk.instrument.endless_loops import import_into
+from tracerisk.instrument.hidden_frames import hide
+from tracerisk.source.dotted_names import dotted_name, last_name
+from tracerisk.trace import FunctionRef, QualifiedName
+
+CALLS = "calls"
+"""The note of the calls that a run executed: what `CallLog.data` returns."""
+MARK = "__tracerisk_called__"
+"""The name of the mark in instrumented code; not mangled in classes, hidden from `*`."""
+MADE = "__tracerisk_made__"
+"""The name of what notes where a generator or a coroutine was made."""
+COMPILING_DECORATORS = frozenset({"jit", "njit", "vectorize", "guvectorize", "cfunc", "stencil"})
+"""What these make of a function no longer runs as Python, and cannot command an arm."""
+
+Site = tuple[int, int]
+"""Line and column of a call, both from 1 (the column in UTF-8 bytes)."""
+Place = tuple[str, Site]
+"""The file of a call, from the controller's root, and its site there."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_ANNOTATIONS = frozenset({"annotation", "returns", "type_params"})
+_NUMBERS = frozenset({"numpy", "scipy"})
+_LOG = re.compile(r"log_?(debug|info|warn|err|fatal)|(debug|info|warn|warning|error|fatal)$")
+_MOST_WAITING = 100  # what one call made and nobody has begun; more of it says no more
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedCall:
+    """A call of a source that may command."""
+
+    node: ast.Call
+    scope: Function | None
+    """The function around it, `None` in module-level code."""
+    is_spare: bool
+    """Whether it is in an `except` clause, or in what only a script executes."""
+    replace: Callable[[ast.expr], None]
+    """Puts another expression in its place."""
+
+    @property
+    def site(self) -> Site:
+        """Where the run finds it."""
+        line, column = call_position(self.node)
+        return line, column + 1
+
+
+def marked_calls(tree: ast.Module) -> Iterator[MarkedCall]:
+    """Yield the calls of a source that may command; none of an annotation."""
+    names = _Names(tree)
+    pending: list[tuple[ast.AST, Function | None, bool]] = [(tree, None, False)]
+    while pending:
+        node, scope, is_spare = pending.pop()
+        for name, value in ast.iter_fields(node):
+            if name in _ANNOTATIONS:
+                continue
+            inner = (scope, is_spare)
+            if name == "body" and isinstance(node, _FUNCTIONS):
+                inner = (node, False)
+            elif name == "body":
+                inner = (scope, is_spare or _is_spare(node))
+            for index, child in enumerate(value if isinstance(value, list) else [value]):
+                if not isinstance(child, ast.AST) or _is_compiled(child):
+                    continue
+                pending.append((child, *inner))
+                if isinstance(child, ast.Call) and names.may_command(child.func):
+                    replace = _replacer(node, name, index if isinstance(value, list) else None)
+                    yield MarkedCall(child, *inner, replace)
+
+
+def mark_calls(tree: ast.Module, module: str, file: str, inserted: frozenset[str]) -> None:
+    """Insert the marks, imported from `module`; calls by the names `inserted` get none."""
+    lazy = {node.name for node in ast.walk(tree) if isinstance(node, _FUNCTIONS) and _is_lazy(node)}
+    used = {}
+    for call in list(marked_calls(tree)):
+        name = last_name(call.node.func)
+        if name in inserted:
+            continue
+        key = ast.Constant(_key(file, call.site))
+        mark = ast.Name(MADE if name in lazy else MARK, ast.Load())
+        used[mark.id] = "made" if name in lazy else "called"
+        replace_first, first = _first_evaluated(call.node)
+        if name in lazy:
+            marked = ast.Call(mark, [key, call.node], [])
+            _place(first, mark, key)
+            ast.copy_location(marked, call.node)
+            marked.lineno, marked.col_offset = call_position(call.node)
+            call.replace(marked)
+        else:
+            noted = ast.Call(mark, [key], [])
+            both, second = ast.Tuple([noted, first], ast.Load()), ast.Constant(1)
+            marked_first = ast.Subscript(both, second, ast.Load())
+            _place(first, noted, mark, key, both, second, marked_first)
+            replace_first(marked_first)
+    import_into(tree, module, {used[name]: name for name in sorted(used)})
+
+
+class _Names:
+    """What the names of a source stand for, as far as it decides whether a call may command."""
+
+    def __init__(self, tree: ast.Module) -> None:
+        self._plain: set[str] = set()
+        """Python's own modules and what is imported from them."""
+        self._own: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                self._import(node)
+            elif isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
+                self._own.add(node.name)
+            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                self._own.add(node.id)
+            elif isinstance(node, ast.arg):
+                self._own.add(node.arg)
+
+    def _import(self, node: ast.Import | ast.ImportFrom) -> None:
+        for alias in node.names:
+            is_from = isinstance(node, ast.ImportFrom)
+            module = (node.module or "") if isinstance(node, ast.ImportFrom) else alias.name
+            name = alias.asname or (alias.name if is_from else alias.name.partition(".")[0])
+            top = module.partition(".")[0]
+            is_python = top in sys.stdlib_module_names or top in _NUMBERS
+            is_own = isinstance(node, ast.ImportFrom) and node.level > 0
+            (self._plain if is_python and not is_own else self._own).add(name)
+
+    def may_command(self, function: ast.expr) -> bool:
+        """Return whether a call of what an expression names may command."""
+        root = dotted_name(function).partition(".")[0]
+        if root in self._own:
+            return not self._is_log(function)
+        if root in self._plain or (isinstance(function, ast.Name) and hasattr(builtins, root)):
+            return False
+        return not self._is_log(function)
+
+    def _is_log(self, function: ast.expr) -> bool:
+        name = last_name(function)
+        return name not in self._own and bool(_LOG.match(name))
+
+
+def _is_spare(node: ast.AST) -> bool:
+    if isinstance(node, ast.If):
+        names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}
+        return "__name__" in names
+    return isinstance(node, ast.ExceptHandler)
+
+
+def _is_compiled(node: ast.AST) -> bool:
+    return isinstance(node, _FUNCTIONS) and any(
+        last_name(each.func if isinstance(each, ast.Call) else each) in COMPILING_DECORATORS
+        for each in node.decorator_list
+    )
+
+
+def _is_lazy(function: Function) -> bool:
+    """Return whether a function's body begins later than its call."""
+    if isinstance(function, ast.AsyncFunctionDef):
+        return True
+    pending: list[ast.AST] = list(function.body)
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.Yield | ast.YieldFrom):
+            return True
+        if not isinstance(node, (*_FUNCTIONS, ast.Lambda)):
+            pending += ast.iter_child_nodes(node)
+    return False
+
+
+def _replacer(parent: ast.AST, name: str, index: int | None) -> Callable[[ast.expr], None]:
+    def replace(node: ast.expr) -> None:
+        if index is None:
+            setattr(parent, name, node)
+        else:
+            getattr(parent, name)[index] = node
+
+    return replace
+
+
+def _first_evaluated(call: ast.Call) -> tuple[Callable[[ast.expr], None], ast.expr]:
+    """Return what of a call is evaluated first, and what puts another expression in its place."""
+    parent: ast.expr = call
+    name = "func"
+    while True:
+        node = getattr(parent, name)
+        inner = _FIRST.get(type(node))
+        if inner is None:
+            return _replacer(parent, name, None), node
+        parent, name = node, inner
+
+
+_FIRST = {ast.Call: "func", ast.Attribute: "value", ast.Subscript: "value"}
+
+
+def _place(place: ast.expr, *nodes: ast.expr) -> None:
+    for node in nodes:
+        ast.copy_location(node, place)
+
+
+# What a run executed
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """What one way through a function executed that was called at a place and returned."""
+
+    place: Place
+    function: FunctionRef
+    executed: frozenset[Place]
+
+
+@dataclass(frozen=True, slots=True)
+class Calls:
+    """Which calls a run executed."""
+
+    executed: frozenset[Place]
+    """Those that were reached."""
+    turns: tuple[Turn, ...]
+    waiting: frozenset[Place]
+    """Those that made generators or coroutines of which none ever began."""
+
+    @classmethod
+    def of(cls, note: Mapping[str, Any]) -> Calls:
+        """Read what `CallLog.data` returned."""
+        turns = (
+            Turn(
+                place_of(key),
+                FunctionRef(file, QualifiedName(name)),
+                frozenset(map(place_of, executed)),
+            )
+            for key, file, name, executed in note["turns"]
+        )
+        return cls(
+            frozenset(map(place_of, note["executed"])),
+            tuple(turns),
+            frozenset(map(place_of, note["waiting"])),
+        )
+
+
+class CallLog:
+    """Notes the calls that a run executes. `top` holds the innermost link of the running code."""
+
+    def __init__(self, top: ContextVar[Any]) -> None:
+        self._executed: set[str] = set()
+        self._turns: set[tuple[CodeType | None, int | str, FunctionRef, frozenset[str]]] = set()
+        self._began: set[str] = set()
+        self._waiting: dict[str, dict[FrameType, None]] = {}
+        self._maker: dict[FrameType, str] = {}
+        self.called = self._mark(top)
+        """The mark: notes the call of a key, for the run and for the function that runs it."""
+
+    def _mark(self, top: ContextVar[Any]) -> Callable[[str], None]:
+        get, add = top.get, self._executed.add
+
+        @hide
+        def called(key: str) -> None:
+            add(key)
+            link = get()
+            if type(link) is tuple:
+                link[3].add(key)
+
+        return called
+
+    @hide
+    def made(self, key: str, value: Any) -> Any:
+        """Note where a generator or a coroutine was made, and return it."""
+        self.called(key)
+        frame = _frame_of(value)
+        if frame is not None and key not in self._began:
+            waiting = self._waiting.setdefault(key, {})
+            if len(waiting) < _MOST_WAITING:
+                waiting[frame] = None
+                self._maker[frame] = key
+        return value
+
+    def begun(self, frame: FrameType) -> str:
+        """Note that a generator or a coroutine begins; return the key of the call that made it."""
+        key = self._maker.pop(frame, "")
+        if key:
+            self._began.add(key)
+            for other in self._waiting.pop(key, ()):
+                self._maker.pop(other, None)
+        return key
+
+    def returned(self, caller: FrameType, function: FunctionRef, executed: set[str]) -> None:
+        """Note what a function executed that returns to its caller."""
+        self._turns.add((caller.f_code, caller.f_lasti, function, frozenset(executed)))
+
+    def ended(self, key: str, function: FunctionRef, executed: set[str]) -> None:
+        """Note what a generator or a coroutine executed that is at its end."""
+        if key:
+            self._turns.add((None, key, function, frozenset(executed)))
+
+    def data(self, files: Mapping[str, str]) -> dict[str, Any]:
+        """Return all that was noted, as JSON data; `files` are the names of code objects' files."""
+        turns = set()
+        for code, at, function, executed in self._turns:
+            key = str(at) if code is None else _key_of(code, int(at), files)
+            if key:
+                turns.add((key, function.file, str(function.name), tuple(sorted(executed))))
+        return {
+            "executed": sorted(self._executed),
+            "turns": [[*turn[:3], list(turn[3])] for turn in sorted(turns)],
+            "waiting": sorted(self._waiting),
+        }
+
+
+def _frame_of(value: Any) -> FrameType | None:
+    """Return the frame of what runs later than it was made, `None` for all else."""
+    if isinstance(value, AbstractContextManager | AbstractAsyncContextManager):
+        # What a decorator of `contextlib` makes of a generator.
+        value = getattr(value, "gen", value)
+    if isinstance(value, GeneratorType):
+        return value.gi_frame
+    if isinstance(value, CoroutineType):
+        return value.cr_frame
+    return value.ag_frame if isinstance(value, AsyncGeneratorType) else None
+
+
+def _key(file: str, site: Site) -> str:
+    return f"{site[0]}:{site[1]}:{file}"
+
+
+def _key_of(code: CodeType, instruction: int, files: Mapping[str, str]) -> str:
+    file = files.get(code.co_filename)
+    line, column = source_position(code, instruction)
+    if file is None or line is None or column is None:
+        return ""
+    return _key(file, (line, column + 1))
+
+
+def place_of(key: str) -> Place:
+    """Return the place of the call that has a key."""
+    line, column, file = key.split(":", 2)
+    return file, (int(line), int(column))
