@@ -11,6 +11,7 @@ from tracerisk.trace import Acceptance
 ACCEPTABLE: tuple[str, ...] = (
     "access-denied",
     "attach-failed",
+    "call-raised",
     "callback-raised",
     "command-aborted",
     "command-cut",

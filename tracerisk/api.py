@@ -384,6 +384,8 @@ def overrides(paths: Iterable[str | Path] = ()) -> Sequence[Override]:
 def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:
     """Return the error of a run in which no hardware was commanded, with what it showed instead."""
     message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
+    if trace.verdict is not None and trace.verdict.coverage.never_ran_words:
+        message = f"{message}; {trace.verdict.coverage.never_ran_words}"
     if not trace.findings:
         hint = "does it need arguments (after --) or answers (--answer)?"
         start = Location(str(controller.path), 1)

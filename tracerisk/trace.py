@@ -259,6 +259,17 @@ class Coverage:
     never_ran: tuple[Uncovered, ...] = ()
     """Those that did not run, with the line of each."""
 
+    @property
+    def never_ran_words(self) -> str:
+        """The first of those that did not run, in words; empty where all ran."""
+        if not self.never_ran:
+            return ""
+        first = self.never_ran[0]
+        more = len(self.never_ran) - 1
+        others = f" and {more} more function{'' if more == 1 else 's'}" if more else ""
+        place = f"{first.ref.name} ({first.ref.file}:{first.line})"
+        return f"{place}{others} can command hardware and never ran"
+
 
 @dataclass(frozen=True, slots=True)
 class Acceptance:

@@ -153,7 +153,7 @@ def test_what_works_misses_nothing_however_it_is_written(missed, way):
 
 def test_a_source_that_is_no_python_misses_nothing():
     commanding = Commanding(frozenset(), frozenset())
-    calls = Calls(frozenset(), (), frozenset())
+    calls = Calls(frozenset(), (), frozenset(), frozenset())
     assert missed_calls(b"def (", "controller.py", commanding, calls) == ()
 
 

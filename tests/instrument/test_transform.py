@@ -14,6 +14,7 @@ import pytest
 from tests.slow import slow_but_every
 from tracerisk.errors import SourceError
 from tracerisk.instrument.call_marks import MARK
+from tracerisk.instrument.caught_exceptions import CAUGHT
 from tracerisk.instrument.endless_loops import MARKER
 from tracerisk.instrument.transform import compile_instrumented, instrument_source
 
@@ -214,7 +215,7 @@ def test_standard_library_keeps_its_tree_and_its_lines(path: Path) -> None:
 
 
 def lines_without_markers(code: object) -> list[int | None]:
-    """Return the lines in the order of the code, without what marks endless loops and calls."""
+    """Return the lines in the order of the code, without all marks."""
     lines: list[int | None] = []
     within_marker = within_mark = False
     line_at = {
@@ -223,7 +224,7 @@ def lines_without_markers(code: object) -> list[int | None]:
         for offset in range(start, end, 2)
     }
     for instruction in dis.get_instructions(code):  # type: ignore[arg-type]
-        within_marker = within_marker or instruction.argval == MARKER
+        within_marker = within_marker or instruction.argval in (MARKER, CAUGHT)
         if instruction.opname.startswith("LOAD") and instruction.argval == MARK:
             within_mark = True
         line = line_at[instruction.offset]

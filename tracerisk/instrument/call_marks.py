@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType
 from typing import Any
 
+from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import call_position, source_position
 from tracerisk.instrument.endless_loops import import_into
 from tracerisk.instrument.hidden_frames import hide
@@ -233,6 +234,8 @@ class Calls:
     executed: frozenset[Place]
     """Those that were reached."""
     turns: tuple[Turn, ...]
+    raised: frozenset[Place]
+    """Those that a stand-in refused by an exception the last time."""
     waiting: frozenset[Place]
     """Those that made generators or coroutines of which none ever began."""
 
@@ -248,8 +251,9 @@ class Calls:
             for key, file, name, executed in note["turns"]
         )
         return cls(
-            frozenset(map(place_of, note["executed"])),
+            frozenset(map(place_of, (*note["executed"], *note["raised"]))),
             tuple(turns),
+            frozenset(map(place_of, note["raised"])),
             frozenset(map(place_of, note["waiting"])),
         )
 
@@ -259,6 +263,7 @@ class CallLog:
 
     def __init__(self, top: ContextVar[Any]) -> None:
         self._executed: set[str] = set()
+        self._raised: set[str] = set()
         self._turns: set[tuple[CodeType | None, int | str, FunctionRef, frozenset[str]]] = set()
         self._began: set[str] = set()
         self._waiting: dict[str, dict[FrameType, None]] = {}
@@ -299,6 +304,13 @@ class CallLog:
                 self._maker.pop(other, None)
         return key
 
+    def raised(self, place: Location) -> None:
+        """Note that a stand-in refused a call; that it is executed again clears it."""
+        key = _key(place.file, (place.line or 0, place.column or 0))
+        if key in self._executed:
+            self._executed.remove(key)
+            self._raised.add(key)
+
     def returned(self, caller: FrameType, function: FunctionRef, executed: set[str]) -> None:
         """Note what a function executed that returns to its caller."""
         self._turns.add((caller.f_code, caller.f_lasti, function, frozenset(executed)))
@@ -318,6 +330,7 @@ class CallLog:
         return {
             "executed": sorted(self._executed),
             "turns": [[*turn[:3], list(turn[3])] for turn in sorted(turns)],
+            "raised": sorted(self._raised - self._executed),
             "waiting": sorted(self._waiting),
         }
 

@@ -12,6 +12,7 @@ from types import CodeType, MappingProxyType, ModuleType
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.caught_exceptions import suppressed_reported
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.instrument.transform import TRACER_MODULE, compile_instrumented, instrument_source
@@ -67,6 +68,7 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
     module = ModuleType(TRACER_MODULE, "Tracing decorator of the run in progress.")
     module.traced = tracer.traced  # type: ignore[attr-defined]
     module.looped = tracer.looped  # type: ignore[attr-defined]
+    module.caught = tracer.caught  # type: ignore[attr-defined]
     module.called = tracer.calls.called  # type: ignore[attr-defined]
     module.made = tracer.calls.made  # type: ignore[attr-defined]
     with _entry(sys.modules, TRACER_MODULE, module):
@@ -148,7 +150,11 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
     # Each traced call takes two frames where the controller would take one.
     sys.setrecursionlimit(2 * old_limit)
     try:
-        with _entry(sys.modules, "__main__", module), decorator_served(tracer):
+        with (
+            _entry(sys.modules, "__main__", module),
+            decorator_served(tracer),
+            suppressed_reported(tracer.note_caught),
+        ):
             yield module
     finally:
         sys.argv, sys.path[:] = old_argv, old_path

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import re
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -22,6 +23,17 @@ MOTION_CALLS = frozenset(
 
 # What so many things have that only the same expression says the same.
 _COMMON = frozenset({"publish", "call", "call_async", "send_request"})
+
+
+_LIKE_COMMANDS = re.compile(
+    r"(go|move|jog|servo|grasp|grip|home|pick|place|send|execute|publish|call)(?![a-z])|move[jlcp]$|"
+    r"set_(joint|pose|position|ee|gripper|target)|(open|close)_(gripper|hand)"
+)
+
+
+def is_like_command(name: str) -> bool:
+    """Return whether a call has a name as functions of drivers have that command."""
+    return _LIKE_COMMANDS.match(name.rpartition(".")[2]) is not None
 
 
 def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:

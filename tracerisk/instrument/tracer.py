@@ -17,6 +17,7 @@ from typing import Any, Literal
 
 from tracerisk.errors import Location
 from tracerisk.instrument.call_marks import CallLog, Place, Site, place_of
+from tracerisk.instrument.caught_exceptions import CaughtFailure, caught_failure
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.state_instances import StateEntries
@@ -113,8 +114,10 @@ class Tracer:
 
     `on_first_run` is called with each function the first time that it runs; `on_iteration` (an
     attribute) of file and line of an endless loop at the begin of each iteration; `on_source` (an
-    attribute) of each file of the controller and the bytes that were compiled. `on_behalf` (an
-    attribute) returns the stack of another function for whose sake the running code runs, if any.
+    attribute) of each file of the controller and the bytes that were compiled; `on_caught` (an
+    attribute) of each call that a stand-in refused by an exception which the controller caught.
+    `on_behalf` (an attribute) returns the stack of another function for whose sake the running
+    code runs, if any.
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
@@ -125,6 +128,7 @@ class Tracer:
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
         self.on_source: Callable[[str, bytes], None] | None = None
+        self.on_caught: Callable[[CaughtFailure], None] | None = None
         self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
@@ -160,6 +164,22 @@ class Tracer:
         """Record that an iteration of an endless loop begins; instrumented loops call this."""
         if self.on_iteration is not None:
             self.on_iteration(file, line)
+
+    @hide
+    def caught(self) -> None:
+        """Record what an `except` clause of the controller caught; instrumented ones call this."""
+        error = sys.exc_info()[1]
+        if error is not None:
+            self.note_caught(error)
+
+    @hide
+    def note_caught(self, error: BaseException) -> None:
+        """Record an exception with which the controller goes on, if a stand-in raised it."""
+        failure = caught_failure(error, self._files)
+        if failure is not None:
+            self.calls.raised(failure.location)
+            if self.on_caught is not None:
+                self.on_caught(failure)
 
     @hide
     def run_module(

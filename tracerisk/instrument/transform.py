@@ -3,8 +3,8 @@
 The text that libcst writes is parsed again and walked beside the original's syntax tree: but for
 what was inserted both must be the same tree, and every node takes the original's position, so
 line numbers, columns and `co_firstlineno` of the compiled code are those of the file on disk.
-Then the loops without an end, and the calls that may command, are marked in the tree itself, on
-the lines that they have.
+Then loops without an end, `except` clauses and calls that may command are marked in the tree
+itself, on the lines that they have.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.call_marks import COMPILING_DECORATORS, mark_calls
+from tracerisk.instrument.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.endless_loops import MARKER, begin_of_code, mark_endless_loops
 from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
@@ -78,7 +79,9 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
         tree = ast.parse(instrumented.text, filename)
     _take_positions(tree, original, instrumented.file)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
-    mark_calls(tree, TRACER_MODULE, instrumented.file, inserted=frozenset({DECORATOR, MARKER}))
+    mark_handlers(tree, TRACER_MODULE)
+    inserted = frozenset({DECORATOR, MARKER, CAUGHT})
+    mark_calls(tree, TRACER_MODULE, instrumented.file, inserted)
     return compile_with_positions(tree, filename)
 
 

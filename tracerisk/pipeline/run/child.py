@@ -21,6 +21,7 @@ from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.call_marks import CALLS
+from tracerisk.instrument.caught_exceptions import CaughtFailure
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
@@ -39,6 +40,7 @@ from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.scripted_input import Answers, scripted_input
 from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
+from tracerisk.pipeline.trace.refused_calls import REFUSED
 from tracerisk.pipeline.trace.run_files import (
     AROUND,
     ELSEWHERE,
@@ -155,6 +157,7 @@ def _run(
         twin.arm(fault)
     tracer = Tracer(recorder.function_ran)
     tracer.on_source = recorder.source_compiled
+    tracer.on_caught = refusals_noted(recorder)
     world = _Metered(twin, wall_clock)
     scheduler = Scheduler(
         world,
@@ -371,6 +374,18 @@ def note_given(recorder: Recorder, scenario: Scenario) -> None:
         accept=[asdict(each) for each in scenario.accept],
         unconfirmed=[asdict(each) for each in scenario.unconfirmed],
     )
+
+
+def refusals_noted(recorder: Recorder) -> Callable[[CaughtFailure], None]:
+    """Return what records the calls that stand-ins refused, each once."""
+    noted: set[CaughtFailure] = set()
+
+    def caught(failure: CaughtFailure) -> None:
+        if failure not in noted:
+            noted.add(failure)
+            recorder.finding(REFUSED, failure.words, failure.location, object_name=failure.call)
+
+    return caught
 
 
 def drivers_of(

@@ -45,6 +45,7 @@ CODES: dict[str, VerdictKind] = {
     "planning-failed": "faulted",
     "path-cut": "faulted",
     "attach-failed": "faulted",
+    "call-raised": "faulted",
     "callback-raised": "faulted",
     "thread-raised": "faulted",
     "error-logged": "faulted",
@@ -92,6 +93,7 @@ _OF_FINDING = {
     "planning_failure": "planning-failed",
     "path_cut": "path-cut",
     "attach_failure": "attach-failed",
+    "call_raised": "call-raised",
     "callback_failed": "callback-raised",
     "thread_failed": "thread-raised",
     "error_logged": "error-logged",
@@ -172,6 +174,8 @@ def _of_end(run: RecordedRun) -> Iterator[Reason]:
     end = run.end
     if end.is_good and not run.commands:
         words = "nothing was commanded, so no motion is in the figures"
+        if run.coverage.never_ran_words:
+            words = f"{words}: {run.coverage.never_ran_words}"
         yield _reason("no-command", words, time_s=end.simulated_s)
     if not end.is_good:
         yield _reason(

@@ -13,7 +13,7 @@ from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.call_marks import Site
 from tracerisk.instrument.commands import traced_commands
-from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
+from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at, is_like_command
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
@@ -172,6 +172,10 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
             graphs.append(call_graph(source, file))
         motion |= calls_at(source, sites.get(file, ()))
     graph = CallGraph.joined(graphs)
+    if not recording.commands:
+        # The run has shown no call that commands: names that drivers' functions have must do.
+        called = {name for calls in graph.calls.values() for name in calls.others}
+        motion |= {name for name in called if is_like_command(name)}
     ran = {site.ref for site in recording.functions_ran}
     never_ran = tuple(each for each in uncovered(graph, motion, ran) if each.ref.file in own)
     # What the run has seen to command counts, however it came to.

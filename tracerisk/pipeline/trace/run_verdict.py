@@ -27,6 +27,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
     UnmetNeed,
 )
+from tracerisk.pipeline.trace.refused_calls import with_settled_refusals
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
@@ -98,16 +99,18 @@ def run_verdict(
     controller, settings, recording = ran.controller, ran.settings, ran.recording
     given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
     commands = tuple(_commands(ran, samples, contacts))
+    note = recording.note(CALLS)
+    calls = None if note is None else Calls.of(note)
     bodies = samples.header.free_bodies if samples is not None else ()
     named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
     run = RecordedRun(
         end=ran.end,
         end_function=function_of(controller, ran.end.location),
-        findings=tuple(findings),
+        findings=with_settled_refusals(findings, calls, controller, ran.end),
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
-        missed=tuple(_missed(recording, controller)),
+        missed=tuple(_missed(recording, calls, controller)),
         falls=falls(samples, contacts) if samples is not None else (),
         mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
@@ -223,17 +226,17 @@ def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
         )
 
 
-def _missed(recording: Recording, controller: Controller) -> Iterator[MissedCommand]:
+def _missed(
+    recording: Recording, calls: Calls | None, controller: Controller
+) -> Iterator[MissedCommand]:
     """Yield the calls of functions that ran which led to no command, though others like it did."""
-    note = recording.note(CALLS)
-    if note is None:
+    if calls is None:
         return
     frames = [frame for command in recording.commands for frame in command.stack]
     places = {place for frame in frames for place in frame.places}
     stops = (recording.note(STOPS) or {"sites": ()})["sites"]
     places |= {(file, (line, column)) for file, line, column in stops}
     commanding = Commanding(frozenset(places), frozenset(frame.function for frame in frames))
-    calls = Calls.of(note)
     ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
     for file in sorted({frame.function.file for frame in frames}):
         for missed in missed_calls(controller.source_of(file), file, commanding, calls):

@@ -1,0 +1,118 @@
+"""Report what a stand-in raised and the controller caught: a run that goes on hides it.
+
+Each `except` clause of the controller reports what it caught, and `contextlib.suppress` what it
+suppressed. Reported is a call that could never succeed (an unknown group, a wrong type), not one
+that may be tried again: a timeout, a transform that is not there yet, a shutdown.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+import tracerisk
+from tracerisk.errors import Location
+from tracerisk.instrument.code_positions import source_position
+from tracerisk.instrument.endless_loops import import_into
+from tracerisk.sandbox.replaced_names import replaced
+
+CAUGHT = "__tracerisk_caught__"
+"""The name of the report in instrumented code; not mangled in classes, hidden from `*`."""
+
+_STAND_INS = tuple(f"{Path(tracerisk.__file__).parent / room}/" for room in ("ros", "vendors"))
+# Of these exactly: what is derived from them has a meaning of its own.
+_MISUSE = frozenset(
+    {"RuntimeError", "TypeError", "ValueError", "AssertionError", "IndexError"}
+    | {"MoveItCommanderException", "ROSSerializationException", "SerializationError"}
+    | {"MessageException", "InvalidTopicNameException", "InvalidServiceNameException"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CaughtFailure:
+    """An exception by which a stand-in refused a call."""
+
+    location: Location
+    """The controller's line."""
+    call: str
+    """What was called: the name of a function, or of a class."""
+    message: str
+
+    @property
+    def words(self) -> str:
+        """What happened, in a sentence."""
+        return f"the controller went on although {self.call} raised {self.message}"
+
+
+def mark_handlers(tree: ast.Module, module: str) -> None:
+    """Insert the report, imported from `module`, at the begin of each `except` clause."""
+    handlers = [node for node in ast.walk(tree) if isinstance(node, ast.ExceptHandler)]
+    for handler in handlers:
+        report = ast.Expr(ast.Call(ast.Name(CAUGHT, ast.Load()), [], []))
+        for node in (report, report.value, report.value.func):  # type: ignore[attr-defined]
+            ast.copy_location(node, handler.body[0])
+        handler.body.insert(0, report)
+    import_into(tree, module, {"caught": CAUGHT} if handlers else {})
+
+
+def caught_failure(error: BaseException, files: Mapping[str, str]) -> CaughtFailure | None:
+    """Return the call that a stand-in refused by an exception, `None` for any other exception.
+
+    `files` are the controller's files by the names that code objects have for them.
+    """
+    if type(error).__name__ not in _MISUSE:
+        return None
+    entries = list(_entries(error.__traceback__))
+    own = [at for at, entry in enumerate(entries) if entry.tb_frame.f_code.co_filename in files]
+    if not own:
+        return None
+    last = entries[own[-1]]
+    refused = [
+        entry.tb_frame
+        for entry in entries[own[-1] + 1 :]
+        if entry.tb_frame.f_code.co_filename.startswith(_STAND_INS)
+    ]
+    if not refused:
+        return None
+    code = last.tb_frame.f_code
+    _, column = source_position(code, last.tb_lasti)
+    call = refused[0].f_code.co_name
+    if call.startswith("__") and "self" in refused[0].f_locals:
+        call = type(refused[0].f_locals["self"]).__name__
+    place = Location(
+        files[code.co_filename], last.tb_lineno, None if column is None else column + 1
+    )
+    text = " ".join(str(error).split())
+    return CaughtFailure(
+        place, call, f"{type(error).__name__}: {text}" if text else type(error).__name__
+    )
+
+
+@contextlib.contextmanager
+def suppressed_reported(report: Callable[[BaseException], None]) -> Iterator[None]:
+    """Report what `contextlib.suppress` suppresses, until closed."""
+    real = contextlib.suppress.__exit__
+
+    def leave(
+        self: contextlib.suppress,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> bool:
+        is_over = real(self, kind, error, trace)
+        if is_over and error is not None:
+            report(error)
+        return is_over
+
+    with replaced([(contextlib.suppress, "__exit__", leave)]):
+        yield
+
+
+def _entries(entry: TracebackType | None) -> Iterator[TracebackType]:
+    while entry is not None:
+        yield entry
+        entry = entry.tb_next
