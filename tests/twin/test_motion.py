@@ -196,6 +196,12 @@ def test_an_arm_that_is_blocked_aborts_and_names_the_joint_and_what_is_in_the_wa
     assert 3.9 < motion.ended_ns * 1e-9 < 4.2
 
 
+def test_a_goal_past_a_limit_is_aborted_and_names_the_limit(free: Twin):
+    motion = moved(free, [0.0, -0.7, 0.0, 0.1, 0.0, 1.5, 0.7])
+    assert motion.outcome == "aborted"
+    assert motion.message.endswith("; its goal is 0.1, past its limits [-3.0718, -0.0698]")
+
+
 @pytest.mark.parametrize(
     ("time", "position", "message"),
     [

@@ -92,7 +92,7 @@ tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
         assert not ran[name].success, name
     assert ran.commands == []
     for reported in (
-        "is outside [-2.79",
+        "is outside its limits [-2.79",
         "velocity 0 and acceleration 60",
         "of the line to (3.000, 0.000, 0.500) m",
         "reference 101 is not simulated",

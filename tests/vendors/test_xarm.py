@@ -56,6 +56,7 @@ call(MoveJoint, 'set_servo_angle', angles=[0.0, 0.3, 1.2, 0.0, 0.9, 0.0], wait=T
 here = list(call(GetFloat32List, 'get_position').datas)
 line = call(MoveCartesian, 'set_position', pose=[here[0], 60.0, *here[2:]], speed=50.0, wait=True)
 there = list(call(GetFloat32List, 'get_position').datas)
+again = call(MoveCartesian, 'set_position', pose=there[:6], speed=50.0, wait=True)
 short = call(MoveCartesian, 'set_tool_position', pose=[10.0, 0.0], wait=True)
 far = call(MoveCartesian, 'set_position', pose=[2000.0, 0.0, 200.0, 3.14, 0.0, 0.0], wait=True)
 errors = list(call(GetInt16List, 'get_err_warn_code').datas)
@@ -69,12 +70,23 @@ home = call(MoveHome, 'move_gohome', wait=True)
     assert ran["line"].ret == 0
     assert ran["there"][1] == pytest.approx(60.0, abs=2.0)
     assert ran["there"][2] == pytest.approx(ran["here"][2], abs=2.0)
+    # To where the tool is already.
+    assert ran["again"].ret == 0
     assert (ran["short"].ret, ran["short"].message) == (-1, "a pose has 6 values, not 2")
     assert ran["far"].ret == 1
     assert ran["errors"][0] == 21
     assert ran["refused"].ret == 1
     assert ran["home"].ret == 0
     assert any("of the line to (2.000, 0.000, 0.200) m" in each for each in ran.findings)
+
+
+def test_a_pose_in_metres_for_a_service_in_millimetres_is_suspected(run_on):
+    ran = run_on(
+        "lite6",
+        HEAD2 + "far = call(MoveCartesian, 'set_position', pose=[0.3, 0.0, 0.2, 3.14, 0.0, 0.0])\n",
+        ros=2,
+    )
+    assert "(0.000, 0.000, 0.000) m (m, where mm are expected?) can be" in ran["far"].message
 
 
 def test_the_gripper_takes_pulses_and_stop_stops(run_on):

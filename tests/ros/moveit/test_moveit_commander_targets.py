@@ -39,7 +39,7 @@ def test_an_unknown_group_lists_the_groups(run):
     [
         ("arm.set_named_target('redy')", "Unable to set target redy. Is the target within bounds?"),
         ("arm.set_named_target('redy')", "did you mean 'ready'? allowed: extended, ready"),
-        ("arm.go([9.0] * 7)", "9 for joint 'panda_joint1' is outside [-2.8973, 2.8973]"),
+        ("arm.go([9.0] * 7)", "9 for joint 'panda_joint1' is outside [-2.8973, 2.8973] (degrees?)"),
         ("arm.go([0.0] * 6)", "6 values given, group 'panda_arm' has 7 joints"),
         ("arm.set_joint_value_target({'elbow': 0})", "joint 'elbow' is not part of group"),
         ("arm.set_joint_value_target('panda_joint1')", "Joint value expected when joint name"),

@@ -31,6 +31,7 @@ from tracerisk.pipeline.trace.refused_calls import with_settled_refusals
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
+from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -110,7 +111,7 @@ def run_verdict(
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
-        missed=tuple(_missed(recording, calls, controller)),
+        missed=tuple(_missed(ran, calls)),
         falls=falls(samples, contacts) if samples is not None else (),
         mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
@@ -226,23 +227,23 @@ def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
         )
 
 
-def _missed(
-    recording: Recording, calls: Calls | None, controller: Controller
-) -> Iterator[MissedCommand]:
+def _missed(ran: Ran, calls: Calls | None) -> Iterator[MissedCommand]:
     """Yield the calls of functions that ran which led to no command, though others like it did."""
     if calls is None:
         return
+    recording, controller = ran.recording, ran.controller
     frames = [frame for command in recording.commands for frame in command.stack]
     places = {place for frame in frames for place in frame.places}
     stops = (recording.note(STOPS) or {"sites": ()})["sites"]
     places |= {(file, (line, column)) for file, line, column in stops}
     commanding = Commanding(frozenset(places), frozenset(frame.function for frame in frames))
-    ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
+    begun = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
     for file in sorted({frame.function.file for frame in frames}):
         for missed in missed_calls(controller.source_of(file), file, commanding, calls):
             place = Location(file, missed.line)
             function = function_of(controller, place)
-            if (file, function) in ran:
+            # What a run that broke off did not get to says nothing of its own.
+            if (file, function) in begun and (missed.was_executed or ran.end.is_good):
                 yield MissedCommand(function, missed.written, place, missed.was_executed)
 
 
@@ -304,8 +305,7 @@ def _past_limit(joints: Mapping[str, Joint], command: Command) -> tuple[str, str
             by = max(joint.lower - goal, goal - joint.upper)
             if by > furthest:
                 furthest = by
-                words = f"to {goal:g}, past its limits [{joint.lower:g}, {joint.upper:g}]"
-                found = (name, words)
+                found = (name, f"to {past_limits(joint, goal, NEAR)}")
     return found
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tracerisk.twin.motion.plausible_units import past_limits
+
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.twin.physics.motion import JointTrajectory
@@ -42,8 +44,7 @@ def within_limits(
         reached = np.clip(asked, joint.lower, joint.upper)
         furthest = asked[int(np.argmax(np.abs(asked - reached)))]
         if np.abs(asked - reached).max() > _NEAR:
-            limits = f"[{joint.lower:g}, {joint.upper:g}]"
-            past[name] = f"to {furthest:g}, past its limits {limits}; it stops there"
+            past[name] = f"to {past_limits(joint, furthest, _NEAR)}; it stops there"
         velocity[:, i] = np.where(reached == asked, velocity[:, i], 0.0)
         position[:, i] = reached
     return replace(trajectory, position=position, velocity=velocity), past

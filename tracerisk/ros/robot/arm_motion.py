@@ -17,6 +17,7 @@ from tracerisk.ros.robot.grippers import gripper_ends
 from tracerisk.ros.robot.motion_profiles import Ramp, at_velocities, ramped
 from tracerisk.ros.transforms.poses import angle_between, compose
 from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.motion.plausible_units import cut_line, shown_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robots.robot import Scaling
 
@@ -134,8 +135,8 @@ class ArmMotion:
             if not joint.lower - _NEAR <= value <= joint.upper + _NEAR:
                 raise PlanningError(
                     "invalid_goal",
-                    f"{value:.3f} for '{joint.name}' is outside "
-                    f"[{joint.lower:.3f}, {joint.upper:.3f}]",
+                    f"{value:.3f} for '{joint.name}' is outside its limits "
+                    f"{shown_limits(joint, value)}",
                 )
 
     def fastest_s(
@@ -220,13 +221,12 @@ class ArmMotion:
             avoid_collisions=False,
             scaling=Scaling(1.0, 1.0),
         )
-        if fraction < least - 1e-6 or len(trajectory.time) < 2:
-            x, y, z = poses[-1].position
-            raise PlanningError(
-                "no_ik_solution",
-                f"only {fraction:.0%} of the line to ({x:.3f}, {y:.3f}, {z:.3f}) m can be followed",
-            )
         here, needed = self.tool_pose(), 0.0
+        if fraction < least - 1e-6:
+            raise PlanningError("no_ik_solution", cut_line(poses[-1], fraction, here))
+        if len(trajectory.time) < 2:
+            # The tool is there already.
+            return self.to_joints(self.positions(), duration_s=duration_s)
         for pose in poses:
             way = math.dist(here.position, pose.position) / speed
             needed += max(way, angle_between(here.orientation, pose.orientation) / turn)

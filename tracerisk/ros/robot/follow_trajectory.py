@@ -20,6 +20,7 @@ from tracerisk.ros.robot.trajectory_messages import (
 )
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE, SETTLE_S, GoalTolerance, Motion
+from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 TYPE = "control_msgs/FollowJointTrajectory"
@@ -232,14 +233,19 @@ class _Pursuit:
         twin = self._commands.twin
         here = twin.joint_state().positions
         goals = zip(self._trajectory.joints, self._trajectory.position[-1], strict=True)
-        miss, joint = max((abs(here[name] - wanted), name) for name, wanted in goals)
+        miss, joint, wanted = max(
+            (abs(here[name] - wanted), name, wanted) for name, wanted in goals
+        )
         if miss <= (_LATE if self._limit.position is None else self._limit.position):
             return
-        twin.abort(
-            self._motion,
+        text = (
             f"joint '{joint}' is {miss:.4f} from its goal when goal_time_tolerance "
-            f"({self._limit.time_s:g} s) is over",
+            f"({self._limit.time_s:g} s) is over"
         )
+        past = past_limits(twin.robot.joint(joint), float(wanted), 0.0)
+        if past:
+            text += f"; its goal is {past}"
+        twin.abort(self._motion, text)
 
     def _desired(self) -> tuple[Array, Array]:
         """Return the positions and velocities that the trajectory asks for now."""

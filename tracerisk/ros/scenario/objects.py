@@ -9,6 +9,7 @@ from types import MappingProxyType
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.geometry.shapes import Shape
 from tracerisk.text.yaml_reader import YamlMap
+from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
 from tracerisk.twin.robots.robot import Robot
 
@@ -58,8 +59,7 @@ def with_start(robot: Robot, start: Sequence[tuple[str, float, Location]]) -> Ro
         joint = known[name]
         if joint.type != "continuous" and not joint.lower <= value <= joint.upper:
             raise ScenarioError(
-                f"{value:g} for joint '{name}' is outside its limits "
-                f"[{joint.lower:g}, {joint.upper:g}]",
+                f"{value:g} for joint '{name}' is outside its limits {shown_limits(joint, value)}",
                 place,
             )
     moved = {name: value for name, value, _ in start}

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.motion.timing import along_path, resample
 from tracerisk.twin.physics.builder import STEP_S
 from tracerisk.twin.physics.motion import JointTrajectory, Leads, MotionOutcome, PlanningError
@@ -271,6 +272,9 @@ class ArmTrack:
             f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
             f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})"
         )
+        past = past_limits(self.members[worst], float(self.position[-1][worst]), 0.0)
+        if past:
+            text += f"; its goal is {past}"
         pressed = measured.pressed()
         if pressed is not None:
             text += f"; '{pressed[0]}' presses on '{pressed[1]}'"

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.motion.plausible_units import length_guess
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Robot
@@ -175,7 +176,8 @@ class Kinematics:
         asked, now = [], []
         for target in targets:
             here = self.forward(seed, target.link)
-            asked.append(f"'{target.link}' to {_shown(target.pose)} m")
+            guess = length_guess(target.pose.position, math.hypot(*here.position))
+            asked.append(f"'{target.link}' to {_shown(target.pose)} m{guess}")
             now.append(_shown(here))
         return PlanningError(
             "no_ik_solution",

@@ -17,6 +17,7 @@ from tracerisk.errors import one_of
 from tracerisk.geometry.frames import triple
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Bounds, Kinematics
+from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Robot, Scaling
@@ -311,7 +312,7 @@ def _within(joint: Joint, value: float) -> float:
         raise PlanningError(
             "invalid_goal",
             f"{value:g} for joint '{joint.name}' is outside its limits "
-            f"[{joint.lower:g}, {joint.upper:g}]",
+            f"{shown_limits(joint, value)}",
         )
     return min(max(float(value), joint.lower), joint.upper)
 

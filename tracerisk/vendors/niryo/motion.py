@@ -21,6 +21,7 @@ from tracerisk.ros.transforms.poses import (
     quaternion_from_rpy,
     rpy_from_quaternion,
 )
+from tracerisk.twin.motion.plausible_units import cut_line
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robots.robot import Scaling
 
@@ -189,11 +190,7 @@ class NiryoMotion:
             scaling=Scaling(self.velocity, self.acceleration),
         )
         if fraction < 1.0 - 1e-6:
-            x, y, z = poses[-1].position
-            raise PlanningError(
-                "no_plan",
-                f"only {fraction:.0%} of the line to ({x:.3f}, {y:.3f}, {z:.3f}) m can be followed",
-            )
+            raise PlanningError("no_plan", cut_line(poses[-1], fraction, self._arm.tool_pose()))
         return found if len(found.time) > 1 else None
 
     def _spiral(self, values: Sequence[float]) -> list[Pose]:

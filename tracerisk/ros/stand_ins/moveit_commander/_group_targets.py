@@ -16,6 +16,7 @@ from tracerisk.ros.transforms.poses import (
     rpy_from_quaternion,
     unit_quaternion,
 )
+from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.physics import motion
 from tracerisk.twin.physics.motion import PlanningError
 
@@ -120,7 +121,7 @@ class GroupTargets(GroupState):
             if not joint.lower - slack <= value <= joint.upper + slack:
                 raise MoveItCommanderException(
                     f"{_OUT_OF_BOUNDS} {value:g} for joint '{name}' is outside "
-                    f"[{joint.lower:g}, {joint.upper:g}]"
+                    f"{shown_limits(joint, value)}"
                 )
 
     def _set_target_by_pose(self, pose: Any, arg2: Any, arg3: Any) -> None:

@@ -15,6 +15,7 @@ from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.transforms.poses import compose, inverse, rotate
+from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics import motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -222,7 +223,8 @@ class GroupPickPlace(GroupTargets):
         if plan.trajectory is None:
             return plan.code
         if fraction < least:
-            text = f"only {fraction:.0%} of a straight way of link '{link}' can be followed"
+            share = floored_percent(fraction)
+            text = f"only {share} of a straight way of link '{link}' can be followed"
             return self._fail(ErrorCode.PLANNING_FAILED, text, "")
         return self._carry_out(plan.trajectory)
 

@@ -14,6 +14,7 @@ from tracerisk.errors import one_of
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.moveit.move_group import Plan
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Scaling
 
@@ -269,7 +270,7 @@ class PlanningComponent:
         if fraction < 1.0:
             raise RequestError(
                 ErrorCode.PLANNING_FAILED,
-                f"the straight line of '{link}' ends after {fraction:.0%} of its way",
+                f"the straight line of '{link}' ends after {floored_percent(fraction)} of its way",
             )
         return plan
 
