@@ -50,6 +50,19 @@ REFUSED = {
         "MoveGroupCommander raised RuntimeError: Group 'left_arm' was not found",
         10,
     ),
+    "one of two in a function for both": (
+        "def group(name):\n    try:\n        return moveit_commander.MoveGroupCommander(name)\n"
+        "    except RuntimeError:\n        return None\n"
+        "group('left_arm')\ngroup('panda_hand')\n",
+        "MoveGroupCommander raised RuntimeError: Group 'left_arm' was not found",
+        10,
+    ),
+    "one of two in a loop over both": (
+        "for name in ('left_arm', 'panda_hand'):\n    try:\n"
+        "        moveit_commander.MoveGroupCommander(name)\n    except RuntimeError:\n        pass\n",
+        "MoveGroupCommander raised RuntimeError: Group 'left_arm' was not found",
+        10,
+    ),
     "type of a message": (
         "publisher = rospy.Publisher('/x', Float64, queue_size=1)\n"
         "rospy.Subscriber('/x', Float64, print)\nrospy.sleep(0.5)\n"

@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import ast
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 
 import tracerisk
 from tracerisk.errors import Location
+from tracerisk.instrument.call_marks import Calls, MarkedCall, marked_calls
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.endless_loops import import_into
 from tracerisk.sandbox.replaced_names import replaced
+from tracerisk.source.dotted_names import last_name
+from tracerisk.source.python_source import parsed
+from tracerisk.trace import Finding, RunEnd
 
 CAUGHT = "__tracerisk_caught__"
 """The name of the report in instrumented code; not mangled in classes, hidden from `*`."""
@@ -30,6 +34,10 @@ _MISUSE = frozenset(
     | {"MoveItCommanderException", "ROSSerializationException", "SerializationError"}
     | {"MessageException", "InvalidTopicNameException", "InvalidServiceNameException"}
 )
+
+
+REFUSED = "call_raised"
+"""The kind of the finding of a call that a stand-in refused by an exception which was caught."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,3 +124,62 @@ def _entries(entry: TracebackType | None) -> Iterator[TracebackType]:
     while entry is not None:
         yield entry
         entry = entry.tb_next
+
+
+# Which of them are settled
+
+
+def with_settled_refusals(
+    findings: Sequence[Finding], calls: Calls | None, end: RunEnd, source_of: Callable[[str], bytes]
+) -> tuple[Finding, ...]:
+    """Return the findings, those of refused calls as recovered where they need no report.
+
+    That is so where a loop tried the same call until it succeeded, where an `except` clause called
+    the same with success (another name of the group), and where another finding or the end of the
+    run has the same line.
+    """
+    told = {_line(finding.location) for finding in findings if finding.kind != REFUSED}
+    if not end.is_good:
+        told.add(_line(end.location))
+    return tuple(
+        replace(finding, recovered_s=finding.time_s)
+        if finding.kind == REFUSED
+        and (_line(finding.location) in told or _has_another_way(finding, calls, source_of))
+        else finding
+        for finding in findings
+    )
+
+
+def _line(place: Location | None) -> tuple[str, int | None] | None:
+    return None if place is None else (place.file, place.line)
+
+
+def _has_another_way(
+    finding: Finding, calls: Calls | None, source_of: Callable[[str], bytes]
+) -> bool:
+    place = finding.location
+    if calls is None or place is None or place.line is None or place.column is None:
+        return False
+    tree = parsed(source_of(place.file))
+    if tree is None:
+        return False
+    site = (place.line, place.column)
+    marked = {id(call.node): call for call in marked_calls(tree)}
+
+    def calls_in(*nodes: ast.AST) -> list[MarkedCall]:
+        inner = (each for node in nodes for each in ast.walk(node))
+        return [marked[id(node)] for node in inner if id(node) in marked]
+
+    succeeded = {at for file, at in calls.executed - calls.raised if file == place.file}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.For | ast.While) and site in succeeded:
+            is_left = any(isinstance(inner, ast.Break | ast.Return) for inner in ast.walk(node))
+            if is_left and any(call.site == site for call in calls_in(*node.body)):
+                return True
+        if isinstance(node, ast.Try):
+            refused = [call for call in calls_in(*node.body) if call.site == site]
+            names = {last_name(call.node.func) for call in refused}
+            others = calls_in(*node.handlers)
+            if any(last_name(c.node.func) in names and c.site in succeeded for c in others):
+                return True
+    return False

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.call_marks import CALLS
-from tracerisk.instrument.caught_exceptions import CaughtFailure
+from tracerisk.instrument.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
@@ -40,7 +40,6 @@ from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.scripted_input import Answers, scripted_input
 from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.trace.refused_calls import REFUSED
 from tracerisk.pipeline.trace.run_files import (
     AROUND,
     ELSEWHERE,

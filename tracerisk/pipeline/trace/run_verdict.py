@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.adder.sources.definitions import function_at, parse_python
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.call_marks import CALLS, Calls
+from tracerisk.instrument.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
@@ -27,7 +28,6 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
     UnmetNeed,
 )
-from tracerisk.pipeline.trace.refused_calls import with_settled_refusals
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
@@ -107,7 +107,7 @@ def run_verdict(
     run = RecordedRun(
         end=ran.end,
         end_function=function_of(controller, ran.end.location),
-        findings=with_settled_refusals(findings, calls, controller, ran.end),
+        findings=with_settled_refusals(findings, calls, ran.end, controller.source_of),
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
