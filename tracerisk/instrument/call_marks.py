@@ -264,7 +264,9 @@ class CallLog:
     def __init__(self, top: ContextVar[Any]) -> None:
         self._executed: set[str] = set()
         self._raised: set[str] = set()
-        self._turns: set[tuple[CodeType | None, int | str, FunctionRef, frozenset[str]]] = set()
+        # By numbers, for these are looked up at each return; the values keep what they number.
+        self._turns: dict[tuple[int, int, int, frozenset[str]], tuple[CodeType, Any]] = {}
+        self._ended: set[tuple[str, FunctionRef, frozenset[str]]] = set()
         self._began: set[str] = set()
         self._waiting: dict[str, dict[FrameType, None]] = {}
         self._maker: dict[FrameType, str] = {}
@@ -311,28 +313,43 @@ class CallLog:
             self._executed.remove(key)
             self._raised.add(key)
 
-    def returned(self, caller: FrameType, function: FunctionRef, executed: set[str]) -> None:
-        """Note what a function executed that returns to its caller."""
-        self._turns.add((caller.f_code, caller.f_lasti, function, frozenset(executed)))
+    def returned(self, caller: FrameType, record: Any, executed: set[str]) -> None:
+        """Note what the function of a tracer's record executed that returns to its caller."""
+        code = caller.f_code
+        key = (id(code), caller.f_lasti, id(record), frozenset(executed))
+        if key not in self._turns:
+            self._turns[key] = (code, record)
 
     def ended(self, key: str, function: FunctionRef, executed: set[str]) -> None:
         """Note what a generator or a coroutine executed that is at its end."""
         if key:
-            self._turns.add((None, key, function, frozenset(executed)))
+            self._ended.add((key, function, frozenset(executed)))
 
     def data(self, files: Mapping[str, str]) -> dict[str, Any]:
         """Return all that was noted, as JSON data; `files` are the names of code objects' files."""
-        turns = set()
-        for code, at, function, executed in self._turns:
-            key = str(at) if code is None else _key_of(code, int(at), files)
-            if key:
-                turns.add((key, function.file, str(function.name), tuple(sorted(executed))))
+        found = [
+            (_key_of(code, key[1], files), record.ref, key[3])
+            for key, (code, record) in self._turns.items()
+        ]
+        turns = sorted(
+            {
+                (key, function.file, str(function.name), tuple(sorted(executed)))
+                for key, function, executed in (*found, *self._ended)
+                if key
+            }
+        )
         return {
             "executed": sorted(self._executed),
-            "turns": [[*turn[:3], list(turn[3])] for turn in sorted(turns)],
+            "turns": [[*turn[:3], list(turn[3])] for turn in turns],
             "raised": sorted(self._raised - self._executed),
             "waiting": sorted(self._waiting),
         }
+
+
+def has_marks(code: CodeType) -> bool:
+    """Return whether calls are marked in a function, or in what stands in it."""
+    inner = (each for each in code.co_consts if isinstance(each, CodeType))
+    return bool({MARK, MADE} & set(code.co_names)) or any(map(has_marks, inner))
 
 
 def _frame_of(value: Any) -> FrameType | None:

@@ -14,6 +14,7 @@ from collections.abc import AsyncGenerator, Callable, Generator
 from types import CodeType, FrameType, FunctionType
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.instrument.call_marks import has_marks
 from tracerisk.instrument.hidden_frames import HIDDEN_FILENAME, hide, shed
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 
 # Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
 _getframe = sys._getframe
+
+# A function that returns more often is called in loops, and its ways through repeat themselves;
+# what computes may be called a million times.
+_MOST_TURNS = 1000
 
 AnyFunction = Callable[..., Any]
 
@@ -64,15 +69,17 @@ def _disguised(code: CodeType, original: CodeType) -> CodeType:
 def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
     get, put = tracer.top.get, tracer.top.set
     next_activation, returned = tracer.next_activation, tracer.calls.returned
+    noted = _MOST_TURNS if has_marks(function.__code__) else 0
+    unnoted: set[str] = set()
     ran = False
 
     def wrapper(*args: Any, **kwargs: Any) -> Any:
-        nonlocal ran
+        nonlocal ran, noted
         if not ran:
             tracer.first_run(record)
             ran = True
         caller = get()
-        executed: set[str] = set()
+        executed: set[str] = set() if noted else unnoted
         put((caller, record, next_activation(), executed, ""))
         try:
             result = function(*args, **kwargs)
@@ -81,7 +88,9 @@ def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFuncti
             raise
         finally:
             put(caller)
-        returned(_getframe(1), record.ref, executed)
+        if noted:
+            noted -= 1
+            returned(_getframe(1), record, executed)
         return result
 
     return wrapper
