@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.instrument.endless_loops import endless_loops
 from tracerisk.instrument.loader import run_controller
+from tracerisk.instrument.marks.endless_loops import endless_loops
 from tracerisk.instrument.tracer import Tracer
 
 

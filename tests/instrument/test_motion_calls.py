@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.instrument.call_marks import Calls
+from tracerisk.instrument.marks.call_log import Calls
 from tracerisk.instrument.motion_calls import Commanding, calls_at, missed_calls
 
 SOURCE = """\

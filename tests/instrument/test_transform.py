@@ -13,9 +13,9 @@ import pytest
 
 from tests.slow import slow_but_every
 from tracerisk.errors import SourceError
-from tracerisk.instrument.call_marks import MARK
-from tracerisk.instrument.caught_exceptions import CAUGHT
-from tracerisk.instrument.endless_loops import MARKER
+from tracerisk.instrument.marks.calls import MARK
+from tracerisk.instrument.marks.caught_exceptions import CAUGHT
+from tracerisk.instrument.marks.endless_loops import MARKER
 from tracerisk.instrument.transform import compile_instrumented, instrument_source
 
 IMPORT = "from __tracerisk__ import traced as __tracerisk_traced__"

@@ -33,7 +33,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import InputError
-from tracerisk.instrument.call_marks import Site
+from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.tracer import Frame
 from tracerisk.strong_components import strong_components
 from tracerisk.trace import FunctionRef

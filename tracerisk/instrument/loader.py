@@ -12,8 +12,8 @@ from types import CodeType, MappingProxyType, ModuleType
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
-from tracerisk.instrument.caught_exceptions import suppressed_reported
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
+from tracerisk.instrument.marks.caught_exceptions import suppressed_reported
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.instrument.transform import TRACER_MODULE, compile_instrumented, instrument_source
 

@@ -9,8 +9,9 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from tracerisk.instrument.call_marks import Calls, MarkedCall, Place, Site, Turn, marked_calls
 from tracerisk.instrument.code_positions import call_position
+from tracerisk.instrument.marks.call_log import Calls, Place, Site, Turn
+from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
 from tracerisk.source.dotted_names import dotted_name, last_name
 from tracerisk.source.python_source import parsed
 from tracerisk.trace import FunctionRef

@@ -16,10 +16,10 @@ from types import CodeType, FrameType
 from typing import Any, Literal
 
 from tracerisk.errors import Location
-from tracerisk.instrument.call_marks import CallLog, Place, Site, place_of
-from tracerisk.instrument.caught_exceptions import CaughtFailure, caught_failure
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
+from tracerisk.instrument.marks.caught_exceptions import CaughtFailure, caught_failure
 from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
 from tracerisk.source.python_source import MODULE_NAME, FunctionSite

@@ -18,10 +18,10 @@ from types import CodeType
 import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
-from tracerisk.instrument.call_marks import COMPILING_DECORATORS, mark_calls
-from tracerisk.instrument.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.code_positions import compile_with_positions
-from tracerisk.instrument.endless_loops import MARKER, begin_of_code, mark_endless_loops
+from tracerisk.instrument.marks.calls import COMPILING_DECORATORS, mark_calls
+from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
+from tracerisk.instrument.marks.endless_loops import MARKER, begin_of_code, mark_endless_loops
 from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"

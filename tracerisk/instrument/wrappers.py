@@ -14,11 +14,11 @@ from collections.abc import AsyncGenerator, Callable, Generator
 from types import CodeType, FrameType, FunctionType
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.instrument.call_marks import has_marks
 from tracerisk.instrument.hidden_frames import HIDDEN_FILENAME, hide, shed
+from tracerisk.instrument.marks.calls import has_marks
 
 if TYPE_CHECKING:
-    from tracerisk.instrument.call_marks import CallLog
+    from tracerisk.instrument.marks.call_log import CallLog
     from tracerisk.instrument.tracer import Tracer
 
 # Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.

@@ -20,10 +20,10 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.instrument.call_marks import CALLS
-from tracerisk.instrument.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
+from tracerisk.instrument.marks.call_log import CALLS
+from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround

@@ -11,8 +11,8 @@ from tracerisk.trace import CommandEnd, Coverage, Finding, FunctionRef, RunEnd
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
+    from tracerisk.instrument.marks.call_log import Site
     from tracerisk.instrument.recording import Recording
-    from tracerisk.instrument.tracer import Site
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.twin.robots.robot import Robot
 

@@ -11,8 +11,8 @@ import numpy as np
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
-from tracerisk.instrument.call_marks import Site
 from tracerisk.instrument.commands import traced_commands
+from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at, is_like_command
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.definitions import function_at, parse_python
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.call_marks import CALLS, Calls
-from tracerisk.instrument.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.commands import Command
+from tracerisk.instrument.marks.call_log import CALLS, Calls
+from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
 from tracerisk.pipeline.trace.falls import falls
@@ -232,7 +232,8 @@ def _missed(ran: Ran, calls: Calls | None) -> Iterator[MissedCommand]:
     if calls is None:
         return
     recording, controller = ran.recording, ran.controller
-    frames = [frame for command in recording.commands for frame in command.stack]
+    issued = (*recording.commands, *recording.refused)
+    frames = [frame for command in issued for frame in command.stack]
     places = {place for frame in frames for place in frame.places}
     stops = (recording.note(STOPS) or {"sites": ()})["sites"]
     places |= {(file, (line, column)) for file, line, column in stops}

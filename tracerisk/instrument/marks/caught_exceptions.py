@@ -16,9 +16,10 @@ from types import TracebackType
 
 import tracerisk
 from tracerisk.errors import Location
-from tracerisk.instrument.call_marks import Calls, MarkedCall, marked_calls
 from tracerisk.instrument.code_positions import source_position
-from tracerisk.instrument.endless_loops import import_into
+from tracerisk.instrument.marks.call_log import Calls
+from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
+from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.sandbox.replaced_names import replaced
 from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed

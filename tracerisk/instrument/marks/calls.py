@@ -1,4 +1,4 @@
-"""Mark the calls that may command, and note which of them a run executed.
+"""Mark the calls that may command, so that a run notes which of them it executed.
 
 A mark is evaluated first of its call: `(mark(key), self)[1].arm.go()`. So the call keeps its place,
 its value and its line, and no frame comes between. What cannot command has no mark: a
@@ -11,22 +11,15 @@ import ast
 import builtins
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, AbstractContextManager
-from contextvars import ContextVar
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType
-from typing import Any
+from types import CodeType
 
-from tracerisk.errors import Location
-from tracerisk.instrument.code_positions import call_position, source_position
-from tracerisk.instrument.endless_loops import import_into
-from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.code_positions import call_position
+from tracerisk.instrument.marks.call_log import Site, call_key
+from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.source.dotted_names import dotted_name, last_name
-from tracerisk.trace import FunctionRef, QualifiedName
 
-CALLS = "calls"
-"""The note of the calls that a run executed: what `CallLog.data` returns."""
 MARK = "__tracerisk_called__"
 """The name of the mark in instrumented code; not mangled in classes, hidden from `*`."""
 MADE = "__tracerisk_made__"
@@ -34,17 +27,11 @@ MADE = "__tracerisk_made__"
 COMPILING_DECORATORS = frozenset({"jit", "njit", "vectorize", "guvectorize", "cfunc", "stencil"})
 """What these make of a function no longer runs as Python, and cannot command an arm."""
 
-Site = tuple[int, int]
-"""Line and column of a call, both from 1 (the column in UTF-8 bytes)."""
-Place = tuple[str, Site]
-"""The file of a call, from the controller's root, and its site there."""
-
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ANNOTATIONS = frozenset({"annotation", "returns", "type_params"})
 _NUMBERS = frozenset({"numpy", "scipy"})
 _LOG = re.compile(r"log_?(debug|info|warn|err|fatal)|(debug|info|warn|warning|error|fatal)$")
-_MOST_WAITING = 100  # what one call made and nobody has begun; more of it says no more
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +84,7 @@ def mark_calls(tree: ast.Module, module: str, file: str, inserted: frozenset[str
         name = last_name(call.node.func)
         if name in inserted:
             continue
-        key = ast.Constant(_key(file, call.site))
+        key = ast.Constant(call_key(file, call.site))
         mark = ast.Name(MADE if name in lazy else MARK, ast.Load())
         used[mark.id] = "made" if name in lazy else "called"
         replace_first, first = _first_evaluated(call.node)
@@ -215,168 +202,7 @@ def _place(place: ast.expr, *nodes: ast.expr) -> None:
         ast.copy_location(node, place)
 
 
-# What a run executed
-
-
-@dataclass(frozen=True, slots=True)
-class Turn:
-    """What one way through a function executed that was called at a place and returned."""
-
-    place: Place
-    function: FunctionRef
-    executed: frozenset[Place]
-
-
-@dataclass(frozen=True, slots=True)
-class Calls:
-    """Which calls a run executed."""
-
-    executed: frozenset[Place]
-    """Those that were reached."""
-    turns: tuple[Turn, ...]
-    raised: frozenset[Place]
-    """Those that a stand-in refused by an exception the last time."""
-    waiting: frozenset[Place]
-    """Those that made generators or coroutines of which none ever began."""
-
-    @classmethod
-    def of(cls, note: Mapping[str, Any]) -> Calls:
-        """Read what `CallLog.data` returned."""
-        turns = (
-            Turn(
-                place_of(key),
-                FunctionRef(file, QualifiedName(name)),
-                frozenset(map(place_of, executed)),
-            )
-            for key, file, name, executed in note["turns"]
-        )
-        return cls(
-            frozenset(map(place_of, (*note["executed"], *note["raised"]))),
-            tuple(turns),
-            frozenset(map(place_of, note["raised"])),
-            frozenset(map(place_of, note["waiting"])),
-        )
-
-
-class CallLog:
-    """Notes the calls that a run executes. `top` holds the innermost link of the running code."""
-
-    def __init__(self, top: ContextVar[Any]) -> None:
-        self._executed: set[str] = set()
-        self._raised: set[str] = set()
-        # By numbers, for these are looked up at each return; the values keep what they number.
-        self._turns: dict[tuple[int, int, int, frozenset[str]], tuple[CodeType, Any]] = {}
-        self._ended: set[tuple[str, FunctionRef, frozenset[str]]] = set()
-        self._began: set[str] = set()
-        self._waiting: dict[str, dict[FrameType, None]] = {}
-        self._maker: dict[FrameType, str] = {}
-        self.called = self._mark(top)
-        """The mark: notes the call of a key, for the run and for the function that runs it."""
-
-    def _mark(self, top: ContextVar[Any]) -> Callable[[str], None]:
-        get, add = top.get, self._executed.add
-
-        @hide
-        def called(key: str) -> None:
-            add(key)
-            link = get()
-            if type(link) is tuple:
-                link[3].add(key)
-
-        return called
-
-    @hide
-    def made(self, key: str, value: Any) -> Any:
-        """Note where a generator or a coroutine was made, and return it."""
-        self.called(key)
-        frame = _frame_of(value)
-        if frame is not None and key not in self._began:
-            waiting = self._waiting.setdefault(key, {})
-            if len(waiting) < _MOST_WAITING:
-                waiting[frame] = None
-                self._maker[frame] = key
-        return value
-
-    def begun(self, frame: FrameType) -> str:
-        """Note that a generator or a coroutine begins; return the key of the call that made it."""
-        key = self._maker.pop(frame, "")
-        if key:
-            self._began.add(key)
-            for other in self._waiting.pop(key, ()):
-                self._maker.pop(other, None)
-        return key
-
-    def raised(self, place: Location) -> None:
-        """Note that a stand-in refused a call; that it is executed again clears it."""
-        key = _key(place.file, (place.line or 0, place.column or 0))
-        if key in self._executed:
-            self._executed.remove(key)
-            self._raised.add(key)
-
-    def returned(self, caller: FrameType, record: Any, executed: set[str]) -> None:
-        """Note what the function of a tracer's record executed that returns to its caller."""
-        code = caller.f_code
-        key = (id(code), caller.f_lasti, id(record), frozenset(executed))
-        if key not in self._turns:
-            self._turns[key] = (code, record)
-
-    def ended(self, key: str, function: FunctionRef, executed: set[str]) -> None:
-        """Note what a generator or a coroutine executed that is at its end."""
-        if key:
-            self._ended.add((key, function, frozenset(executed)))
-
-    def data(self, files: Mapping[str, str]) -> dict[str, Any]:
-        """Return all that was noted, as JSON data; `files` are the names of code objects' files."""
-        found = [
-            (_key_of(code, key[1], files), record.ref, key[3])
-            for key, (code, record) in self._turns.items()
-        ]
-        turns = sorted(
-            {
-                (key, function.file, str(function.name), tuple(sorted(executed)))
-                for key, function, executed in (*found, *self._ended)
-                if key
-            }
-        )
-        return {
-            "executed": sorted(self._executed),
-            "turns": [[*turn[:3], list(turn[3])] for turn in turns],
-            "raised": sorted(self._raised - self._executed),
-            "waiting": sorted(self._waiting),
-        }
-
-
 def has_marks(code: CodeType) -> bool:
     """Return whether calls are marked in a function, or in what stands in it."""
     inner = (each for each in code.co_consts if isinstance(each, CodeType))
     return bool({MARK, MADE} & set(code.co_names)) or any(map(has_marks, inner))
-
-
-def _frame_of(value: Any) -> FrameType | None:
-    """Return the frame of what runs later than it was made, `None` for all else."""
-    if isinstance(value, AbstractContextManager | AbstractAsyncContextManager):
-        # What a decorator of `contextlib` makes of a generator.
-        value = getattr(value, "gen", value)
-    if isinstance(value, GeneratorType):
-        return value.gi_frame
-    if isinstance(value, CoroutineType):
-        return value.cr_frame
-    return value.ag_frame if isinstance(value, AsyncGeneratorType) else None
-
-
-def _key(file: str, site: Site) -> str:
-    return f"{site[0]}:{site[1]}:{file}"
-
-
-def _key_of(code: CodeType, instruction: int, files: Mapping[str, str]) -> str:
-    file = files.get(code.co_filename)
-    line, column = source_position(code, instruction)
-    if file is None or line is None or column is None:
-        return ""
-    return _key(file, (line, column + 1))
-
-
-def place_of(key: str) -> Place:
-    """Return the place of the call that has a key."""
-    line, column, file = key.split(":", 2)
-    return file, (int(line), int(column))
