@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracerisk.geometry.frames import Matrix, about, rotation
+from tracerisk.geometry.frames import rotation
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
+from tracerisk.twin.robots.gripper_ends import pad_centres
 
 if TYPE_CHECKING:
     from tracerisk.twin.physics.scene import Scene
@@ -44,26 +45,9 @@ def grasp_place(
 
 def between_pads(robot: Robot, gripper: Gripper, at: Mapping[str, float], scene: Scene) -> Point:
     """Return the middle between a gripper's pads [m] for positions of the joints, in the scene."""
-    links = {each.name: each for each in robot.links}
-    pads = []
-    for name in gripper.pads:
-        marked = [shape.xyz for shape in links[name].shapes if shape.pad] or [(0.0, 0.0, 0.0)]
-        pads.append(_in_base(robot, name, np.mean(marked, axis=0), at))
-    middle = rotation(scene.robot_rpy) @ np.mean(pads, axis=0) + scene.robot_xyz
+    middle = np.mean(pad_centres(robot, gripper, at), axis=0)
+    middle = rotation(scene.robot_rpy) @ middle + scene.robot_xyz
     return float(middle[0]), float(middle[1]), float(middle[2])
-
-
-def _in_base(robot: Robot, link: str, point: Matrix, at: Mapping[str, float]) -> Matrix:
-    """Return a point of a link as the robot's base sees it."""
-    for joint in robot.above(link):
-        position = at.get(joint.name, 0.0)
-        if joint.type == "prismatic":
-            axis = np.asarray(joint.axis)
-            point = point + position * axis / np.linalg.norm(axis)
-        elif joint.type != "fixed":
-            point = about(joint.axis, position) @ point
-        point = rotation(joint.rpy) @ point + joint.xyz
-    return point
 
 
 def _things(samples: Samples, step: int) -> dict[str, Point]:

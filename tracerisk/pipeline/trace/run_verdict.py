@@ -39,6 +39,7 @@ from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.assumed_gripper import NAME as ASSUMED_GRIPPER
 from tracerisk.twin.robots.assumed_gripper import has_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -284,7 +285,7 @@ def _commands(
             issued = replace(
                 issued,
                 gripper=gripper.name,
-                grip=_grip(gripper, at, command),
+                grip=_grip(robot, gripper, at, command),
                 holds=_holds(gripper, command, recording.commands[number + 1 :], holds, samples),
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
@@ -317,12 +318,12 @@ def _positions(samples: Samples, time_ns: int) -> Mapping[str, float]:
     return dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
 
 
-def _grip(gripper: Gripper, at: Mapping[str, float], command: Command) -> Grip | None:
+def _grip(robot: Robot, gripper: Gripper, at: Mapping[str, float], command: Command) -> Grip | None:
     if not command.goal:
         return None
-    # The goal is one value for all fingers, or one a joint of which the first counts.
-    change = command.goal[0] - gripper.position(at)
-    if abs(change) < _SAME_PLACE * (gripper.opening - gripper.least):
+    ends = gripper_ends(robot, gripper)
+    change = ends.share(command.goal[0]) - ends.share(gripper.position(at))
+    if abs(change) < _SAME_PLACE:
         return None
     return "opens" if change > 0.0 else "closes"
 

@@ -172,9 +172,9 @@ class TrajectoryExecution:
         gripper = next((one for one in grippers if wanted <= set(one.joints)), None)
         if gripper is None:
             return self._twin.follow(trajectory)
-        last = trajectory.position[-1].tolist()
-        finger = gripper.position(dict(zip(trajectory.joints, last, strict=True)))
-        return self._twin.move_gripper(gripper.name, finger)
+        last = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
+        leader = gripper.leader(last, gripper.position(self._twin.joint_state().positions))
+        return self._twin.move_gripper(gripper.name, gripper.sign(leader) * last[leader])
 
     def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
         if not trajectory.joints or not len(trajectory.time):

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tracerisk.ros.robot.commands import TwinCommands
-from tracerisk.ros.robot.grippers import gripper_ends
 from tracerisk.ros.robot.motion_profiles import Ramp, at_velocities, ramped
 from tracerisk.ros.transforms.poses import angle_between, compose
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.plausible_units import cut_line, shown_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.robots.gripper_ends import driver_ends, position_at, width_at
 from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
@@ -68,6 +68,8 @@ class ArmMotion:
         self.tool = next(named, groups[self.group].tip_link if self.group else None)
         named_grippers = (each for each in robot.grippers if gripper in (None, each.name))
         self.gripper = next(named_grippers, None)
+        if self.gripper is not None:
+            self._ends = driver_ends(robot, self.gripper)
 
     # Where it is
 
@@ -111,17 +113,14 @@ class ArmMotion:
         if self.gripper is None:
             return 0.0
         at = self.twin.joint_state().positions
-        closed, opened = gripper_ends(self.twin.robot, self.gripper)
-        return (self.gripper.position(at) - closed) / (opened - closed)
+        return self._ends.share(self.gripper.position(at))
 
     def grip_width(self) -> float:
-        """Return how far the fingers are apart, or at which angle the gripper is [m or rad]."""
+        """Return how far the fingers are apart [m]."""
         if self.gripper is None:
             return 0.0
         at = self.twin.joint_state().positions
-        position = self.gripper.position(at)
-        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
-        return position * len(self.gripper.joints) if is_sliding else position
+        return width_at(self.twin.robot, self.gripper, self.gripper.position(at))
 
     # What it can do
 
@@ -313,8 +312,7 @@ class ArmMotion:
             raise PlanningError(
                 "bad_request", f"robot '{self.twin.robot.name}' has no gripper with joints"
             )
-        closed, wide = gripper_ends(self.twin.robot, self.gripper)
-        goal = closed + min(max(opened, 0.0), 1.0) * (wide - closed)
+        goal = self._ends.position(min(max(opened, 0.0), 1.0))
         goal = min(max(goal, self.gripper.least), self.gripper.opening)
         return self.twin.move_gripper(self.gripper.name, goal, max_effort=max_effort)
 
@@ -322,10 +320,7 @@ class ArmMotion:
         """Return at which share of their opening the fingers are a width apart [m]."""
         if self.gripper is None:
             return 0.0
-        closed, wide = gripper_ends(self.twin.robot, self.gripper)
-        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
-        position = width / len(self.gripper.joints) if is_sliding else width
-        return (position - closed) / (wide - closed)
+        return self._ends.share(position_at(self.twin.robot, self.gripper, width))
 
     def stop(self, *, fingers: bool = False) -> None:
         """Bring the arm to rest, and the fingers where asked."""

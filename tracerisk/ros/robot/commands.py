@@ -271,8 +271,15 @@ class TwinCommands:
     def _left_on(self, command: LiveCommand) -> tuple[str, str]:
         """Return what became of a velocity that nobody took back, and the joint it is about."""
         motion = command.motion
-        moved = zip(motion.speeds, motion.joints, motion.goal, strict=True)
-        speed, name, goal = max(moved, key=lambda joint: abs(joint[0]))
+        moved = zip(motion.speeds, motion.joints, strict=True)
+        speed, name = max(moved, key=lambda joint: abs(joint[0]))
+        goals = dict(zip(motion.elements, motion.goal, strict=True))
+        for gripper in self.twin.robot.grippers:
+            if gripper.name in goals:
+                goals.update(
+                    {each: gripper.sign(each) * goals[gripper.name] for each in gripper.joints}
+                )
+        goal = goals[name]
         ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
         joint = self.twin.robot.joint(name)
         words = (

@@ -10,6 +10,7 @@ from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointState, PlanningError
+from tracerisk.twin.robots.gripper_ends import gripper_ends, position_at, width_at
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
@@ -46,17 +47,6 @@ def _sides(*names: str) -> set[str]:
     """Return the sides that names say in a word of their own: left, or right."""
     words = {word for name in names for word in re.split(r"[^A-Za-z]+", name.lower())}
     return {_SIDES[word] for word in words & _SIDES.keys()}
-
-
-def gripper_ends(robot: Robot, gripper: Gripper) -> tuple[float, float]:
-    """Return the gripper's positions when it is closed and when it is wide open."""
-    states = robot.named_states.get(gripper.group, {})
-    named = {name.lower(): state.get(gripper.joints[0]) for name, state in states.items()}
-    closed = next((v for k, v in named.items() if k.startswith("clos") and v is not None), None)
-    opened = next((v for k, v in named.items() if k.startswith("open") and v is not None), None)
-    if closed is None or opened is None:
-        return gripper.least, gripper.opening
-    return closed, opened
 
 
 def measured_grip(state: JointState, gripper: Gripper) -> tuple[float, float, float]:
@@ -99,7 +89,7 @@ class GripperServer(TwinNode):
             self._set_reached(result, motion)
             goal.end(motion.outcome, result, motion.message)
 
-        self._start(goal, wanted, effort, end)
+        self._start(goal, lambda _: wanted, effort, end)
 
     def _parallel_command(self, goal: ActionGoal) -> None:
         """Move the fingers as ROS 2's parallel_gripper_action_controller, by one position."""
@@ -119,7 +109,8 @@ class GripperServer(TwinNode):
             self._set_reached(result, motion)
             goal.end(motion.outcome, result, motion.message)
 
-        self._start(goal, float(command.position[0]), effort if effort > 0.0 else None, end)
+        wanted = float(command.position[0])
+        self._start(goal, lambda _: wanted, effort if effort > 0.0 else None, end)
 
     @staticmethod
     def _set_reached(result: Any, motion: Motion) -> None:
@@ -127,13 +118,16 @@ class GripperServer(TwinNode):
         result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
 
     def _move(self, goal: ActionGoal) -> None:
-        self._start(goal, goal.message.width / 2, None, self._ended(goal), _stall)
+        def position(gripper: Gripper) -> float:
+            return position_at(self._twin.robot, gripper, goal.message.width)
+
+        self._start(goal, position, None, self._ended(goal), _stall)
 
     def _grasp(self, goal: ActionGoal) -> None:
         asked = goal.message
 
         def misses(_: Motion, gripper: Gripper) -> str:
-            width = 2 * self._measured(gripper)[0]
+            width = width_at(self._twin.robot, gripper, self._measured(gripper)[0])
             least, most = asked.width - asked.epsilon.inner, asked.width + asked.epsilon.outer
             if least <= width <= most:
                 return ""
@@ -143,14 +137,19 @@ class GripperServer(TwinNode):
             )
 
         # The fingers close until they hold something, then press with the force.
-        gripper = gripper_of(self._twin.robot, goal.client.name)
-        closed = 0.0 if gripper is None else gripper.least
-        self._start(goal, closed, asked.force or None, self._ended(goal), misses)
+        self._start(
+            goal,
+            lambda gripper: gripper_ends(self._twin.robot, gripper).closed,
+            asked.force or None,
+            self._ended(goal),
+            misses,
+        )
 
     def _homing(self, goal: ActionGoal) -> None:
-        gripper = gripper_of(self._twin.robot, goal.client.name)
-        wide = 0.0 if gripper is None else gripper.opening
-        self._start(goal, wide, None, self._ended(goal), _stall)
+        def opened(gripper: Gripper) -> float:
+            return gripper_ends(self._twin.robot, gripper).opened
+
+        self._start(goal, opened, None, self._ended(goal), _stall)
 
     def _stop(self, goal: ActionGoal) -> None:
         gripper = self._gripper(goal)
@@ -175,7 +174,7 @@ class GripperServer(TwinNode):
     def _start(
         self,
         goal: ActionGoal,
-        position: float,
+        position_of: Callable[[Gripper], float],
         effort: float | None,
         end: Callable[[Motion, Gripper], None],
         misses: Callable[[Motion, Gripper], str] = lambda motion, gripper: "",  # noqa: ARG005
@@ -184,8 +183,9 @@ class GripperServer(TwinNode):
         if gripper is None:
             return
         goal.accept()
+        position = position_of(gripper)
         # A servo pushes on where the fingers cannot go: beyond their range is its end.
-        reachable = min(max(float(position), gripper.least), gripper.opening)
+        reachable = min(max(position, gripper.least), gripper.opening)
         if abs(position - reachable) > _FAR_OUT * (gripper.opening - gripper.least):
             self._commands.report(
                 "foreign_gripper",

@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.builder import STEP_NS
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Gripper, Robot
-
-# After the builder, which says that no window is needed.
-import mujoco  # isort: skip
 
 ENCODER_OFFSET = 0.05
 """By how much an encoder with an offset reads too much: of a joint that turns [rad]."""
@@ -139,7 +137,8 @@ class ArmedFaults:
         elif fault.mode == "no_force":
             model.actuator_forcerange[model.actuator(fault.unit).id] = 0.0
         elif fault.mode == "opens":
-            self._keep_to(model, fault.unit, _wide_end(model, robot.gripper(fault.unit)))
+            ends = gripper_ends(robot, robot.gripper(fault.unit))
+            self._keep_to(model, fault.unit, ends.opened)
         elif fault.unit == CONTROL and fault.mode == "frozen":
             for at in range(model.nu):
                 self._keep_to(model, model.actuator(at).name, float(live.controls[at]))
@@ -171,16 +170,3 @@ def _jammed(fault: Fault, robot: Robot) -> tuple[str, ...]:
     if fault.mode == "lost_with_brakes":
         return tuple(joint.name for joint in robot.arm_joints)
     return ()
-
-
-def _wide_end(model: Any, gripper: Gripper) -> float:
-    """Return the end of a gripper's range at which its pads are further apart [m or rad]."""
-    data = mujoco.MjData(model)
-    gaps = []
-    for end in (gripper.opening, gripper.least):
-        for name in gripper.joints:
-            data.qpos[model.joint(name).qposadr[0]] = gripper.sign(name) * end
-        mujoco.mj_kinematics(model, data)
-        first, *others = (data.site(f"{pad}/pad").xpos for pad in gripper.pads)
-        gaps.append(float(np.linalg.norm(first - np.mean(others or [first], axis=0))))
-    return gripper.opening if gaps[0] >= gaps[1] else gripper.least

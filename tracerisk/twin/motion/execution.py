@@ -64,7 +64,7 @@ class Motion:
     started_ns: int
     """When it began, in simulated time [ns]."""
     goal: tuple[float, ...] = ()
-    """Where it leads each of `joints` [rad or m]; one value for both fingers of a gripper."""
+    """Where it leads each of `elements` [rad or m]."""
     leads: Leads = "to_goal"
     """Where it leads: a velocity has no goal that it could miss."""
     speeds: tuple[float, ...] = ()

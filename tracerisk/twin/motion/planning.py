@@ -53,7 +53,8 @@ class Planner:
     ) -> JointTrajectory:
         """Return the move of `group` from `start` to `target`, straight and synchronised if free.
 
-        Joints of the group that `target` leaves out stay where `start` has them.
+        Joints of the group that `target` leaves out stay where `start` has them, but fingers that
+        follow one that it names.
         Raises PlanningError("invalid_goal") for a joint outside the group or its limits,
         ("collision") for a goal that touches something, ("start_in_collision") and ("no_plan").
         """
@@ -74,8 +75,9 @@ class Planner:
                     "invalid_goal",
                     f"joint '{name}' is not in group '{group}'; {one_of(names, name)}",
                 )
+        wanted = self._robot.with_followers(target)
         goal = np.array(
-            [_within(joint, target.get(joint.name, start[joint.name])) for joint in members]
+            [_within(joint, wanted.get(joint.name, start[joint.name])) for joint in members]
         )
         begin = np.array([start[name] for name in names])
         limits = self._limits(members, scaling)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from tracerisk.twin.robots.generic import NAME
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Group, Robot
 
 _HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
@@ -132,7 +133,9 @@ class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
         rest = self._robot.initial_state[joint]
         for gripper in self._robot.grippers:
             if joint in gripper.joints and (_OPENS.search(state) or _CLOSES.search(state)):
-                return own.upper if _OPENS.search(state) else max(own.lower, min(0.0, own.upper))
+                ends = gripper_ends(self._robot, gripper)
+                end = ends.opened if _OPENS.search(state) else ends.closed
+                return gripper.sign(joint) * end
         if re.fullmatch(r"home|rest|zero|init\w*", state, re.IGNORECASE):
             return rest
         draw = hashlib.sha256(f"{state}\x00{joint}".encode()).digest()[0] / 255 * 2 - 1

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.robots.index import RobotNames, shipped_names
-from tracerisk.twin.robots.plain_names import is_number, is_plain
 from tracerisk.twin.robots.prefix import prefix_in, with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.robot_names import EVERYDAY, Hint, decide, words_in
+from tracerisk.twin.robots.robot_names import EVERYDAY, Hint, decide, is_number, is_plain, words_in
 
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 _HALF = 0.5  # the share of an arm's joints that must be named where their names are plain

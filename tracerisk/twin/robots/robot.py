@@ -113,8 +113,9 @@ class Group:
 class Gripper:
     """A gripper whose fingers move together, driven by one servo.
 
-    Its position is that of the first joint, from `least` to `opening` [m or rad]; the other
-    joints follow with their sign in `signs`. `effort` is the greatest force of one finger
+    Its position is that of the first joint, from `least` to `opening` [m or rad], the greatest;
+    which of the two is open, `gripper_ends` knows. The other joints follow with their sign in
+    `signs`. `effort` is the greatest force of one finger
     [N or N m], `velocity_limit` the rated speed of one finger, `speed` the one it is driven at
     [m/s or rad/s].
     `pads` are the links that touch what is held.
@@ -141,6 +142,15 @@ class Gripper:
         """Return the position of the gripper for those of its joints that are given."""
         found = [self.sign(name) * joints[name] for name in self.joints if name in joints]
         return sum(found) / len(found)
+
+    def leader(self, goal: Mapping[str, float], here: float) -> str:
+        """Return the joint whose goal the gripper goes to: that furthest from where it is.
+
+        A command to one of the joints is a command to the gripper; what a plan says of the others
+        is where they were.
+        """
+        given = [name for name in self.joints if name in goal]
+        return max(given, key=lambda name: abs(self.sign(name) * goal[name] - here))
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,6 +274,18 @@ class Robot:
         while link in hangs:
             yield hangs[link]
             link = hangs[link].parent
+
+    def with_followers(self, target: Mapping[str, float]) -> dict[str, float]:
+        """Return joint positions with those of the fingers that follow the ones it names."""
+        found = dict(target)
+        for gripper in self.grippers:
+            lead = next((name for name in gripper.joints if name in target), None)
+            for name in gripper.joints:
+                if lead is not None and name not in target:
+                    own = self.joint(name)
+                    wanted = gripper.sign(lead) * gripper.sign(name) * target[lead]
+                    found[name] = min(max(wanted, own.lower), own.upper)
+        return found
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`; raise RobotError listing those there are."""

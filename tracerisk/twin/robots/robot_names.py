@@ -1,4 +1,7 @@
-"""Which robots a text names, as words of their own, and which evidence decides between several."""
+"""Which robots a text names, as words of their own, and which evidence decides between several.
+
+A name that any robot's part may have identifies none: `is_plain`.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,22 @@ EVERYDAY = frozenset({"fetch"})
 """Robots whose bare name is a word of everyday English: only their longer names are mentions."""
 
 _APART = "\x00"
+
+_PLAIN = frozenset({
+    "action", "actuator", "angle", "arm", "arms", "axis", "bar", "base", "body", "both",
+    "bracket", "camera", "cmd", "column", "command", "controller", "controllers", "drive",
+    "dummy", "ee", "eef", "effector", "effort", "elbow", "end", "finger", "fingers", "fixed",
+    "flange", "flex", "follow", "footprint", "forearm", "frame", "front", "ft", "grasping",
+    "gripper", "grippers", "group", "half", "hand", "head", "inertia", "inner", "input", "j",
+    "jaw", "jaws", "joint", "joints", "knuckle", "l", "left", "leftfinger", "lift", "limb",
+    "link", "lower", "manipulator", "map", "mount", "mounting", "moving", "odom", "outer",
+    "output", "pad", "palm", "pan", "part", "pitch", "plate", "pos", "position", "prop", "r",
+    "revolute", "right", "rightfinger", "robot", "robotiq", "roll", "root", "rotate", "sensor",
+    "shoulder", "state", "states", "tcp", "thumb", "tilt", "tip", "to", "tool", "torso", "traj",
+    "trajectory", "twist", "upper", "upperarm", "vel", "velocity", "visual", "waist", "wheel",
+    "with", "world", "wrist", "yaw",
+})  # fmt: skip
+_NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,3 +132,20 @@ def _plain(text: str) -> str:
 
 def _split(text: str) -> list[str]:
     return re.findall(r"[a-z0-9]+", text)
+
+
+def is_plain(name: str) -> bool:
+    """Return whether a name is made of words that any robot's parts may have: `elbow_joint`.
+
+    A name of several levels (`/robot/limb/right`) is none.
+    """
+    return "/" not in name and _letters(name) <= _PLAIN
+
+
+def is_number(name: str) -> bool:
+    """Return whether a name only counts: `joint1`, `joint_2`."""
+    return _letters(name) <= _NUMBERED
+
+
+def _letters(name: str) -> set[str]:
+    return {word for word in re.split(r"[^a-z]+", name.lower()) if word}

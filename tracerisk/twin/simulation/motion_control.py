@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -94,11 +94,15 @@ class MotionControl:
         """
         check_trajectory(trajectory, self._robot)
         trajectory = self._led_in(trajectory)
+        goal = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
+        ways = [(each, self._way_of(each, trajectory)) for each in self._grippers_in(trajectory)]
+        goal.update({gripper.name: float(way[1][-1, 0]) for gripper, way in ways})
+        elements = self._elements_of(trajectory.joints)
         motion = Motion(
             trajectory.joints,
-            self._elements_of(trajectory.joints),
+            elements,
             self._simulation.time_ns,
-            tuple(trajectory.position[-1].tolist()),
+            tuple(goal[name] for name in elements),
             trajectory.leads,
         )
         if motion.leads == "on":
@@ -121,23 +125,9 @@ class MotionControl:
                 goal_tolerance or GoalTolerance(),
             )
             self._add(track)
-        for gripper in self._robot.grippers:
-            if gripper.name in motion.elements:
-                position, velocity = (
-                    np.array(
-                        [
-                            [gripper.position(dict(zip(trajectory.joints, row, strict=True)))]
-                            for row in rows.tolist()
-                        ]
-                    )
-                    for rows in (trajectory.position, trajectory.velocity)
-                )
-                # A controller of trajectories knows no limits: the fingers stop at theirs.
-                reached = np.clip(position, gripper.least, gripper.opening)
-                position, velocity = reached, np.where(reached == position, velocity, 0.0)
-                timed = (trajectory.time, position, velocity)
-                target = float(position[-1, 0])
-                self._add(self._gripper_track(motion, gripper, target, None, timed))
+        for gripper, way in ways:
+            target = float(way[1][-1, 0])
+            self._add(self._gripper_track(motion, gripper, target, None, way))
         return motion
 
     def move_gripper(
@@ -262,6 +252,21 @@ class MotionControl:
             max_effort=min(effort, gripper.effort),
             timed=timed,
         )
+
+    def _grippers_in(self, trajectory: JointTrajectory) -> Iterator[Gripper]:
+        names = set(trajectory.joints)
+        yield from (each for each in self._robot.grippers if names & set(each.joints))
+
+    def _way_of(self, gripper: Gripper, trajectory: JointTrajectory) -> TimedWay:
+        """Return the way of a gripper in a trajectory of some of its joints: that of its leader."""
+        last = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
+        leader = gripper.leader(last, gripper.position(self._positions()))
+        column, sign = [trajectory.joints.index(leader)], gripper.sign(leader)
+        position = sign * trajectory.position[:, column]
+        # A controller of trajectories knows no limits: the fingers stop at theirs.
+        reached = np.clip(position, gripper.least, gripper.opening)
+        velocity = np.where(reached == position, sign * trajectory.velocity[:, column], 0.0)
+        return trajectory.time, reached, velocity
 
     def _led_in(self, trajectory: JointTrajectory) -> JointTrajectory:
         """Return the trajectory, begun at the present set-points where it begins later."""

@@ -21,6 +21,7 @@ from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.vendors.interbotix.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
 from tracerisk.vendors.interbotix.motion import InterbotixMotion
 
@@ -316,7 +317,8 @@ class InterbotixDriver(TwinNode):
             if value == 0.0:
                 # The gear holds what the fingers hold; nothing drives them on.
                 return
-            goal = gripper.opening if value > 0.0 else gripper.least
+            ends = gripper_ends(self._twin.robot, gripper)
+            goal = ends.opened if value > 0.0 else ends.closed
             effort = gripper.effort * min(1.0, abs(value) / LARGEST[servo.mode])
         elif servo.is_positional:
             finger = value / 2 if servo.mode == "linear_position" else self._linkage.finger(value)

@@ -27,6 +27,7 @@ from tracerisk.ros.robot.set_points import SetPoints
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Gripper
 
 if TYPE_CHECKING:
@@ -178,7 +179,7 @@ class BaxterDriver(TwinNode):
 
     def _grip(self, topic: str, gripper: Gripper, percent: float) -> None:
         part = min(max(percent, 0.0), 100.0) / 100
-        goal = gripper.least + part * (gripper.opening - gripper.least)
+        goal = gripper_ends(self._twin.robot, gripper).position(part)
         effort = gripper.effort * max(self._forces.get(_side(topic), 40.0), 1.0) / 100
         try:
             motion = self._twin.move_gripper(gripper.name, goal, max_effort=effort)
@@ -249,8 +250,7 @@ class BaxterDriver(TwinNode):
         message.id, message.enabled, message.ready = 65538, int(self._enabled), 1
         message.calibrated = int(self._calibrated.get(side, True))
         message.moving = int(speed > 1e-3)
-        span = gripper.opening - gripper.least
-        message.position = 100.0 * (position - gripper.least) / span
+        message.position = 100.0 * gripper_ends(self._twin.robot, gripper).share(position)
         command, sender, sequence = self._grips.get(side, ("", "", 0))
         # Fingers that press and stand still between their ends hold something.
         holds = effort > 0.1 * gripper.effort and 2.0 < message.position < 98.0

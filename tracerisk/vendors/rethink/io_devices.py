@@ -20,6 +20,7 @@ from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -137,7 +138,7 @@ class IoDevices(TwinNode):
         if "position_m" not in asked:
             return
         part = min(max(float(self._values[_GRIPPER]["position_m"]) / _OPEN_M, 0.0), 1.0)
-        goal = gripper.least + part * (gripper.opening - gripper.least)
+        goal = gripper_ends(self._twin.robot, gripper).position(part)
         try:
             motion = self._twin.move_gripper(gripper.name, goal, max_effort=gripper.effort)
         except PlanningError as error:
@@ -191,7 +192,7 @@ class IoDevices(TwinNode):
             return
         width, speed, effort = measured_grip(self._twin.joint_state(), gripper)
         is_moving = speed > _STILL
-        part = (width - gripper.least) / (gripper.opening - gripper.least)
+        part = gripper_ends(self._twin.robot, gripper).share(width)
         # Fingers that press and stand still between their ends hold something.
         holds = effort > 0.1 * gripper.effort and 0.02 < part < 0.98
         yield "is_moving", is_moving

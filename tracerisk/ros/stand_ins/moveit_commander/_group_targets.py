@@ -114,7 +114,9 @@ class GroupTargets(GroupState):
                 )
         # As in MoveIt the target is taken over even where it is then refused.
         self._target_kind = "joint"
-        self._joint_target.update({name: float(value) for name, value in values.items()})
+        given = {name: float(value) for name, value in values.items()}
+        led = self._server.robot.with_followers(given)
+        self._joint_target.update({n: value for n, value in led.items() if n in self._joint_target})
         for name in values:
             joint, value = self._server.robot.joint(name), self._joint_target[name]
             slack = self._joint_tolerance

@@ -18,6 +18,7 @@ from tracerisk.ros.transforms.poses import compose, inverse, rotate
 from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics import motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 
 from . import conversions
 from ._group_targets import GroupTargets
@@ -85,9 +86,10 @@ class GroupPickPlace(GroupTargets):
                 gripper.name in self._server.hand_links(link)
                 or len(self._server.robot.grippers) == 1
             ):
+                ends = gripper_ends(self._server.robot, gripper)
                 for posture, at in (
-                    (grasp.pre_grasp_posture, gripper.opening),
-                    (grasp.grasp_posture, gripper.least),
+                    (grasp.pre_grasp_posture, ends.opened),
+                    (grasp.grasp_posture, ends.closed),
                 ):
                     posture.joint_names = [gripper.joints[0]]
                     posture.points = [JointTrajectoryPoint(positions=[at])]

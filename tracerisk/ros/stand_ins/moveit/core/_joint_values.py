@@ -122,14 +122,9 @@ class JointValues:
         return np.array([values[name] for name in names], dtype=np.float64)
 
     def _set_positions(self, given: Mapping[str, float]) -> None:
-        """Set positions; the fingers of a gripper follow the one that leads them."""
+        """Set positions; the fingers of a gripper follow those that are given."""
         self._set(self._positions, given)
-        for gripper in library().server.robot.grippers:
-            leader, *others = gripper.joints
-            if leader in given:
-                for name in others:
-                    if name not in given:
-                        self._positions[name] = gripper.sign(name) * float(given[leader])
+        self._set(self._positions, library().server.robot.with_followers(given))
 
     def _set(self, values: dict[str, float], given: Mapping[str, float]) -> None:
         for name, value in given.items():
