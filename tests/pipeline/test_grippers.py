@@ -46,6 +46,10 @@ objects:
 """
 
 
+def verdict(outcome) -> list[dict[str, str]]:
+    return outcome.json["trace"]["verdict"]["reasons"]
+
+
 @pytest.mark.parametrize(
     "robot",
     slow_but(["panda", "gen3"], [*ENDS]),
@@ -58,5 +62,50 @@ def test_a_gripper_that_closes_on_nothing_is_told_at_the_line_that_closes_it(
     example.write("c.py", CLOSES_TWICE.format(arm=arm, hand=hand, opened=opened, closed=closed))
     example.write("cell.yaml", ASIDE)
     outcome = example.run("run", "c.py", "--json", "--robot", robot, "--scenario", "cell.yaml")
-    reasons = outcome.json["trace"]["verdict"]["reasons"]
-    assert [(each["code"], each["function"]) for each in reasons] == [("grasped-nothing", "close")]
+    reasons = [(each["code"], each["function"]) for each in verdict(outcome)]
+    assert reasons == [("grasped-nothing", "close")]
+
+
+GRASP = """\
+import actionlib
+import rospy
+from franka_gripper.msg import GraspAction, GraspGoal, MoveAction, MoveGoal
+
+rospy.init_node("c")
+move = actionlib.SimpleActionClient("/franka_gripper/move", MoveAction)
+grasp = actionlib.SimpleActionClient("/franka_gripper/grasp", GraspAction)
+move.wait_for_server()
+grasp.wait_for_server()
+
+def wide(width=0.08):
+    move.send_goal_and_wait(MoveGoal(width=width, speed=0.1))
+
+def take(width, epsilon=0.0):
+    goal = GraspGoal(width=width, speed=0.1, force=10.0)
+    goal.epsilon.inner = goal.epsilon.outer = epsilon
+    grasp.send_goal_and_wait(goal)
+    return grasp.get_result().success
+
+"""
+
+
+@pytest.mark.parametrize(
+    ("calls", "missed"),
+    [
+        ("take(0.0, 0.005)", []),
+        ("take(0.03)", ["0.0300 to 0.0300 m"]),
+        ("take(0.03, 0.01)", ["0.0200 to 0.0400 m"]),
+        ("take(0.03, 0.03)", []),
+        ("take(0.03) or take(0.03, 0.04)", []),
+        ("take(0.03) or wide() or take(0.02)", ["0.0300 to 0.0300 m"]),
+    ],
+)
+def test_a_grasp_that_ends_at_another_width_aborts_its_command(tmp_path, example_in, calls, missed):
+    example = example_in(tmp_path)
+    example.write("c.py", f"{GRASP}wide()\n{calls}\nwide()\n")
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda")
+    aborted = [each for each in verdict(outcome) if each["code"] == "command-aborted"]
+    begin = "a goal of action /franka_gripper/grasp was aborted: the fingers stopped at a width of "
+    assert all(each["words"].startswith(f"{begin}0.000") for each in aborted)
+    assert [each["words"].partition("epsilon allow ")[2] for each in aborted] == missed
+    assert outcome.code == bool(missed)

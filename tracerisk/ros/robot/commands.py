@@ -276,9 +276,8 @@ class TwinCommands:
         goals = dict(zip(motion.elements, motion.goal, strict=True))
         for gripper in self.twin.robot.grippers:
             if gripper.name in goals:
-                goals.update(
-                    {each: gripper.sign(each) * goals[gripper.name] for each in gripper.joints}
-                )
+                at = goals[gripper.name]
+                goals.update({each: gripper.sign(each) * at for each in gripper.joints})
         goal = goals[name]
         ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
         joint = self.twin.robot.joint(name)
