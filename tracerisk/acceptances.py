@@ -35,6 +35,8 @@ ACCEPTABLE: tuple[str, ...] = (
     "no-command",
     "object-dropped",
     "object-knocked",
+    "object-slipped",
+    "object-tipped",
     "past-limit",
     "path-cut",
     "planning-failed",

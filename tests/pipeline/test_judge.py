@@ -333,7 +333,22 @@ def test_a_thing_that_fell_is_a_reason_at_the_last_command(was_held, code):
 
 def test_a_thing_that_tipped_is_a_reason():
     (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.0, False, is_tipped=True),))).reasons
-    assert "tipped over" in reason.words
+    assert reason.code == "object-tipped"
+    assert reason.words == "'tube' tipped over after the robot touched it"
+
+
+def test_a_thing_that_fell_and_tipped_is_one_reason():
+    (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.15, True, is_tipped=True),))).reasons
+    assert reason.code == "object-dropped"
+    assert reason.words == "'tube' fell 150 mm and tipped over after it was let go"
+
+
+@pytest.mark.parametrize(("height", "also"), [(0.003, ""), (0.15, ", and fell 150 mm")])
+def test_a_thing_that_slipped_is_a_reason_however_far_it_fell(height, also):
+    fall = Fall("tube", 3.5, height, True, slipped_from="hand")
+    (reason,) = judge(recorded(falls=(fall,))).reasons
+    assert reason.code == "object-slipped"
+    assert reason.words == f"'tube' slipped out of hand, which was not opened{also}"
 
 
 # Order, acceptances

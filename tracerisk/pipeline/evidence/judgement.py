@@ -20,7 +20,7 @@ from tracerisk.trace import (
     Visit,
 )
 
-FALLS = frozenset({"object-dropped", "object-knocked"})
+FALLS = frozenset({"object-dropped", "object-knocked", "object-slipped", "object-tipped"})
 ARRIVAL = 0.02
 """How far off a joint may be at the end of a visit [rad, or m of a sliding one]."""
 PLACED_M = 0.01

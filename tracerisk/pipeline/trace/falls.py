@@ -1,4 +1,4 @@
-"""Which things of the scene fell or tipped in a run while nobody held them."""
+"""Which things of the scene fell, tipped, or slipped out of a hand in a run."""
 
 from __future__ import annotations
 
@@ -8,67 +8,78 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.pipeline.trace.recorded_run import Fall
+from tracerisk.pipeline.trace.recorded_run import FALL_M, Fall
+from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
+from tracerisk.twin.recording.slips import Slips
 
-FALL_M = 0.05
-"""A thing that comes down by more, once it is let go, fell: what is set down comes lower than
-that only by a few millimetres [m]."""
 TIP_RAD = math.radians(45.0)
-"""A thing whose axis tilts by more from where it was let go tipped over [rad]."""
+"""A thing whose axis tilts by more than its hand turned it tipped over [rad]."""
 
 Flags = NDArray[np.bool_]
 
 
-def falls(samples: Samples, contacts: RunContacts | None) -> tuple[Fall, ...]:
-    """Return what fell or tipped after the robot had touched or held it, in order of time.
+def falls(samples: Samples, contacts: RunContacts | None, scene: str) -> tuple[Fall, ...]:
+    """Return what fell, tipped or slipped after the robot had touched or held it, in order of time.
 
     What the robot never touched is left out: a scene may let it settle when the run begins.
     """
     if contacts is None or not len(samples.poses):
         return ()
     names = [body.name for body in contacts.log.bodies]
+    slips = Slips(samples, contacts, load_scene(scene))
     found = [
         fall
         for name, at in zip(samples.header.free_bodies, samples.header.free_at, strict=True)
         if name in names
-        for fall in _falls_of(name, samples.poses[:, at : at + 7], samples, contacts)
+        for fall in _falls_of(name, samples.poses[:, at : at + 7], slips)
     ]
     return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
 
 
-def _falls_of(
-    name: str, poses: NDArray[np.float64], samples: Samples, contacts: RunContacts
-) -> Iterator[Fall]:
+def _falls_of(name: str, poses: NDArray[np.float64], slips: Slips) -> Iterator[Fall]:
+    samples, contacts = slips.samples, slips.contacts
     held = np.zeros(len(poses), dtype=np.bool_)
-    bodies = contacts.log.bodies
-    first = _first_touch(name, contacts)
-    for hold in contacts.holds:
-        if bodies[hold.body].name == name:
-            held[hold.start // POSE_EVERY : -(-hold.stop // POSE_EVERY)] = True
-            first = hold.start if first is None else min(first, hold.start)
-    if first is None:
+    own = [each for each in contacts.holds if contacts.log.bodies[each.body].name == name]
+    for hold in own:
+        held[hold.start // POSE_EVERY : -(-hold.stop // POSE_EVERY)] = True
+    touched = [hold.start for hold in own]
+    if (first := _first_touch(name, contacts)) is not None:
+        touched.append(first)
+    if not touched:
         return
     height = poses[:, 2]
-    # The z component of the body's own z axis, by its quaternion w, x, y, z.
-    axis = 1.0 - 2.0 * (poses[:, 4] ** 2 + poses[:, 5] ** 2)
-    tilt = np.arccos(np.clip(axis, -1.0, 1.0))
-    begin = first // POSE_EVERY
-    for start, stop in _free_spans(held, begin):
+    # Where the body's own z axis points, by its quaternion w, x, y, z.
+    w, x, y, z = poses[:, 3:].T
+    axis = np.stack((2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x**2 + y**2)), axis=1)
+    for start, stop in _free_spans(held, min(touched) // POSE_EVERY):
         was_held = start > 0 and bool(held[start - 1])
         # It counts from the last pose in the hand, for it falls at once.
         begun = start - 1 if was_held else start
+        ended = [each for each in own if each.start // POSE_EVERY <= begun] if was_held else []
+        slipped = bool(ended) and slips.has_slipped(ended[-1], poses)
         down = float(height[begun] - height[start:stop].min())
-        turned = abs(float(tilt[stop - 1] - tilt[begun]))
-        if down > FALL_M or turned > TIP_RAD:
+        stood = axis[begun]
+        if ended:
+            # A hand that turns what it holds lays it down on purpose.
+            stood = slips.turn_between(ended[-1]) @ axis[ended[-1].start // POSE_EVERY]
+        turned = abs(_tilt(axis[stop - 1]) - _tilt(stood))
+        is_tipped = turned > TIP_RAD and name not in samples.header.balls
+        if down > FALL_M or is_tipped or slipped:
             yield Fall(
                 object=name,
                 time_s=start * POSE_EVERY * samples.step_s,
                 height_m=down,
                 was_held=was_held,
-                is_tipped=down <= FALL_M,
+                is_tipped=is_tipped,
+                slipped_from=ended[-1].holder if slipped else "",
             )
+
+
+def _tilt(axis: NDArray[np.float64]) -> float:
+    """Return the angle between an axis and the vertical [rad]."""
+    return math.acos(min(max(float(axis[2]), -1.0), 1.0))
 
 
 def _first_touch(name: str, contacts: RunContacts) -> int | None:

@@ -12,6 +12,8 @@ from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
 from tracerisk.pipeline.trace.recorded_run import (
+    FALL_M,
+    Fall,
     IssuedCommand,
     MissedCommand,
     MissedCondition,
@@ -52,7 +54,9 @@ CODES: dict[str, VerdictKind] = {
     "run-raised": "faulted",
     "run-exited": "faulted",
     "grasped-nothing": "faulted",
+    "object-slipped": "faulted",
     "object-dropped": "faulted",
+    "object-tipped": "faulted",
     "object-knocked": "faulted",
     "past-limit": "faulted",
     MISSION_MISSED: "faulted",
@@ -356,18 +360,29 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
     for fall in run.falls:
         before = [each for each in run.commands if each.issue_s <= fall.time_s]
         cause = before[-1] if before else None
-        what = f"fell {1000.0 * fall.height_m:.0f} mm"
-        if fall.is_tipped:
-            what = "tipped over"
-        how = "after it was let go" if fall.was_held else "after the robot touched it"
+        code, words = _how_it_fell(fall)
         yield _reason(
-            "object-dropped" if fall.was_held else "object-knocked",
-            f"'{fall.object}' {what} {how}",
+            code,
+            f"'{fall.object}' {words}",
             function=cause.function if cause else "",
             object_name=fall.object,
             time_s=fall.time_s,
             location=cause.location if cause else None,
         )
+
+
+def _how_it_fell(fall: Fall) -> tuple[str, str]:
+    """Return the code of a reason, and its words."""
+    fell = f"fell {1000.0 * fall.height_m:.0f} mm" if fall.height_m > FALL_M else ""
+    done = " and ".join(filter(None, (fell, "tipped over" if fall.is_tipped else "")))
+    if fall.slipped_from:
+        slipped = f"slipped out of {fall.slipped_from}, which was not opened"
+        return "object-slipped", ", and ".join(filter(None, (slipped, done)))
+    how = "after it was let go" if fall.was_held else "after the robot touched it"
+    code = "object-tipped"
+    if fell:
+        code = "object-dropped" if fall.was_held else "object-knocked"
+    return code, f"{done} {how}"
 
 
 # What was not there

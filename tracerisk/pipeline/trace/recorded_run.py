@@ -32,6 +32,10 @@ class Ran:
     """Whether units of its robot failed, so that not all came to be that the controller makes."""
 
 
+FALL_M = 0.05
+"""A thing that comes down by more, once it is let go, fell: what is set down comes lower than
+that only by a few millimetres [m]."""
+
 Grip = Literal["closes", "opens"]
 
 
@@ -53,7 +57,7 @@ class IssuedCommand:
     replaced_by: int | None = None
     """The place in `RecordedRun.commands` of the command that replaced it."""
     goal: tuple[float, ...] = ()
-    """Where it leads, one value a joint [rad or m]."""
+    """Where it leads, one value an element [rad or m]."""
     callers: tuple[str, ...] = ()
     """The functions on its stack, the one that issued it among them."""
     path: tuple[tuple[FunctionRef, Site], ...] = ()
@@ -114,15 +118,19 @@ class MissedCondition:
 
 @dataclass(frozen=True, slots=True)
 class Fall:
-    """A thing that fell or tipped while nobody held it."""
+    """A thing that fell, tipped or slipped out of a hand."""
 
     object: str
     time_s: float
-    """When it was let go, or first touched [s]."""
+    """When it was let go, slipped, or was first touched [s]."""
     height_m: float
     """How far it came down [m]."""
     was_held: bool
+    """Whether it was held before, and not only touched."""
     is_tipped: bool = False
+    """Whether it came to rest on another side than it stood on, or than its hand turned it to."""
+    slipped_from: str = ""
+    """The gripper out of which it slipped; empty where it was released, or never held."""
 
 
 @dataclass(frozen=True, slots=True)

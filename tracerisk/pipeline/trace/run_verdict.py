@@ -113,7 +113,7 @@ def run_verdict(
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
         missed=tuple(_missed(ran, calls)),
-        falls=falls(samples, contacts) if samples is not None else (),
+        falls=falls(samples, contacts, ran.scene) if samples is not None else (),
         mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),

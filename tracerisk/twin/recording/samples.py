@@ -44,7 +44,7 @@ class SampleHeader:
     the finger links whose contact force is measured; `n_pose` is the length of one pose.
     `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
     one: three coordinates [m], then the quaternion, w first. `round_bodies` are those that look
-    the same however they are turned about their own z axis.
+    the same however they are turned about their own z axis, `balls` however they are turned.
     """
 
     robot: str
@@ -57,6 +57,7 @@ class SampleHeader:
     free_bodies: tuple[str, ...] = ()
     free_at: tuple[int, ...] = ()
     round_bodies: tuple[str, ...] = ()
+    balls: tuple[str, ...] = ()
 
     @property
     def width(self) -> int:

@@ -354,6 +354,11 @@ class Simulation:
             round_bodies=tuple(
                 thing.name for thing in self.scene.objects if all(map(is_round, thing.shapes))
             ),
+            balls=tuple(
+                thing.name
+                for thing in self.scene.objects
+                if all(shape.kind == "sphere" for shape in thing.shapes)
+            ),
         )
 
     def _body_pose(self, name: str) -> Pose:

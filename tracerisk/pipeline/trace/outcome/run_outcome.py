@@ -34,6 +34,7 @@ from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
 from tracerisk.twin.recording.tool_way import arm_of, tool_places
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 
 _SAME_JOINT = 0.002  # a rest is another one whose joints differ by more [rad or m]
 _SAME_OPENING = 0.05  # of a gripper's range
@@ -191,8 +192,8 @@ class _Maker:
                 later = (after for after in commands[number + 1 :] if after.issue_ns >= end_ns)
                 next_ns = next((after.issue_ns for after in later), self._end_ns)
                 holds = self._held_by(gripper.name, end_ns, next_ns)
-                span = gripper.opening - gripper.least
-                opened = (gripper.position(self._all_at(end_ns)) - gripper.least) / span
+                ends = gripper_ends(self.ran.robot, gripper)
+                opened = ends.share(gripper.position(self._all_at(end_ns)))
                 use = GripperUse(0, gripper.name, rounded(opened, 0.01), holds)
                 if last is not None and last.holds == holds and _is_as_open(last, use):
                     continue
