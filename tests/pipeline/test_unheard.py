@@ -8,11 +8,14 @@ COMMANDS = {
     "/impedance_controller/equilibrium_pose": "geometry_msgs/PoseStamped",
     "/lift/twist_cmd": "geometry_msgs/TwistStamped",
     "/urscript_interface/script_command": "std_msgs/String",
+    "/gripper/close": "std_msgs/Bool",
+    "/suction": "std_msgs/Empty",
 }
 SAYINGS = {
     "/status": "std_msgs/String",
     "/detected_pose": "geometry_msgs/PoseStamped",
     "/target_marker": "visualization_msgs/Marker",
+    "/gripper/status": "std_msgs/Bool",
 }
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
+from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import drafts
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
@@ -43,18 +44,6 @@ class JudgedEnd:
     location: Location | None
     scenario: str = ""
     needs: tuple[Need, ...] = ()
-
-
-_MOVES = re.compile(r"trajectory_msgs/|control_msgs/JointJog$|std_msgs/Float(32|64)MultiArray$")
-"""Types of messages that move something, whatever the topic is called."""
-_MAY_MOVE = re.compile(
-    r"geometry_msgs/(Pose|Point|Twist|Wrench)(Stamped|Array)?$|std_msgs/(Float(32|64)|String)$"
-    r"|sensor_msgs/JointState$"
-)
-_COMMANDS = re.compile(
-    r"(^|[/_])(cmd|commands?|goals?|targets?|set_?points?|desired|references?|equilibrium|jog"
-    r"|servo|script)([/_]|$)"
-)
 
 
 _Asked = Callable[[], tuple[Missed, ...]]
@@ -218,7 +207,7 @@ class UnmetNeeds:
         if needs.came_nowhere is not None and not shows_risk:
             left_off = (*left_off, needs.came_nowhere)
         beside = self._further(self._beside())
-        obeyed = () if shows_risk else self._may_be_obeyed()
+        obeyed = self._may_be_obeyed()
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
         for each in (*unserved, *beside, *uncalled, *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
@@ -276,7 +265,7 @@ class UnmetNeeds:
         """Report what a controller publishes as if to move something, and reaches nobody."""
         for each in self.runtime.graph.unheard():
             name, type_name = each.need.name, each.need.type_name
-            if _MOVES.match(type_name) or (_MAY_MOVE.match(type_name) and _COMMANDS.search(name)):
+            if commands_something(name, type_name, self.interfaces.message(type_name)):
                 self.runtime.recorder.finding(
                     "unprovided",
                     f"nobody receives what it publishes on {name} ({type_name}): if that moves "

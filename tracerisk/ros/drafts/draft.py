@@ -78,7 +78,10 @@ _JOINTS = re.compile(
 )
 _FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
 _OF_DRIVERS = frozenset(
-    {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger", "sensor_msgs/JointState"}
+    {
+        *("std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger", "sensor_msgs/JointState"),
+        *("std_msgs/Bool", "std_msgs/Empty", "std_msgs/Float32", "std_msgs/Float64"),
+    }
 )
 """Types of ROS that drivers of arms and grippers take too."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
