@@ -148,6 +148,37 @@ twice = detach(request)
     assert any("model 'sphere' cannot be held; allowed: cube" in each for each in ran.findings)
 
 
+WELDS = """
+from gazebo_ros_link_attacher.srv import Attach, AttachRequest
+attach = rospy.ServiceProxy('/link_attacher_node/attach', Attach)
+detach = rospy.ServiceProxy('/link_attacher_node/detach', Attach)
+cube = AttachRequest('wx250s', 'wx250s/gripper_link', 'cube', 'link')
+tip = AttachRequest('wx250s', 'wx250s/fingertip', 'cube', 'link')
+def put_cube():
+    spawn('cube', CUBE, '', place(0.5, 0.0, 0.3), 'world')
+def take():
+    attach(cube)
+def let_go():
+    detach(cube)
+"""
+
+
+@pytest.mark.parametrize(
+    ("calls", "refused"),
+    [
+        ("take(); let_go()", 2),  # nothing was spawned
+        ("take(); put_cube(); take(); let_go()", 0),  # a retry
+        ("let_go(); put_cube(); take(); let_go(); let_go()", 0),  # clean-up before and after
+        ("put_cube(); take(); detach(tip)", 1),  # another link than it hangs on
+    ],
+)
+def test_calls_to_attach_and_detach_that_are_all_refused_are_failures(run_on, calls, refused):
+    ran = run_on("wx250s", f"{HEAD1}{WELDS}{calls}\n")
+    failed = [each for each in ran.recording.findings if each.kind == "attach_failure"]
+    open_ones = [each for each in failed if each.recovered_s is None]
+    assert [each.object for each in open_ones] == ["cube"] * refused
+
+
 def test_an_object_of_the_scene_is_welded_to_the_hand(run_on):
     ran = run_on(
         "panda",

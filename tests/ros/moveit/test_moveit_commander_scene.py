@@ -103,6 +103,21 @@ def test_an_object_that_is_not_there_is_a_finding(run):
     assert "object 'cup' cannot be attached" in ran.findings[0]
 
 
+@pytest.mark.parametrize(
+    ("statements", "refused"),
+    [
+        ("scene.attach_box('panda_hand', 'cup')", ["cup"]),
+        ("scene.attach_object('cup', 'panda_hand')", ["cup"]),
+        ("arm.attach_object('cup')\nscene.add_box('cup', place)\narm.attach_object('cup')", []),
+        ("scene.remove_attached_object('panda_hand', 'cup')", []),
+    ],
+)
+def test_what_could_not_be_attached_is_a_failure_until_a_retry_succeeds(run, statements, refused):
+    ran = run(SCENE + statements + "\n")
+    failed = [each for each in ran.recording.findings if each.kind == "attach_failure"]
+    assert [each.object for each in failed if each.recovered_s is None] == refused
+
+
 def test_an_object_is_a_frame(run):
     ran = run(
         SCENE

@@ -48,6 +48,7 @@ class GazeboServices(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._world = GazeboWorld(runtime)
+        self._attached: set[tuple[str, str, str, str]] = set()
         for name, kind, handle in (
             ("spawn_sdf_model", "SpawnModel", self._spawn),
             ("spawn_urdf_model", "SpawnModel", self._spawn),
@@ -193,13 +194,21 @@ class GazeboServices(TwinNode):
         one, one_link, two, two_link = (
             getattr(request, each.format(i)) for i in (1, 2) for each in (model, link)
         )
+        key = (one, one_link, two, two_link)
         change = self._world.attach if is_on else self._world.detach
+        held = two if self._world.is_robot(one, one_link) else one
         request_text = f"{'attach' if is_on else 'detach'} of '{one}' and '{two}'"
         try:
-            change((one, one_link, two, two_link))
+            change(key)
         except ModelRefusedError as refusal:
-            self._report(f"{request_text} was refused: {refusal}")
+            # To detach once more what was attached before is ordinary clean-up.
+            kind = "simulator" if not is_on and key in self._attached else "attach_failure"
+            message = f"{request_text} was refused: {refusal}"
+            self._commands.report(kind, message, object_name=held, asker=key)
             return False, str(refusal)
+        if is_on:
+            self._attached.add(key)
+            self._commands.succeeded("attach_failure", key, held)
         return True, f"{request_text}: done"
 
     # How

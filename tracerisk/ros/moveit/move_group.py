@@ -111,7 +111,7 @@ class MoveGroupServer(RobotGroups):
         self.scene = PlanningScene(self.declare)
         self.models: dict[str, SceneBody] = {}
         self.changes = SceneChanges(
-            self.scene, self.robot, runtime.twin.link_pose, self._report_scene
+            self.scene, self.robot, runtime.twin.link_pose, self._report_scene, self._note_attached
         )
         self.object_pose = self.changes.object_pose
         self.attach, self.detach = self.changes.attach, self.changes.detach
@@ -466,8 +466,12 @@ class MoveGroupServer(RobotGroups):
         except RobotError as error:
             self._report_scene(error.message)
 
-    def _report_scene(self, message: str) -> None:
-        self.execution.report("planning_scene", message)
+    def _report_scene(self, message: str, not_attached: str = "") -> None:
+        kind = "attach_failure" if not_attached else "planning_scene"
+        self.execution.report(kind, message, object_name=not_attached)
+
+    def _note_attached(self, name: str) -> None:
+        self.execution.succeeded("attach_failure", name, ())
 
     @contextmanager
     def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:

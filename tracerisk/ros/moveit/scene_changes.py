@@ -24,13 +24,14 @@ class SceneChanges:
     """Changes one planning scene of a robot.
 
     `_link_pose` gives where a link is in the planning frame, `_report` gets the reason of what
-    could not be done.
+    could not be done, and the object that could not be attached; `_attached` gets one that was.
     """
 
     scene: PlanningScene
     _robot: Robot
     _link_pose: Callable[[str], Pose]
-    _report: Callable[[str], None]
+    _report: Callable[[str, str], None]
+    _attached: Callable[[str], None] = lambda name: None  # noqa: ARG005
 
     # Where frames are
 
@@ -68,6 +69,7 @@ class SceneChanges:
                 f"{one_of(self._robot.link_names, link)}"
             )
         self.scene.attach(name, link, inverse(self._link_pose(link)), touch_links)
+        self._attached(name)
         return True
 
     def detach(self, name: str) -> bool:
@@ -97,7 +99,7 @@ class SceneChanges:
         if operation == _REMOVE:
             refusal = scene.cannot_remove(message.id)
             if refusal is not None:
-                self._report(refusal)
+                self._report(refusal, "")
             return scene.remove(message.id)
         place = self._placed(message)
         if place is None:
@@ -126,7 +128,7 @@ class SceneChanges:
         try:
             found = self.attach(item.id, message.link_name, list(message.touch_links))
         except RobotError as error:
-            self._report(error.message)
+            self._report(error.message, item.id)
             return False
         return found or self._unknown(item.id, "attached")
 
@@ -136,7 +138,8 @@ class SceneChanges:
         if frame is None:
             self._report(
                 f"object '{message.id}' is given in the unknown frame '{name}'; "
-                f"{one_of(self._robot.link_names, name)}"
+                f"{one_of(self._robot.link_names, name)}",
+                "",
             )
             return None
         # Objects of the older form have no pose of their own, only their shapes do.
@@ -146,7 +149,8 @@ class SceneChanges:
     def _unknown(self, name: str, what: str) -> bool:
         self._report(
             f"object '{name}' cannot be {what}: the planning scene has no such object; "
-            f"{one_of(self.scene.world, name)}"
+            f"{one_of(self.scene.world, name)}",
+            name if what == "attached" else "",
         )
         return False
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -198,11 +198,13 @@ class TwinCommands:
         *,
         object_name: str = "",
         target: Sequence[float] = (),
+        asker: Hashable = None,
     ) -> None:
         """Record a finding at the line that sent the goal or message; the same one only once.
 
         Without a `stack` it is the line that runs now. `object_name` is what it is about, `target`
-        the goal of what failed. One that says that a command was not taken records that, too.
+        the goal of what failed, `asker` who may try again: without it the function of that line.
+        One that says that a command was not taken records that, too.
         """
         if stack is None:
             stack = self.stack()
@@ -216,12 +218,17 @@ class TwinCommands:
             kind,
             message,
             location,
-            asker=stack[-1].function if stack else None,
+            asker=asker if asker is not None or not stack else stack[-1].function,
             object_name=object_name,
             target=target,
         )
         if is_new and kind in _NOT_TAKEN:
             self.refuse(_NOT_TAKEN[kind][0], stack, _NOT_TAKEN[kind][1])
+
+    def succeeded(self, kind: str, asker: Hashable, object_name: str) -> None:
+        """Record that what `asker` was refused before has now succeeded."""
+        if self._recorder is not None:
+            self._recorder.succeeded(kind, asker=asker, object_name=object_name)
 
     def _close(self, over: Sequence[LiveCommand]) -> None:
         for command in over:

@@ -211,5 +211,6 @@ class PlanningScene(SceneChecks):
         return True
 
 
-def _report(message: str) -> None:
-    library().server.execution.report("planning_scene", message)
+def _report(message: str, not_attached: str) -> None:
+    kind = "attach_failure" if not_attached else "planning_scene"
+    library().server.execution.report(kind, message, object_name=not_attached)
