@@ -142,7 +142,7 @@ def run(mission: Mission, folder: Path) -> Ran:
     if lock.exists():
         controllers = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
         entry = next(iter(controllers.values()), {}).get("trace", {})
-    given: Any = found.get("verdict") or entry.get("verdict") or {}
+    given: Any = found.get("verdict") or entry.get("verdict", {})
     verdict: dict[str, Any] = {"kind": given} if isinstance(given, str) else given
     error: dict[str, Any] = found.get("error") or {}
     kind = verdict.get("kind") or str(error.get("code") or "refused")

@@ -12,7 +12,7 @@ from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
-from tracerisk.twin.recording.tool_way import tool_places, tool_turn
+from tracerisk.twin.recording.tool_way import arm_to, tool_places, tool_turn
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Gripper
 
@@ -102,9 +102,10 @@ class Slips:
         if link is None or stop <= first:
             return np.zeros(0)
         rows = np.minimum(np.arange(first, stop) * POSE_EVERY, self.samples.n_steps - 1)
-        names = self.samples.header.joints
-        columns = {name: self.samples.position[rows, i] for i, name in enumerate(names)}
-        hand = tool_places(self.contacts.robot, link, columns) @ rotation(self.scene.robot_rpy).T
+        arm = arm_to(self.contacts.robot, link)
+        columns = [self.samples.header.joints.index(name) for name in arm.joints]
+        in_base = tool_places(arm, self.samples.position[rows][:, columns])
+        hand = in_base @ rotation(self.scene.robot_rpy).T
         found: Array = np.linalg.norm(poses[first:stop, :3] - hand - self.scene.robot_xyz, axis=1)
         return found
 
