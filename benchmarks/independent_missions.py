@@ -140,7 +140,7 @@ def run(mission: Mission, folder: Path) -> Ran:
     lock = folder / "tracerisk.lock"
     entry: dict[str, Any] = {}
     if lock.exists():
-        controllers = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
+        controllers: dict[str, Any] = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
         entry = next(iter(controllers.values()), {}).get("trace", {})
     given: Any = found.get("verdict") or entry.get("verdict", {})
     verdict: dict[str, Any] = {"kind": given} if isinstance(given, str) else given
