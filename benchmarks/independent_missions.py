@@ -141,7 +141,7 @@ def run(mission: Mission, folder: Path) -> Ran:
     entry: dict[str, Any] = {}
     if lock.exists():
         controllers: dict[str, Any] = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
-        entry = next(iter(controllers.values()), {}).get("trace", {})
+        entry = next((known["trace"] for known in controllers.values()), {})
     given: Any = found.get("verdict") or entry.get("verdict", {})
     verdict: dict[str, Any] = {"kind": given} if isinstance(given, str) else given
     error: dict[str, Any] = found.get("error") or {}
