@@ -335,22 +335,26 @@ class _Comparison:
                 yield f"the way to {self._rest_name(old)} passes {_mm(off)} beside the old one"
 
     def pace(self) -> list[str]:
-        """Return which rests and ways take another time."""
+        """Return which rests and ways take another time, between rests that are the same."""
         lines = []
         pairs = [(self._before[i], self._after[j]) for i, j in self._pairs]
+        left_alike = True
         for place, (old, new) in enumerate(pairs):
             if not isinstance(old, Rest) or not isinstance(new, Rest):
                 continue
-            if _is_other_time(old.took_s, new.took_s):
+            is_alike = self._is_alike(old, new, self._tolerances.joint)
+            if is_alike and left_alike and _is_other_time(old.took_s, new.took_s):
                 lines.append(
                     f"the way to {self._rest_name(old)} takes {new.took_s:.1f} s, before: "
                     f"{old.took_s:.1f} s"
                 )
-            if place + 1 < len(pairs) and _is_other_time(old.held_s, new.held_s):
+            is_last = place + 1 == len(pairs)
+            if is_alike and not is_last and _is_other_time(old.held_s, new.held_s):
                 lines.append(
                     f"the arm stays {new.held_s:.1f} s in {self._rest_name(old)}, before: "
                     f"{old.held_s:.1f} s"
                 )
+            left_alike = is_alike
         return lines
 
     # Steps

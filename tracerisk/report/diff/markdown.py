@@ -116,6 +116,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
     if diff.single_points or diff.pins or diff.within_noise:
         yield ""
+    yield from _list(sentences.OF_PACE, sentences.of_pace(diff))
     yield from _list(sentences.OF_RUN, diff.of_run)
     yield from _list(sentences.OF_INPUTS, diff.inputs)
 

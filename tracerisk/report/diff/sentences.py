@@ -104,13 +104,18 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """
     found: list[tuple[str, list[str]]] = []
     if diff.outcome is not None:
-        found += [(OF_OUTCOME, list(diff.outcome.of_mission)), (OF_PACE, list(diff.outcome.pace))]
+        found.append((OF_OUTCOME, list(diff.outcome.of_mission)))
     if diff.verdicts is not None:
         found += [
             ("What broke", [str(reason) for reason in diff.verdicts.broke]),
             ("What was repaired", [str(reason) for reason in diff.verdicts.repaired]),
         ]
     return [(title, lines) for title, lines in found if lines]
+
+
+def of_pace(diff: RiskDiff) -> tuple[str, ...]:
+    """Return which rests and ways of the later run take another time."""
+    return () if diff.outcome is None else diff.outcome.pace
 
 
 def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:

@@ -71,6 +71,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         room,
     )
     yield from _list("Pins", sentences.pins(review, diff), room)
+    yield from _list(sentences.OF_PACE, sentences.of_pace(diff), room)
     yield from _list(sentences.OF_RUN, diff.of_run, room)
     yield from _list(sentences.OF_INPUTS, diff.inputs, room)
     if diff.within_noise:

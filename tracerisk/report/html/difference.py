@@ -58,6 +58,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     lines[:0] = [
         f"{title}: {entry}" for title, lines in sentences.of_missions(diff) for entry in lines
     ]
+    lines += [f"{sentences.OF_PACE}: {entry}" for entry in sentences.of_pace(diff)]
     if diff.within_noise:
         lines.append(
             f"values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
