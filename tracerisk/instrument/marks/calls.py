@@ -146,15 +146,16 @@ class _Names:
 
 def _is_spare(node: ast.AST) -> bool:
     if isinstance(node, ast.If):
-        names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}
+        names = {name.id for name in ast.walk(node.test) if isinstance(name, ast.Name)}
         return "__name__" in names
     return isinstance(node, ast.ExceptHandler)
 
 
 def _is_compiled(node: ast.AST) -> bool:
     return isinstance(node, _FUNCTIONS) and any(
-        last_name(each.func if isinstance(each, ast.Call) else each) in COMPILING_DECORATORS
-        for each in node.decorator_list
+        last_name(decorator.func if isinstance(decorator, ast.Call) else decorator)
+        in COMPILING_DECORATORS
+        for decorator in node.decorator_list
     )
 
 
@@ -204,5 +205,5 @@ def _place(place: ast.expr, *nodes: ast.expr) -> None:
 
 def has_marks(code: CodeType) -> bool:
     """Return whether calls are marked in a function, or in what stands in it."""
-    inner = (each for each in code.co_consts if isinstance(each, CodeType))
+    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
     return bool({MARK, MADE} & set(code.co_names)) or any(map(has_marks, inner))

@@ -168,7 +168,7 @@ def _has_another_way(
     marked = {id(call.node): call for call in marked_calls(tree)}
 
     def calls_in(*nodes: ast.AST) -> list[MarkedCall]:
-        inner = (each for node in nodes for each in ast.walk(node))
+        inner = (part for node in nodes for part in ast.walk(node))
         return [marked[id(node)] for node in inner if id(node) in marked]
 
     succeeded = {at for file, at in calls.executed - calls.raised if file == place.file}
