@@ -9,7 +9,7 @@ import pytest
 from tests.pipeline.evidence.test_file import CELL
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence import workers
-from tracerisk.pipeline.evidence.campaign import _journal
+from tracerisk.pipeline.evidence.journal import journal
 from tracerisk.pipeline.evidence.workers import Workers
 
 HOUR_S = 3600.0
@@ -48,9 +48,9 @@ def test_a_worker_that_does_not_end_is_killed(monkeypatch):
 
 def test_a_journal_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "cache").write_text("a file in the place of the folder")
-    with pytest.raises(InputError, match="cannot be written"), _journal(tmp_path / "cache" / "j"):
+    with pytest.raises(InputError, match="cannot be written"), journal(tmp_path / "cache" / "j"):
         pass
-    with _journal(tmp_path / "j") as keep:
+    with journal(tmp_path / "j") as keep:
         keep([CELL])
         (tmp_path / "j").unlink()
         (tmp_path / "j").mkdir()
