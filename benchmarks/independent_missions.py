@@ -32,6 +32,9 @@ import quick
 from tracerisk.outcome.changes import outcome_changes
 from tracerisk.outcome.kept import kept_outcome
 from tracerisk.outcome.outcome import Outcome
+from tracerisk.prm.review.risk_change import RunVerdicts
+from tracerisk.trace import Verdict
+from tracerisk.trace_json import verdict_of_data
 
 SETS = Path(__file__).parent / "missions"
 RANKS = ("complete", "partial", "faulted", "stuck")
@@ -69,11 +72,11 @@ class Mission:
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run left: its verdict with the keys of its reasons, and its outcome."""
+    """What a run left: its verdict, also as the lock keeps it, and its outcome."""
 
     verdict: str
-    reasons: frozenset[tuple[str, str, str]]
     words: str
+    judgement: Verdict | None
     outcome: Outcome | None
 
 
@@ -136,7 +139,7 @@ def run(mission: Mission, folder: Path) -> Ran:
     try:
         found = json.loads(done.stdout)
     except ValueError:
-        return Ran("internal error", frozenset(), done.stderr[-300:], None)
+        return Ran("internal error", done.stderr[-300:], None, None)
     lock = folder / "tracerisk.lock"
     entry: dict[str, Any] = {}
     if lock.exists():
@@ -147,17 +150,18 @@ def run(mission: Mission, folder: Path) -> Ran:
     error: dict[str, Any] = found.get("error") or {}
     kind = verdict.get("kind") or str(error.get("code") or "refused")
     open_reasons = [each for each in verdict.get("reasons", ()) if not each.get("accepted")]
-    keys = frozenset((each["code"], each["function"], each["object"]) for each in open_reasons)
     words = "; ".join(each["words"] for each in open_reasons) or str(error.get("message", ""))
-    return Ran(kind, keys, words, kept_outcome(entry))
+    return Ran(kind, words, verdict_of_data(entry.get("verdict")), kept_outcome(entry))
 
 
 def judged(edit: Edit, base: Ran, now: Ran) -> Row:
     """Return what the tool says of an edit, against the unbroken run."""
     by_verdict = ""
-    new = sorted(now.reasons - base.reasons)
-    if rank(now.verdict) > rank(base.verdict) or (new and now.verdict != "complete"):
-        by_verdict = f"{now.verdict}: {now.words[:200]}"
+    before, after = base.judgement, now.judgement
+    broke = RunVerdicts(before, after).broke if before is not None and after is not None else ()
+    if rank(now.verdict) > rank(base.verdict) or broke:
+        words = "; ".join(reason.words for reason in broke) or now.words
+        by_verdict = f"{now.verdict}: {words[:200]}"
     by_outcome: tuple[str, ...] = ()
     if base.outcome is not None and now.outcome is not None:
         by_outcome = outcome_changes(base.outcome, now.outcome).sentences

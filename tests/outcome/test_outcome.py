@@ -14,6 +14,7 @@ from tracerisk.outcome.arm import Arm, ArmFrame, tool_pose
 from tracerisk.outcome.changes import Tolerances, outcome_changes
 from tracerisk.outcome.kept import MOST_BYTES, kept_outcome, outcome_summary
 from tracerisk.outcome.outcome import (
+    TICK_S,
     CellUse,
     GripperUse,
     ObjectOutcome,
@@ -234,7 +235,7 @@ def test_half_a_step_is_rounded_up_whatever_the_last_bit():
 
 millimetres = st.integers(-2000, 2000).map(lambda value: value / 1000.0)
 places = st.tuples(millimetres, millimetres, millimetres)
-tenths = st.integers(0, 600).map(lambda value: value / 10.0)
+tenths = st.integers(0, 1200).map(lambda value: rounded(value * TICK_S, TICK_S))
 names = st.text("abcdefghij_1/", min_size=1, max_size=12).map("x".__add__)
 contents = st.text("abc =.'12", max_size=30).map(str.strip)
 rests = st.builds(

@@ -44,7 +44,7 @@ _ENDS = 5.0
 """How many times the tolerances the last rest may differ: an arm has arrived a little before."""
 _OPENING = 0.1  # of a gripper's range
 _WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
-_PACE_S, _PACE_RATIO = 0.5, 1.5  # a time is another one that differs by more of both
+_PACE_S, _PACE_RATIO = 0.34, 1.1  # a time is another one that differs by more of both
 _FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
 _NUMBER = re.compile(r"(?<![\w'])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w'])")
 _IN_A_ROW = 3

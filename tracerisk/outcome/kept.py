@@ -10,6 +10,7 @@ from tracerisk.outcome.arm import Arm, ArmFrame, Position
 from tracerisk.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.outcome.outcome import (
     CORNER_M,
+    TICK_S,
     CellCount,
     CellUse,
     CellUseKind,
@@ -18,6 +19,7 @@ from tracerisk.outcome.outcome import (
     Outcome,
     Rest,
     rest_of,
+    rounded,
 )
 from tracerisk.outcome.ways import corners
 from tracerisk.records import asdict, replace
@@ -191,7 +193,7 @@ _WIDTH = 400
 def _rest_text(rest: Rest, known: dict[tuple[int, tuple[float, ...]], int]) -> str:
     """Return a rest in whole mrad or mm; one that was there before by its number."""
     key = rest.arm, rest.joints
-    times = f"{_tenths(rest.took_s)} {_tenths(rest.held_s)}"
+    times = f"{_ticks(rest.took_s)} {_ticks(rest.held_s)}"
     via = f" via {','.join(map(_steps, rest.via_m))}" if rest.via_m else ""
     if key in known:
         return f"={known[key]} {times}{via}"
@@ -204,8 +206,8 @@ def _steps(values: Sequence[float]) -> str:
     return " ".join(str(round(1000.0 * value)) for value in values)
 
 
-def _tenths(seconds: float) -> str:
-    return str(round(10.0 * seconds))
+def _ticks(seconds: float) -> str:
+    return str(round(seconds / TICK_S))
 
 
 def _escaped(text: str) -> str:
@@ -299,8 +301,8 @@ def _read_rest(letter: str, text: str, order: int, known: list[Rest], arms: Sequ
         joints,
         order=order,
         number=number,
-        took_s=int(took) / 10.0,
-        held_s=int(held) / 10.0,
+        took_s=rounded(int(took) * TICK_S, TICK_S),
+        held_s=rounded(int(held) * TICK_S, TICK_S),
         via_m=[_read_position(corner) for corner in via.split(",")] if via else (),
     )
     if letter[0] == "r":

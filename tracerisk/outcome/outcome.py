@@ -17,6 +17,8 @@ from tracerisk.records import dataclass
 CellUseKind = Literal["call", "message", "goal"]
 CORNER_M = 0.003
 """How far a way may lie from the lines between its corners, where there is room for them [m]."""
+TICK_S = 0.05
+"""The step of the times of rests, [s]."""
 FLOOR = "floor"
 """What an object rests on that touches nothing with a name."""
 _SMALL = 1e-3

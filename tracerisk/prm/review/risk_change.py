@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -239,9 +240,37 @@ def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
 
 
 def _only_in(verdict: Verdict | None, other: Verdict | None) -> tuple[Reason, ...]:
-    known = {each.key for each in other.open_reasons} if other is not None else set()
-    found = verdict.open_reasons if verdict is not None else ()
-    return tuple(each for each in found if each.key not in known and each.code != NEVER_RAN)
+    """Return the reasons that only the first verdict has, functions that never ran left aside.
+
+    A reason of a function that was renamed, or cut otherwise, is the same; of calls that were left
+    out, whose object is a call as written, only their number counts.
+    """
+    reasons = [reason for reason in _open(verdict) if reason.code != NEVER_RAN]
+    others = Counter(reason.key for reason in _open(other))
+    apart = []
+    for reason in reasons:
+        if others[reason.key]:
+            others[reason.key] -= 1
+        else:
+            apart.append(reason)
+    left = Counter(_whatever_named(*key) for key in others.elements())
+    found = []
+    for reason in apart:
+        if left[_whatever_named(*reason.key)]:
+            left[_whatever_named(*reason.key)] -= 1
+        else:
+            found.append(reason)
+    return tuple(found)
+
+
+def _open(verdict: Verdict | None) -> tuple[Reason, ...]:
+    return () if verdict is None else verdict.open_reasons
+
+
+def _whatever_named(code: str, function: str, name: str) -> tuple[str, str]:
+    """Return what of a reason stays where functions are renamed."""
+    del function
+    return code, "" if code in GAPS else name
 
 
 @dataclass(frozen=True, slots=True)

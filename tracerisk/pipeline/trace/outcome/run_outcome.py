@@ -16,6 +16,7 @@ from tracerisk.instrument.commands import Command
 from tracerisk.outcome.arm import Arm, Position
 from tracerisk.outcome.outcome import (
     CORNER_M,
+    TICK_S,
     CellUse,
     GripperUse,
     ObjectOutcome,
@@ -122,8 +123,8 @@ class _Maker:
         found: list[tuple[int, Rest]] = []
         for span in _busy_spans(own, self._end_ns):
             self._reach(reached, span)
-            stood_s = rounded((span.next_ns - span.end_ns) / 1e9, 0.1)
-            took_s = rounded((span.end_ns - span.start_ns) / 1e9, 0.1)
+            stood_s = rounded((span.next_ns - span.end_ns) / 1e9, TICK_S)
+            took_s = rounded((span.end_ns - span.start_ns) / 1e9, TICK_S)
             rest = rest_of(
                 arm,
                 reached.values(),
@@ -135,7 +136,7 @@ class _Maker:
             left_ns = span.next_ns
             if last is not None and not rest.via_m and _is_same(rest.joints, last.joints):
                 time_ns, before = found.pop()
-                last = replace(before, held_s=rounded((span.next_ns - time_ns) / 1e9, 0.1))
+                last = replace(before, held_s=rounded((span.next_ns - time_ns) / 1e9, TICK_S))
                 found.append((time_ns, last))
                 continue
             last = rest
