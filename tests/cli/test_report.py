@@ -28,10 +28,12 @@ def git(example, *words):
 
 
 ALL = [
-    "timeline", "functions", "touches", "chain", "fault-trees", "importance", "hardware",
+    "timeline", "brought-about", "functions", "touches", "chain", "fault-trees", "importance", "hardware",
     "findings", "coverage", "pins", "assumptions", "source",
 ]  # fmt: skip
-WITHOUT_A_RUN = [each for each in ALL if each not in ("timeline", "touches", "hardware")]
+WITHOUT_A_RUN = [
+    each for each in ALL if each not in ("timeline", "brought-about", "touches", "hardware")
+]
 
 
 @pytest.fixture

@@ -207,6 +207,23 @@ def run_of(kind, *codes):
     return Verdict(kind, reasons, Coverage(1, 1))
 
 
+def test_a_reason_of_a_renamed_function_did_not_break():
+    def run(function, call):
+        reasons = (
+            Reason("lookup-failed", "faulted", "no frame", function, "part"),
+            Reason("never-called", "partial", "not executed", function, call),
+        )
+        return Verdict("faulted", reasons, Coverage(1, 1))
+
+    renamed = RunVerdicts(run("find", "self.go"), run("locate", "self.move"))
+    assert renamed.broke == renamed.repaired == ()
+    (new,) = run("find", "self.go").reasons[:1]
+    more = replace(
+        run("find", "self.go"), reasons=(*renamed.before.reasons, replace(new, object="tray"))
+    )
+    assert [reason.object for reason in RunVerdicts(renamed.before, more).broke] == ["tray"]
+
+
 @pytest.mark.parametrize("code", ["never-grasped", "unmet-need"])
 def test_a_figure_that_falls_because_the_run_does_less_is_not_said_to_fall(
     difference, review_of, code

@@ -29,6 +29,11 @@ CAUGHT = "__tracerisk_caught__"
 """The name of the report in instrumented code; not mangled in classes, hidden from `*`."""
 
 _STAND_INS = tuple(f"{Path(tracerisk.__file__).parent / room}/" for room in ("ros", "vendors"))
+# Whether a package is installed is a question, and an exception its answer.
+_QUESTIONS = tuple(
+    f"{Path(tracerisk.__file__).parent}/ros/stand_ins/{library}/"
+    for library in ("ament_index_python", "rospkg")
+)
 # Of these exactly: what is derived from them has a meaning of its own.
 _MISUSE = frozenset(
     {"RuntimeError", "TypeError", "ValueError", "AssertionError", "IndexError"}
@@ -85,7 +90,7 @@ def caught_failure(error: BaseException, files: Mapping[str, str]) -> CaughtFail
         for entry in entries[own[-1] + 1 :]
         if entry.tb_frame.f_code.co_filename.startswith(_STAND_INS)
     ]
-    if not refused:
+    if not refused or refused[0].f_code.co_filename.startswith(_QUESTIONS):
         return None
     code = last.tb_frame.f_code
     _, column = source_position(code, last.tb_lasti)
