@@ -138,7 +138,7 @@ def test_another_posture_at_the_same_place_loses_nothing():
     after = outcome(*MISSION[:2], rest(0.18, 0.2, 0.12), *MISSION[3:], objects=[thing()])
     changes = outcome_changes(WHOLE, after)
     (line,) = changes.added
-    assert "is reached in another posture: joint1 is 0.120 rad or m off" in line
+    assert "is reached in another posture: joint1 is 0.120 m off" in line
     assert not changes.does_something_else
 
 
@@ -203,7 +203,7 @@ def test_another_way_between_the_same_rests_is_named():
     straight = outcome(HOME, rest(0.3))
     around = outcome(HOME, rest(0.3, via_m=((0.15, 0.1, 0.3),)))
     (line,) = outcome_changes(straight, around).lost
-    assert line.endswith("passes 100 mm beside the old one")
+    assert line.endswith("is up to 100 mm away from the old one")
 
 
 def test_pace_is_named_and_decides_nothing():
@@ -224,7 +224,7 @@ def test_half_of_the_work_is_another_mission():
 def test_the_line_of_a_run_says_what_moved():
     assert moved_line(WHOLE) == "1 object moved: cup to (0.400, -0.200, 0.050) m on table"
     still = replace(WHOLE, objects=(thing(end=(0.4, 0.1, 0.05)),))
-    assert moved_line(still) == "no object moved, of 1"
+    assert moved_line(still) == "none of 1 object moved"
     assert moved_line(outcome(HOME)) == ""
 
 
@@ -237,6 +237,7 @@ millimetres = st.integers(-2000, 2000).map(lambda value: value / 1000.0)
 places = st.tuples(millimetres, millimetres, millimetres)
 tenths = st.integers(0, 1200).map(lambda value: rounded(value * TICK_S, TICK_S))
 names = st.text("abcdefghij_1/", min_size=1, max_size=12).map("x".__add__)
+odd_names = st.text("ab%|;@,/ \n\u00e9", min_size=1, max_size=8)
 contents = st.text("abc =.'12", max_size=30).map(str.strip)
 rests = st.builds(
     rest,
@@ -247,7 +248,9 @@ rests = st.builds(
 )
 uses = st.one_of(
     rests,
-    st.builds(GripperUse, st.just(0), names, st.integers(0, 100).map(lambda v: v / 100.0), names),
+    st.builds(
+        GripperUse, st.just(0), names, st.integers(0, 100).map(lambda v: v / 100.0), odd_names
+    ),
     st.builds(
         CellUse,
         st.just(0),
@@ -259,7 +262,7 @@ uses = st.one_of(
 )
 degrees = st.integers(0, 180).map(float)
 things = st.builds(
-    ObjectOutcome, names, places, places, degrees, st.none() | degrees, names, st.just("")
+    ObjectOutcome, odd_names, places, places, degrees, st.none() | degrees, odd_names, odd_names
 )
 
 
@@ -337,3 +340,49 @@ def test_a_way_lies_within_reach_of_the_lines_between_its_corners(points, within
 def test_the_kept_arm_has_its_tool_where_the_twin_has_it(joints):
     (x, y, z), _ = tool_pose(ARM, joints)
     assert (x, y, z) == pytest.approx((joints[0] + joints[2], joints[1], 0.3))
+
+
+def test_whole_numbers_are_compared_exactly():
+    before = outcome(HOME, call(content="program=1001 speed=2.5"), ABOVE)
+    assert outcome_changes(before, outcome(HOME, call(content="program=1002 speed=2.5"), ABOVE))
+    assert not outcome_changes(
+        before, outcome(HOME, call(content="program=1001 speed=2.51"), ABOVE)
+    )
+
+
+def test_a_call_that_moves_is_named_and_not_the_rest_that_stays():
+    later = outcome(HOME, ABOVE, DOWN, call(), rest(0.1))
+    earlier = outcome(HOME, ABOVE, call(), DOWN, rest(0.1))
+    for one, other, words in (
+        (later, earlier, "/glue/enable is called after rest 2, before: after rest 3"),
+        (earlier, later, "/glue/enable is called after rest 3, before: after rest 2"),
+    ):
+        changes = outcome_changes(one, other)
+        assert (changes.lost, changes.added) == ((words,), ())
+
+
+def test_a_stream_that_becomes_single_messages_is_another_result():
+    stream = outcome(HOME, ABOVE, streams=("/alive",))
+    twice = outcome(HOME, *(CellUse(0, "message", "/alive", ""),) * 2, ABOVE)
+    assert outcome_changes(stream, twice).result == (
+        "messages are sent on /alive twice, before: at a steady rate",
+    )
+    assert outcome_changes(twice, stream).result
+
+
+def test_in_a_long_run_a_step_more_loses_none_at_its_end():
+    shorter, longer = (
+        kept_outcome(outcome_summary(outcome(*first, *(rest(i / 10.0) for i in range(400)))))
+        for first in ((), (rest(-0.5),))
+    )
+    changes = outcome_changes(shorter, longer)
+    assert changes.lost == ()
+    assert any(line.startswith("a rest at (-0.500") for line in changes.added)
+
+
+def test_grippers_are_compared_each_with_itself():
+    before = outcome(HOME, GripperUse(0, "right_hand", 1.0, ""), ABOVE)
+    after = outcome(HOME, GripperUse(0, "left_hand", 0.0, ""), ABOVE)
+    changes = outcome_changes(before, after)
+    assert changes.lost == ("right_hand no longer opens",)
+    assert changes.added == ("left_hand newly closes on nothing",)

@@ -122,8 +122,15 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 
 
 def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
-    if not options.no_outcome_change or diff.outcome is None:
+    if not options.no_outcome_change:
         return []
+    if diff.outcome is None:
+        if diff.verdicts is None or diff.before is None or diff.after is None:
+            return []
+        return [
+            f"{diff.name}: what the mission brings about is not known of both versions; "
+            f"`tracerisk refresh {diff.name}` runs it, and --no-outcome-change"
+        ]
     first, *more = diff.outcome.of_mission or ("",)
     rest = f" (and {len(more)} more)" if more else ""
     return [f"{diff.name}: {first}{rest}; --no-outcome-change"] if first else []
@@ -166,10 +173,10 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
         max_increase is not None
         and diff.before is not None
         and not diff.is_unchanged
-        and (diff.is_comparable or unknown or not diff.is_same_mission)
+        and (diff.is_comparable or unknown or _is_other_mission(diff))
     ):
         before = diff.before.failure_probability
-        is_apart = unknown or not diff.is_same_mission
+        is_apart = unknown or _is_other_mission(diff)
         if risk > before * (1.0 + max_increase):
             rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
             found.append(
@@ -181,6 +188,12 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
             f"{diff.name}: mission failure {risk:.4g} is over --max-failure-probability {limit:g}"
         )
     return found
+
+
+def _is_other_mission(diff: RiskDiff) -> bool:
+    """Return whether both runs went well, and are of different missions."""
+    went_well = diff.verdicts is None or diff.verdicts.is_comparable
+    return went_well and not diff.is_same_mission
 
 
 def _increase(text: str) -> float:

@@ -46,10 +46,8 @@ _OPENING = 0.1  # of a gripper's range
 _WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
 _PACE_S, _PACE_RATIO = 0.34, 1.1  # a time is another one that differs by more of both
 _FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
-_NUMBER = re.compile(r"(?<![\w'])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w'])")
+_FIGURE = re.compile(r"(?<![\w'])-?(?:\d+\.\d+(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w'])")
 _IN_A_ROW = 3
-_MOST = 6
-"""Sentences of one kind; more are counted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,16 +93,8 @@ def outcome_changes(
         return OutcomeChanges(result=(*comparison.objects(), *other, *comparison.cell()))
     lost, added = comparison.way()
     result = (*comparison.objects(), *comparison.cell(), *comparison.last_rest())
-    return OutcomeChanges(
-        _at_most(result), _at_most(lost), _at_most(added), _at_most(comparison.pace())
-    )
-
-
-def _at_most(sentences: Sequence[str]) -> tuple[str, ...]:
-    shown = tuple(dict.fromkeys(sentences))
-    if len(shown) <= _MOST:
-        return shown
-    return (*shown[:_MOST], f"and {len(shown) - _MOST} more")
+    kinds = (result, lost, added, comparison.pace())
+    return OutcomeChanges(*(tuple(dict.fromkeys(sentences)) for sentences in kinds))
 
 
 class _Comparison:
@@ -169,13 +159,13 @@ class _Comparison:
         for name in sorted({*before, *after} - {*self._old.streams, *self._new.streams}):
             lines += self._interface(before.get(name), after.get(name))
         for name in sorted({*self._old.streams} ^ {*self._new.streams}):
-            if name not in before and name not in after:
-                is_new = name in self._new.streams
-                lines.append(
-                    f"messages on {name} are sent at a steady rate"
-                    + ("" if is_new else " no longer")
-                    + (", before: none" if is_new else "")
-                )
+            was, now = (
+                "at a steady rate"
+                if name in outcome.streams
+                else _times(counts[name].uses if name in counts else 0)
+                for outcome, counts in ((self._old, before), (self._new, after))
+            )
+            lines.append(f"messages are sent on {name} {now}, before: {was}")
         return lines
 
     def _interface(self, before: CellCount | None, after: CellCount | None) -> Iterator[str]:
@@ -209,10 +199,15 @@ class _Comparison:
             before = [rest for rest in self._old.rests if rest.arm == number]
             after = [rest for rest in self._new.rests if rest.arm == number]
             if before and after and not self._is_same_rest(before[-1], after[-1], _ENDS):
-                lines.append(f"the arm ends {self._apart(before[-1], after[-1])} where it ended")
+                apart = self._apart(before[-1], after[-1])
+                lines.append(f"{self._arm_name(number)} ends {apart} where it ended")
             elif before and not after:
-                lines.append("the arm never comes to rest, before: it did")
+                lines.append(f"{self._arm_name(number)} never comes to rest, before: it did")
         return lines
+
+    def _arm_name(self, number: int) -> str:
+        arms = self._old.arms or self._new.arms
+        return "the arm" if len(arms) == 1 else f"the arm of {arms[number].joints[0]}"
 
     def other_joints(self) -> list[str]:
         """Return which joints are commanded only in one run."""
@@ -223,7 +218,7 @@ class _Comparison:
             lines.append(f"never commanded any more: {', '.join(sorted(before - after))}")
         if after - before:
             lines.append(f"newly commanded: {', '.join(sorted(after - before))}")
-        return lines or ["the joints of the arms are commanded together otherwise"]
+        return lines or ["joints are grouped into arms differently"]
 
     # The way
 
@@ -265,8 +260,12 @@ class _Comparison:
             joint = self._old.arms[old.arm].joints[worst]
             yield (
                 f"{self._rest_name(old)} is reached in another posture: {joint} is "
-                f"{turned[worst]:.3f} rad or m off"
+                f"{turned[worst]:.3f} {self._unit(old.arm, joint)} off"
             )
+
+    def _unit(self, arm: int, joint: str) -> str:
+        frames = self._old.arms[arm].frames
+        return "m" if any(frame.slides for frame in frames if frame.joint == joint) else "rad"
 
     def _lost_rests(self, rests: Sequence[Rest]) -> Iterator[str]:
         """Yield rests in a row that are not reached, many of them in one sentence."""
@@ -275,12 +274,16 @@ class _Comparison:
             return
         first, last = (self._number(rest) for rest in (rests[0], rests[-1]))
         total = sum(rest.arm == rests[0].arm for rest in self._old.rests)
-        yield f"rests {first} to {last} of {total} are no longer reached"
+        of = "" if self._old.left_out else f" of {total}"
+        yield f"rests {first} to {last}{of} are no longer reached"
 
     def _gaps(self) -> Iterator[tuple[Sequence[Step], Sequence[Step]]]:
         """Yield the steps of both runs between those that are the same."""
         i = j = 0
-        for one, other in (*self._pairs, (len(self._before), len(self._after))):
+        ends = [(len(self._before), len(self._after))]
+        if self._old.left_out or self._new.left_out:
+            ends = []  # what stands there in one run may be left out in the other
+        for one, other in (*self._pairs, *ends):
             if one > i or other > j:
                 yield self._before[i:one], self._after[j:other]
             i, j = one + 1, other + 1
@@ -332,7 +335,7 @@ class _Comparison:
                 (left.tool_m, *old.via_m, old.tool_m), (left.tool_m, *new.via_m, old.tool_m)
             )
             if off > _WAY * corner_m:
-                yield f"the way to {self._rest_name(old)} passes {_mm(off)} beside the old one"
+                yield f"the way to {self._rest_name(old)} is up to {_mm(off)} away from the old one"
 
     def pace(self) -> list[str]:
         """Return which rests and ways take another time, between rests that are the same."""
@@ -399,7 +402,8 @@ class _Comparison:
 
     def _rest_name(self, rest: Rest) -> str:
         total = sum(found.arm == rest.arm for found in self._old.rests)
-        return f"rest {self._number(rest)} of {total} at {_place(rest.tool_m)}"
+        of = "" if self._old.left_out else f" of {total}"
+        return f"rest {self._number(rest)}{of} at {_place(rest.tool_m)}"
 
     def _number(self, rest: Rest) -> int:
         rests = [found for found in self._old.rests if found.arm == rest.arm]
@@ -422,18 +426,20 @@ def _aligned(
         end += 1
     rows, columns = before[first : len(before) - end], after[first : len(after) - end]
     lengths = [[0] * (len(columns) + 1) for _ in range(len(rows) + 1)]
+    # A use of the cell moves among the rests of the arm, and not the other way round.
+    worth = [1 if isinstance(row, CellUse) else len(rows) + len(columns) for row in rows]
     alike = [[same(row, column) for column in columns] for row in rows]
     for i in range(len(rows) - 1, -1, -1):
         for j in range(len(columns) - 1, -1, -1):
             lengths[i][j] = (
-                lengths[i + 1][j + 1] + 1
+                max(lengths[i + 1][j], lengths[i][j + 1], lengths[i + 1][j + 1] + worth[i])
                 if alike[i][j]
                 else max(lengths[i + 1][j], lengths[i][j + 1])
             )
     pairs = [(place, place) for place in range(first)]
     i = j = 0
     while i < len(rows) and j < len(columns):
-        if alike[i][j]:
+        if alike[i][j] and lengths[i][j] == lengths[i + 1][j + 1] + worth[i]:
             pairs.append((first + i, first + j))
             i, j = i + 1, j + 1
         elif lengths[i + 1][j] >= lengths[i][j + 1]:
@@ -447,11 +453,14 @@ def _aligned(
 def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:
     old = [step for step in gone if isinstance(step, GripperUse)]
     new = [step for step in come if isinstance(step, GripperUse)]
-    for was, now in zip(old, new, strict=False):
-        yield f"{now.gripper} {_grip(now)}, before: {_grip(was)}"
-    for was in old[len(new) :]:
-        yield f"{was.gripper} no longer {_grip(was)}"
-    added += [f"{now.gripper} newly {_grip(now)}" for now in new[len(old) :]]
+    for gripper in sorted({use.gripper for use in (*old, *new)}):
+        before = [use for use in old if use.gripper == gripper]
+        after = [use for use in new if use.gripper == gripper]
+        for was, now in zip(before, after, strict=False):
+            yield f"{gripper} {_grip(now)}, before: {_grip(was)}"
+        for was in before[len(after) :]:
+            yield f"{gripper} no longer {_grip(was)}"
+        added += [f"{gripper} newly {_grip(now)}" for now in after[len(before) :]]
 
 
 def _grip(use: GripperUse) -> str:
@@ -488,12 +497,12 @@ def _after_rest(number: int) -> str:
 
 
 def _is_same_content(one: str, other: str) -> bool:
-    """Return whether two contents say the same, figures within 1 %."""
+    """Return whether two contents say the same: whole numbers exactly, others within 1 %."""
     if one == other:
         return True
-    if _NUMBER.sub("#", one) != _NUMBER.sub("#", other):
+    if _FIGURE.sub("#", one) != _FIGURE.sub("#", other):
         return False
-    figures = zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True)
+    figures = zip(_FIGURE.findall(one), _FIGURE.findall(other), strict=True)
     return all(
         math.isclose(float(a), float(b), rel_tol=_FIGURE_SHARE, abs_tol=_FIGURE_LEAST)
         for a, b in figures

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -31,6 +32,8 @@ _CORNERS_M = (0.006, 0.012, 0.025, 0.05)
 _KINDS: dict[str, CellUseKind] = {"C": "call", "M": "message", "G": "goal"}
 _LETTERS = {kind: letter for letter, kind in _KINDS.items()}
 _STEP = ";"
+_SIGNS = "%|;@,/ \t\r\n"
+_IN_CONTENT = "%;\r\n"
 
 
 def outcome_summary(outcome: Outcome | None, tolerances: Tolerances = TOLERANCES) -> dict[str, Any]:
@@ -141,14 +144,14 @@ def _grippers(outcome: Outcome) -> list[str]:
 
 def _arm_text(arm: Arm) -> str:
     """Return an arm: its joints, then how each link hangs on the one before, in 0.1 mm and mrad."""
-    return "|".join((" ".join(arm.joints), *map(_frame_text, arm.frames)))
+    return "|".join((" ".join(map(_escaped, arm.joints)), *map(_frame_text, arm.frames)))
 
 
 def _frame_text(frame: ArmFrame) -> str:
     numbers = [_tenths_of_mm(frame.xyz_m), _tenths_of_mm(frame.rpy)]
     if frame.joint:
         numbers.append(_tenths_of_mm(frame.axis))
-        numbers.append(frame.joint + ("/" if frame.slides else ""))
+        numbers.append(_escaped(frame.joint) + ("/" if frame.slides else ""))
     return ",".join(numbers)
 
 
@@ -158,10 +161,11 @@ def _tenths_of_mm(values: Position) -> str:
 
 
 def _object_text(found: ObjectOutcome) -> str:
+    end = "" if found.end_m == found.begin_m else _steps(found.end_m)
     heading = "-" if found.heading_deg is None else f"{found.heading_deg:.0f}"
     return (
-        f"{found.name}|{_steps(found.begin_m)}|{_steps(found.end_m)}|{found.tilt_deg:.0f} "
-        f"{heading}|{found.rests_on}|{found.held_in}"
+        f"{_escaped(found.name)}|{_steps(found.begin_m)}|{end}|{found.tilt_deg:.0f} "
+        f"{heading}|{_escaped(found.rests_on)}|{_escaped(found.held_in)}"
     )
 
 
@@ -175,10 +179,11 @@ def _way_lines(outcome: Outcome) -> Iterator[str]:
             text = _rest_text(step, known)
         elif isinstance(step, GripperUse):
             number = grippers.index(step.gripper)
-            text = f"g{number} {100.0 * step.opened:.0f} {step.holds}".rstrip()
+            text = f"g{number} {100.0 * step.opened:.0f} {_escaped(step.holds)}".rstrip()
         else:
             mark = "" if step.succeeded else "!"
-            text = f"{_LETTERS[step.kind]}{mark} {step.interface} {_escaped(step.content)}".rstrip()
+            content = _escaped(step.content, _IN_CONTENT)
+            text = f"{_LETTERS[step.kind]}{mark} {step.interface} {content}".rstrip()
         if line and sum(map(len, line)) + len(text) > _WIDTH:
             yield _STEP.join(line)
             line = []
@@ -210,8 +215,13 @@ def _ticks(seconds: float) -> str:
     return str(round(seconds / TICK_S))
 
 
-def _escaped(text: str) -> str:
-    return text.replace(_STEP, ",").replace("\n", " ")
+def _escaped(text: str, signs: str = _SIGNS) -> str:
+    """Return a text without the signs that part what is kept: these as %XX."""
+    return "".join(f"%{ord(sign):02X}" if sign in signs else sign for sign in text)
+
+
+def _unescaped(text: str) -> str:
+    return re.sub("%([0-9A-F]{2})", lambda found: chr(int(found[1], 16)), text)
 
 
 # Back
@@ -231,11 +241,12 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
         elif letter[0] == "g":
             opened, _, holds = rest.partition(" ")
             gripper = data["grippers"][int(letter[1:])]
-            grips.append(GripperUse(order, gripper, int(opened) / 100.0, holds))
+            grips.append(GripperUse(order, gripper, int(opened) / 100.0, _unescaped(holds)))
         else:
             interface, _, content = rest.partition(" ")
             kind = _KINDS[letter[0]]
-            cell.append(CellUse(order, kind, interface, content, not letter.endswith("!")))
+            went_well = not letter.endswith("!")
+            cell.append(CellUse(order, kind, interface, _unescaped(content), went_well))
     return Outcome(
         arms=arms,
         objects=tuple(map(_read_object, data.get("objects", ()))),
@@ -256,7 +267,7 @@ def _read_count(text: str) -> CellCount:
 
 def _read_arm(text: str) -> Arm:
     joints, *frames = text.split("|")
-    return Arm(tuple(joints.split(" ")), tuple(map(_read_frame, frames)))
+    return Arm(tuple(map(_unescaped, joints.split(" "))), tuple(map(_read_frame, frames)))
 
 
 def _read_frame(text: str) -> ArmFrame:
@@ -265,7 +276,8 @@ def _read_frame(text: str) -> ArmFrame:
     if not moving:
         return ArmFrame(place, turn)
     axis, joint = moving
-    return ArmFrame(place, turn, joint.removesuffix("/"), _read_tenths(axis), joint.endswith("/"))
+    name = _unescaped(joint.removesuffix("/"))
+    return ArmFrame(place, turn, name, _read_tenths(axis), joint.endswith("/"))
 
 
 def _read_tenths(text: str) -> Position:
@@ -275,15 +287,16 @@ def _read_tenths(text: str) -> Position:
 
 def _read_object(text: str) -> ObjectOutcome:
     name, begin, end, turned, rests_on, held_in = text.split("|")
+    begin_m = _read_position(begin)
     tilt, heading = turned.split(" ")
     return ObjectOutcome(
-        name,
-        _read_position(begin),
-        _read_position(end),
+        _unescaped(name),
+        begin_m,
+        _read_position(end) if end else begin_m,
         float(tilt),
         None if heading == "-" else float(heading),
-        rests_on,
-        held_in,
+        _unescaped(rests_on),
+        _unescaped(held_in),
     )
 
 

@@ -206,7 +206,7 @@ def moved_line(outcome: Outcome | None) -> str:
     moved = outcome.moved
     if not moved:
         number = len(outcome.objects)
-        return f"no object moved, of {number}"
+        return f"none of {number} object{'' if number == 1 else 's'} moved"
     parts = [_moved_words(found) for found in moved[:_LISTED]]
     more = f", and {len(moved) - _LISTED} more" if len(moved) > _LISTED else ""
     plural = "object" if len(moved) == 1 else "objects"

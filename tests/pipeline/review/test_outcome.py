@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -115,11 +115,36 @@ def test_a_rise_of_another_mission_is_held_by_the_limit(both):
     assert "mission failure is more by 100 %" in outcome.err
 
 
-def test_tolerances_of_the_settings_are_those_of_the_later_run(both):
-    moved = replace(WHOLE, objects=(replace(CUP, end_m=(0.3, 0.206, 0.1)),))
-    assert only(review([], both(WHOLE, moved).folder)).outcome.result
-    wide = both(WHOLE, moved, place_m=0.01)
+MOVED = replace(WHOLE, objects=(replace(CUP, end_m=(0.3, 0.206, 0.1)),))
+
+
+def test_tolerances_of_the_settings_are_those_of_both_runs(both):
+    wide = both(WHOLE, MOVED, place_m=0.01)
     assert not only(review([], wide.folder)).outcome.result
+
+
+def test_no_change_widens_the_tolerances_it_is_judged_by(both):
+    repository = both(WHOLE, MOVED)
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    (entry,) = lock["controllers"].values()
+    wide = asdict(replace(Tolerances(), place_m=5.0))
+    entry["trace"]["outcome"]["tolerances"] = wide
+    repository.write("tracerisk.lock", json.dumps(lock))
+    diff = only(review([], repository.folder))
+    assert diff.outcome.result
+    assert any("the smaller ones count" in line for line in diff.of_run)
+
+
+def test_an_unknown_outcome_is_said_and_fails_the_gate(both):
+    repository = both(WHOLE, WHOLE)
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    (entry,) = lock["controllers"].values()
+    del entry["trace"]["outcome"]
+    repository.write("tracerisk.lock", json.dumps(lock))
+    outcome = repository.run("diff", "HEAD", "pick.py", "--no-outcome-change")
+    assert outcome.code == 1
+    assert "is not known of both versions" in outcome.err
+    assert "what the later run brought about is not known" in " ".join(outcome.out.split())
 
 
 def test_every_format_says_it_first(both):

@@ -8,6 +8,7 @@ from typing import Any
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.outcome.changes import outcome_changes
+from tracerisk.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
 from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -103,8 +104,9 @@ def differences(nominal: Trace, trace: Trace) -> tuple[str, ...]:
     """
     end: tuple[str, ...] = ()
     if trace.end.cause != nominal.end.cause:
-        end = (f"the run ends otherwise: {trace.end.message}",)
-    if nominal.outcome is None or trace.outcome is None:
+        end = (f"the run ends differently: {trace.end.message}",)
+    # As `diff` compares them, which has what a lock keeps: long runs are compared in no time.
+    old, new = (kept_outcome(outcome_summary(each.outcome)) for each in (nominal, trace))
+    if old is None or new is None:
         return end
-    changes = outcome_changes(nominal.outcome, trace.outcome)
-    return (*changes.result, *changes.lost, *changes.added, *end)
+    return (*outcome_changes(old, new).of_mission, *end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -47,6 +48,7 @@ _RULES: dict[FindingKind, str] = {
     "partial": "partial-run",
     "coverage": "partial-run",
 }
+_FIGURE = re.compile(r"-?\d+(\.\d+)?")
 _CONTACT = "unexpected_contact"
 
 
@@ -104,7 +106,7 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
         if diff.outcome is not None:
             first_line = Location(diff.name, 1)
             alerts += [
-                _alert("changed-outcome", line, first_line, folder, subject=line)
+                _alert("changed-outcome", line, first_line, folder, subject=_FIGURE.sub("#", line))
                 for line in diff.outcome.of_mission
             ]
         for change in diff.changes:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.outcome.changes import OutcomeChanges, outcome_changes
+from tracerisk.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
 from tracerisk.outcome.kept import kept_outcome, kept_tolerances
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
@@ -26,6 +26,7 @@ from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_
 from tracerisk.pipeline.review.run_changes import run_changes, unrun_files
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.stages import blocks_of
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
@@ -162,11 +163,12 @@ def difference(
             version_verdict(controller.after),
             before is not None,
             after is not None,
+            renamed,
         )
     changes_of_run = run_changes(controller.before, controller.after, renamed)
     found = replace(
         found,
-        of_run=changes_of_run,
+        of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
         verdicts=verdicts,
         unrun=unrun_files(controller.after),
         outcome=_outcome_changes(controller, before is not None and after is not None),
@@ -179,9 +181,33 @@ def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeCh
     """Return how the outcomes of two versions differ; `None` where a lock keeps none."""
     entries = controller.before.entry, controller.after.entry
     old, new = (None if entry is None else kept_outcome(entry.trace) for entry in entries)
-    if not in_both or old is None or new is None or entries[1] is None:
+    if not in_both or old is None or new is None:
         return None
-    return outcome_changes(old, new, kept_tolerances(entries[1].trace))
+    return outcome_changes(old, new, _tolerances(controller))
+
+
+def _tolerances(controller: ReviewedController) -> Tolerances:
+    """Return the smaller tolerances of both versions: no change widens those it is judged by."""
+    entries = controller.before.entry, controller.after.entry
+    old, new = (TOLERANCES if each is None else kept_tolerances(each.trace) for each in entries)
+    return Tolerances(
+        min(old.place_m, new.place_m),
+        min(old.angle_deg, new.angle_deg),
+        min(old.joint, new.joint),
+    )
+
+
+def _of_outcomes(controller: ReviewedController) -> Iterator[str]:
+    """Yield what keeps two outcomes from being compared, or by what they are."""
+    entries = [each.entry for each in (controller.before, controller.after)]
+    if any(entry is None or kept_verdict(entry) is None for entry in entries):
+        return
+    traces = [entry.trace for entry in entries if entry is not None]
+    for name, trace in zip(("earlier", "later"), traces, strict=True):
+        if kept_outcome(trace) is None:
+            yield f"what the {name} run brought about is not known: its lock does not say"
+    if kept_tolerances(traces[0]) != kept_tolerances(traces[1]):
+        yield "the tolerances of the outcome differ in the settings: the smaller ones count"
 
 
 def _built(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
@@ -193,6 +193,8 @@ class RunVerdicts:
     after: Verdict | None
     in_before: bool = True
     in_after: bool = True
+    renamed: Mapping[str, str] = field(default_factory=dict)
+    """The later name of functions that were renamed, by their earlier one."""
 
     @property
     def is_comparable(self) -> bool:
@@ -202,7 +204,7 @@ class RunVerdicts:
     @property
     def broke(self) -> tuple[Reason, ...]:
         """What went wrong in the later run and not in the earlier one."""
-        return _only_in(self.after, self.before)
+        return _only_in(self.after, self.before, {new: old for old, new in self.renamed.items()})
 
     @property
     def does_less(self) -> bool:
@@ -218,7 +220,7 @@ class RunVerdicts:
         is_cut_short = not _is_whole(self.after, self.in_after)
         if is_cut_short and _is_whole(self.before, self.in_before):
             return ()
-        return _only_in(self.before, self.after)
+        return _only_in(self.before, self.after, self.renamed)
 
     @property
     def new_acceptances(self) -> tuple[Acceptance, ...]:
@@ -239,25 +241,20 @@ def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
     return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
 
 
-def _only_in(verdict: Verdict | None, other: Verdict | None) -> tuple[Reason, ...]:
+def _only_in(
+    verdict: Verdict | None, other: Verdict | None, renamed: Mapping[str, str]
+) -> tuple[Reason, ...]:
     """Return the reasons that only the first verdict has, functions that never ran left aside.
 
-    A reason of a function that was renamed, or cut otherwise, is the same; of calls that were left
-    out, whose object is a call as written, only their number counts.
+    `renamed` gives the other verdict's name of a function by its own. Of calls that were left out,
+    whose object is a call as written, only their number counts: whoever renames changes it.
     """
-    reasons = [reason for reason in _open(verdict) if reason.code != NEVER_RAN]
-    others = Counter(reason.key for reason in _open(other))
-    apart = []
-    for reason in reasons:
-        if others[reason.key]:
-            others[reason.key] -= 1
-        else:
-            apart.append(reason)
-    left = Counter(_whatever_named(*key) for key in others.elements())
+    left = Counter(_key(reason, {}) for reason in _open(other))
     found = []
-    for reason in apart:
-        if left[_whatever_named(*reason.key)]:
-            left[_whatever_named(*reason.key)] -= 1
+    for reason in _open(verdict):
+        key = _key(reason, renamed)
+        if reason.code == NEVER_RAN or left[key] > 0:
+            left[key] -= 1
         else:
             found.append(reason)
     return tuple(found)
@@ -267,10 +264,10 @@ def _open(verdict: Verdict | None) -> tuple[Reason, ...]:
     return () if verdict is None else verdict.open_reasons
 
 
-def _whatever_named(code: str, function: str, name: str) -> tuple[str, str]:
-    """Return what of a reason stays where functions are renamed."""
-    del function
-    return code, "" if code in GAPS else name
+def _key(reason: Reason, renamed: Mapping[str, str]) -> tuple[str, str, str]:
+    if reason.code in GAPS:
+        return reason.code, "", ""
+    return reason.code, renamed.get(reason.function, reason.function), reason.object
 
 
 @dataclass(frozen=True, slots=True)

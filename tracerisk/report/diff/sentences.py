@@ -22,7 +22,9 @@ from tracerisk.source.language import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 OF_RUN = "What the run showed that it did not before"
-OF_OUTCOME = "What the mission brings about otherwise"
+OF_OUTCOME = "What changed in what the mission does"
+MOST_OF_KIND = 6
+"""How many sentences on the outcome of one kind are shown; --json has all."""
 OF_PACE = "What takes another time"
 OF_INPUTS = "What the runs behind the blocks depended on"
 
@@ -104,7 +106,8 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """
     found: list[tuple[str, list[str]]] = []
     if diff.outcome is not None:
-        found.append((OF_OUTCOME, list(diff.outcome.of_mission)))
+        kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
+        found.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
     if diff.verdicts is not None:
         found += [
             ("What broke", [str(reason) for reason in diff.verdicts.broke]),
@@ -115,7 +118,13 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
 
 def of_pace(diff: RiskDiff) -> tuple[str, ...]:
     """Return which rests and ways of the later run take another time."""
-    return () if diff.outcome is None else diff.outcome.pace
+    return () if diff.outcome is None else _at_most(diff.outcome.pace)
+
+
+def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:
+    if len(lines) <= MOST_OF_KIND:
+        return lines
+    return (*lines[:MOST_OF_KIND], f"and {len(lines) - MOST_OF_KIND} more; --json lists them")
 
 
 def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:

@@ -90,8 +90,9 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
     for row in rows:
         figure = row.failure_probability
         change = ""
-        # The figures of another result are of different missions.
-        if figure is not None and last and row.outcome_mark != "result":
+        # Figures of different missions have no ratio.
+        is_same = row.diff is None or row.diff.is_same_mission
+        if figure is not None and last and is_same:
             change = f"x{figure / last:.3g}"
         table.add_row(
             row.name,

@@ -28,8 +28,10 @@ _SWITCHES = re.compile(
     r"(^|[/_])(io|ios|digital|analog|gpio|outputs?|relay|vacuum|suction)([/_]|$)"
 )
 _MOST_KEPT = 200
-"""Uses of one interface that are kept one by one; who is asked more often is sent a stream."""
+"""Messages of one topic that are kept one by one; more of them are a stream."""
 _LEAST_OF_STREAM = 8
+_SLOWEST_NS = 1_050_000_000
+"""The period of a stream at most: what comes more slowly may come once a cycle of the mission."""
 _SAME_PERIOD, _MOST_OF_PERIODS = 0.2, 0.8
 _MOST_TEXT = 120
 _FIGURE = re.compile(r"-?\d+\.\d+")
@@ -122,8 +124,9 @@ class CellLog:
     def _add(self, kind: str, interface: str, message: Any) -> _Use | None:
         now_ns = self.graph.scheduler.now_ns
         times = self._times.setdefault(interface, [])
-        times.append(now_ns)
-        if len(times) > _MOST_KEPT:
+        if kind == "message":
+            times.append(now_ns)
+        if kind == "message" and len(times) > _MOST_KEPT:
             return None
         use = _Use(now_ns, kind, interface, content_text(message))
         self._uses.append(use)
@@ -139,7 +142,7 @@ def _is_stream(times: Sequence[int]) -> bool:
     if len(times) > _MOST_KEPT:
         return True
     gaps = [later - earlier for earlier, later in pairwise(times)]
-    if len(times) < _LEAST_OF_STREAM or not (period := median(gaps)):
+    if len(times) < _LEAST_OF_STREAM or not 0 < (period := median(gaps)) <= _SLOWEST_NS:
         return False
     steady = sum(1 for gap in gaps if abs(gap - period) <= _SAME_PERIOD * period)
     return steady >= _MOST_OF_PERIODS * len(gaps)
@@ -148,8 +151,8 @@ def _is_stream(times: Sequence[int]) -> bool:
 def content_text(message: Any) -> str:
     """Return the fields of a message that differ from 0, false and empty, as short text.
 
-    Stamps and headers are left out, numbers have 4 significant digits, and figures with a decimal
-    point within text, which are mostly measured, become `#`.
+    Stamps and headers are left out, whole numbers are exact, others have 4 significant digits, and
+    figures with a decimal point within text, which are mostly measured, become `#`.
     """
     text = " ".join(_parts(message, ""))
     return text if len(text) <= _MOST_TEXT else text[: _MOST_TEXT - 3] + "..."
@@ -171,8 +174,10 @@ def _parts(value: Any, name: str) -> Iterator[str]:
 def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else ""
-    if isinstance(value, int | float):
-        return f"{value:.4g}" if value else ""
+    if isinstance(value, int):
+        return str(value) if value else ""
+    if isinstance(value, float):
+        return _figure(value) if value else ""
     if isinstance(value, str):
         return repr(_FIGURE.sub("#", value)) if value else ""
     if isinstance(value, bytes | bytearray):
@@ -180,6 +185,12 @@ def _plain(value: Any) -> str:
     if hasattr(value, "__iter__"):
         return _listed(value)
     return ""
+
+
+def _figure(value: float) -> str:
+    """Return a number so that it is seen not to be a whole one: `2.0`."""
+    text = f"{value:.4g}"
+    return text if any(sign in text for sign in ".en") else f"{text}.0"
 
 
 def _listed(values: Iterable[Any]) -> str:

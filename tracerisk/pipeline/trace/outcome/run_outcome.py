@@ -192,7 +192,7 @@ class _Maker:
                 end_ns = self._end_ns if command.end_ns is None else command.end_ns
                 later = (after for after in commands[number + 1 :] if after.issue_ns >= end_ns)
                 next_ns = next((after.issue_ns for after in later), self._end_ns)
-                holds = self._held_by(gripper.name, end_ns, next_ns)
+                holds = self._held_by(gripper.name, end_ns, next_ns, self._again_ns(number))
                 ends = gripper_ends(self.ran.robot, gripper)
                 opened = ends.share(gripper.position(self._all_at(end_ns)))
                 use = GripperUse(0, gripper.name, rounded(opened, 0.01), holds)
@@ -201,12 +201,19 @@ class _Maker:
                 last = use
                 yield end_ns, use
 
-    def _held_by(self, holder: str, end_ns: int, next_ns: int) -> str:
+    def _again_ns(self, number: int) -> int:
+        """Return when a gripper's next command was issued, or the run ended."""
+        commands = self.ran.recording.commands
+        own = set(commands[number].elements)
+        later = (after for after in commands[number + 1 :] if own & set(after.elements))
+        return next((after.issue_ns for after in later), self._end_ns)
+
+    def _held_by(self, holder: str, end_ns: int, next_ns: int, again_ns: int) -> str:
         """Return what was held after a gripper's command, before the arm went on."""
         if self.contacts is None:
             return ""
         step_ns = self.samples.header.step_ns
-        until = (max(end_ns, next_ns) + round(_AFTER_S * 1e9)) // step_ns
+        until = min(max(end_ns, next_ns) + round(_AFTER_S * 1e9), again_ns) // step_ns
         names = {
             self.contacts.log.bodies[hold.body].name
             for hold in self.contacts.holds
