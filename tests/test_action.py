@@ -337,7 +337,7 @@ def test_the_base_and_the_limits_are_handed_on(runner, steps, prefix, tmp_path):
     base = commit(runner, steps("= 4e-07"))
     reported = tmp_path / "told"
     noting = prefix(f'echo "$@" >>"{reported}"')
-    limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
+    limits = {"min-coverage": "0.8", "no-new-accepts": "false", "no-outcome-change": "true"}
     for inputs in ({}, limits):
         runner.run(base, prefix=noting, files="cell.py", comment="false", **inputs)
     lines = reported.read_text().splitlines()
@@ -349,6 +349,7 @@ def test_the_base_and_the_limits_are_handed_on(runner, steps, prefix, tmp_path):
         f"check --base {base} --min-coverage=0.8",
     ]
     assert ["--no-new-accepts" in line for line in diffs] == [True, False]
+    assert ["--no-outcome-change" in line for line in diffs] == [False, True]
 
 
 def test_expressions_stand_only_where_no_shell_reads_them():

@@ -154,3 +154,27 @@ def test_no_token_writes_no_note(repository, annotated_source, server, job):
     job(base, token="")
     assert server.notes == ["looks good"]
     assert "mission failure rises" in repository.read("tracerisk.md").decode()
+
+
+@pytest.mark.parametrize(
+    ("variables", "limits"),
+    [
+        ({}, ["--no-new-accepts"]),
+        ({"TRACERISK_NO_OUTCOME_CHANGE": "true"}, ["--no-new-accepts", "--no-outcome-change"]),
+    ],
+)
+def test_the_limits_are_handed_on(repository, job, tmp_path, variables, limits):
+    told = tmp_path / "told"
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text(f"""#!/bin/sh
+shift 3
+echo "$@" >>"{told}"
+[ "$1" != diff ] || exit 1
+""")
+    python.chmod(0o700)
+    path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"
+    assert job("base", token="", PATH=path, **variables) == 1
+    (diff,) = (line for line in told.read_text().splitlines() if line.startswith("diff"))
+    given = " ".join(limits)
+    assert diff == f"diff --format markdown {given} --silent-below 0.01 base..HEAD"
