@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+import json
 import os
 import re
 import shlex
@@ -68,7 +70,7 @@ class CustomMetadataHook(MetadataHookInterface):
 class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
     """Compiles the loops into a wheel, or beside their sources for an editable installation.
 
-    A wheel has the man page as well.
+    A wheel has the man page as well, and large data in less space.
 
     Where there is no C compiler, the wheel is one for every machine, and the loops run as Python.
     """
@@ -83,6 +85,7 @@ class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
         page = Path(self._folder.name) / "tracerisk.1"
         page.write_text(man_page(root, self.metadata.version), encoding="utf-8")
         build_data["shared_data"][str(page)] = MAN_PAGE
+        build_data["force_include"].update(packed_data(root, Path(self._folder.name)))
         library = Path(self._folder.name) / "loops.so"
         if compile_loops(root, library):
             build_data["force_include"][str(library)] = LIBRARY
@@ -98,6 +101,28 @@ class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
         """Remove what was made, now that it is in the wheel."""
         if version != "editable":
             self._folder.cleanup()
+
+
+def packed_data(root: Path, folder: Path) -> dict[str, str]:
+    """Write data of the package into a folder in less space; return the place of each in a wheel.
+
+    Texts of interfaces are compressed, schemas are written without white space.
+    """
+    places = {}
+    for text in sorted((root / "tracerisk/ros/messages").glob("interfaces*.txt")):
+        packed = folder / f"{text.name}.gz"
+        packed.write_bytes(gzip.compress(text.read_bytes(), mtime=0))
+        places[str(packed)] = f"{text.relative_to(root)}.gz"
+    schemas = [
+        *(root / "tracerisk").rglob("*.schema.json"),
+        *(root / "tracerisk/prm/formats/schemas").glob("*.json"),
+    ]
+    for schema in sorted(schemas):
+        short = folder / schema.name
+        data = json.loads(schema.read_text(encoding="utf-8"))
+        short.write_text(json.dumps(data, separators=(",", ":")) + "\n", encoding="utf-8")
+        places[str(short)] = str(schema.relative_to(root))
+    return places
 
 
 def man_page(root: Path, version: str) -> str:

@@ -6,6 +6,7 @@ Those that are shipped stand in one archive for each ROS: behind a line
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -49,10 +50,17 @@ ByPackage = Mapping[tuple[str, str], tuple[InterfaceText, ...]]
 """Definitions by package and kind."""
 
 
+def _archive(path: Path) -> str:
+    """Return the text of an archive, which a wheel has compressed."""
+    if path.exists():
+        return path.read_text(encoding="utf-8")
+    return gzip.decompress(path.with_name(f"{path.name}.gz").read_bytes()).decode("utf-8")
+
+
 @cache
 def shipped_texts(ros: Ros) -> ByPackage:
     """Return the definitions of one ROS's archive by package and kind, sorted by name."""
-    archive = Path(__file__).with_name(f"interfaces{ros}.txt").read_text(encoding="utf-8")
+    archive = _archive(Path(__file__).with_name(f"interfaces{ros}.txt"))
     found = []
     for entry in f"\n{archive.rstrip()}".split(f"\n{_BEGINS}")[1:]:
         place, _, text = entry.partition("\n")
