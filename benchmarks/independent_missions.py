@@ -216,7 +216,8 @@ def main() -> int:
     # One controller with two edits.
     options = quick.parsed(parser)
     begin = time.monotonic()
-    sets = [folder for folder in sorted(SETS.iterdir()) if options.set in ("", folder.name)]
+    known = (folder for folder in sorted(SETS.iterdir()) if folder.is_dir())
+    sets = [folder for folder in known if options.set in ("", folder.name)]
     is_good = True
     for folder in sets[:1] if options.quick else sets:
         with tempfile.TemporaryDirectory() as where:

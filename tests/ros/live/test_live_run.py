@@ -89,7 +89,9 @@ def simulated(lived):
         *("trace", "steps.py", "--robot", "panda", "--no-draft"),
         *("-o", "twin.json", "--log", "twin.log"),
     )
-    assert done.code == 0, done.err
+    # It calls a service with too many arguments on purpose, and catches what that raises.
+    assert done.code == 1, done.err
+    assert "raised TypeError: Invalid number of arguments" in done.out
     return done.out + done.err
 
 
