@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tracerisk.geometry.rotation import Quaternion, quaternion_of
+from tracerisk.geometry.rotation import Quaternion, product, quaternion_of, rotated
 from tracerisk.records import dataclass
 
 Position = tuple[float, float, float]
@@ -49,13 +49,13 @@ def tool_pose(arm: Arm, joints: Sequence[float]) -> tuple[Position, Quaternion]:
     turn = _UNTURNED
     for frame in arm.frames:
         place = _shifted(place, turn, frame.xyz_m)
-        turn = _product(turn, quaternion_of(frame.rpy))
+        turn = product(turn, quaternion_of(frame.rpy))
         position = at.get(frame.joint, 0.0)
         if frame.slides:
             x, y, z = frame.axis
             place = _shifted(place, turn, (x * position, y * position, z * position))
         elif position:
-            turn = _product(turn, _about(frame.axis, position))
+            turn = product(turn, _about(frame.axis, position))
     return place, turn
 
 
@@ -67,26 +67,8 @@ def angle_between(one: Quaternion, other: Quaternion) -> float:
 
 
 def _shifted(place: Position, turn: Quaternion, by: Position) -> Position:
-    w, x, y, z = turn
-    bx, by_, bz = by
-    # The vector turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
-    cx, cy, cz = y * bz - z * by_, z * bx - x * bz, x * by_ - y * bx
-    return (
-        place[0] + bx + 2.0 * (w * cx + y * cz - z * cy),
-        place[1] + by_ + 2.0 * (w * cy + z * cx - x * cz),
-        place[2] + bz + 2.0 * (w * cz + x * cy - y * cx),
-    )
-
-
-def _product(one: Quaternion, other: Quaternion) -> Quaternion:
-    a, b, c, d = one
-    e, f, g, h = other
-    return (
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    )
+    x, y, z = (at + shift for at, shift in zip(place, rotated(turn, by), strict=True))
+    return x, y, z
 
 
 def _about(axis: Position, angle: float) -> Quaternion:

@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
+from tracerisk.outcome.alignment import aligned
 from tracerisk.outcome.arm import Position, angle_between
 from tracerisk.outcome.outcome import (
     CellCount,
@@ -107,7 +108,7 @@ class _Comparison:
         self._before, self._after = old.steps[:most], new.steps[:most]
         if not old.left_out and not new.left_out:
             self._before, self._after = old.steps, new.steps
-        self._pairs = _aligned(self._before, self._after, self._is_same)
+        self._pairs = aligned(self._before, self._after, self._is_same)
 
     # The result
 
@@ -411,43 +412,6 @@ class _Comparison:
 
 
 _VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}
-
-
-def _aligned(
-    before: Sequence[Step], after: Sequence[Step], same: Callable[[Step, Step], bool]
-) -> list[tuple[int, int]]:
-    """Return the places of a longest common subsequence of both."""
-    first = 0
-    while first < min(len(before), len(after)) and same(before[first], after[first]):
-        first += 1
-    end = 0
-    most = min(len(before), len(after)) - first
-    while end < most and same(before[-1 - end], after[-1 - end]):
-        end += 1
-    rows, columns = before[first : len(before) - end], after[first : len(after) - end]
-    lengths = [[0] * (len(columns) + 1) for _ in range(len(rows) + 1)]
-    # A use of the cell moves among the rests of the arm, and not the other way round.
-    worth = [1 if isinstance(row, CellUse) else len(rows) + len(columns) for row in rows]
-    alike = [[same(row, column) for column in columns] for row in rows]
-    for i in range(len(rows) - 1, -1, -1):
-        for j in range(len(columns) - 1, -1, -1):
-            lengths[i][j] = (
-                max(lengths[i + 1][j], lengths[i][j + 1], lengths[i + 1][j + 1] + worth[i])
-                if alike[i][j]
-                else max(lengths[i + 1][j], lengths[i][j + 1])
-            )
-    pairs = [(place, place) for place in range(first)]
-    i = j = 0
-    while i < len(rows) and j < len(columns):
-        if alike[i][j] and lengths[i][j] == lengths[i + 1][j + 1] + worth[i]:
-            pairs.append((first + i, first + j))
-            i, j = i + 1, j + 1
-        elif lengths[i + 1][j] >= lengths[i][j + 1]:
-            i += 1
-        else:
-            j += 1
-    ends = range(end, 0, -1)
-    return pairs + [(len(before) - place, len(after) - place) for place in ends]
 
 
 def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:

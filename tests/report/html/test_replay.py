@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import Location, LogError
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.geometry.rotation import quaternion_of, rotated
 from tracerisk.geometry.shapes import Shape
 from tracerisk.pipeline.results.run_section import recorded_run
 from tracerisk.report.html.run.joining import with_joins
@@ -17,7 +17,6 @@ from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_r
 from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body, scene_bodies
 from tracerisk.report.html.run.timeline import TIMELINE, timeline_section
-from tracerisk.report.png.placement import rotated
 from tracerisk.trace import Finding, RunEnd, Trace
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene

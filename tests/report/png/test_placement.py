@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from tracerisk.geometry.rotation import rotated
 from tracerisk.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body, scene_bodies
-from tracerisk.report.png.placement import WORLD, corners, placed_bodies, rotated
+from tracerisk.report.png.placement import WORLD, corners, placed_bodies
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot

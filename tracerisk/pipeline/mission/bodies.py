@@ -33,7 +33,7 @@ class Clause:
     is_met: Flags
     """Whether it holds, one flag a time."""
     words: Callable[[int], str]
-    """Returns what was found at the time of an index, and what is asked."""
+    """Returns what the run shows at the time of an index, and what the condition allows."""
 
 
 def object_clauses(condition: Condition, facts: MissionFacts, times: Array) -> Iterator[Clause]:

@@ -38,7 +38,7 @@ class Missed:
     condition: Condition
     """The condition as declared."""
     words: str
-    """What was found, and what is asked."""
+    """What the run shows, and what the condition allows."""
 
 
 def missed(conditions: Iterable[Condition], facts: MissionFacts) -> tuple[Missed, ...]:

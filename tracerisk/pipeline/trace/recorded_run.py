@@ -109,7 +109,7 @@ class MissedCondition:
     object: str
     """The object, link, function or interface that it names, else the condition in words."""
     words: str
-    """What was found, and what is asked."""
+    """What the run shows, and what the condition allows."""
     location: Location | None
     """Where the condition stands."""
     is_assumed: bool

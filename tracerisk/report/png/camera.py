@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tracerisk.geometry.rotation import Vector
 from tracerisk.report.html.run.replay_model import Body
-from tracerisk.report.png.placement import Placed, Vector, corners
+from tracerisk.report.png.placement import Placed, corners
 
 _YAWS = tuple(math.pi * (step / 8 - 0.5) for step in range(1, 8))
 """From where a camera may look: from the half before the base [rad]."""

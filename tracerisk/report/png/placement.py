@@ -6,11 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.geometry.rotation import Quaternion, quaternion_of
+from tracerisk.geometry.rotation import Quaternion, Vector, product, quaternion_of, rotated
 from tracerisk.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body
-
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,31 +76,6 @@ def corners(place: Placed, shape: Shape) -> Iterator[Vector]:
         for y in (-reach[1], reach[1]):
             for z in (-reach[2], reach[2]):
                 yield at.point((x, y, z))
-
-
-def product(one: Quaternion, other: Quaternion) -> Quaternion:
-    """Return the quaternion that turns by `other` and then by `one`."""
-    a, b, c, d = one
-    e, f, g, h = other
-    return (
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    )
-
-
-def rotated(turn: Quaternion, vector: Sequence[float]) -> Vector:
-    """Return a vector turned by a quaternion of unit length."""
-    w, x, y, z = turn
-    a, b, c = vector
-    # v + 2 w (q x v) + 2 q x (q x v)
-    i, j, k = y * c - z * b, z * a - x * c, x * b - y * a
-    return (
-        a + 2 * (w * i + y * k - z * j),
-        b + 2 * (w * j + z * i - x * k),
-        c + 2 * (w * k + x * j - y * i),
-    )
 
 
 def _unit(turn: Quaternion) -> Quaternion:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.geometry.frames import matrix_of, rotation
+from tracerisk.outcome.arm import tool_pose
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
-from tracerisk.twin.recording.tool_way import arm_to, tool_places, tool_turn
+from tracerisk.twin.recording.tool_way import arm_to, tool_places
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Gripper
 
@@ -65,8 +66,12 @@ class Slips:
         link = self._hand(hold.holder)
         if link is None or last < hold.start:
             return np.eye(3)
-        robot, base = self.contacts.robot, rotation(self.scene.robot_rpy)
-        begin, end = (tool_turn(robot, link, self._positions(step)) for step in (hold.start, last))
+        arm, base = arm_to(self.contacts.robot, link), rotation(self.scene.robot_rpy)
+        columns = [self.samples.header.joints.index(name) for name in arm.joints]
+        begin, end = (
+            matrix_of(tool_pose(arm, self.samples.position[step, columns].tolist())[1])
+            for step in (hold.start, last)
+        )
         turn: Array = base @ end @ begin.T @ base.T
         return turn
 
@@ -117,7 +122,3 @@ class Slips:
                 bears = (each for each in robot.attachments if each.name in gripper.joints)
                 return next((each.parent for each in bears), None)
         return holder if holder in robot.link_names else None
-
-    def _positions(self, step: int) -> dict[str, float]:
-        names = self.samples.header.joints
-        return dict(zip(names, self.samples.position[step].tolist(), strict=True))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import about, rotation
+from tracerisk.geometry.frames import rotation
 from tracerisk.outcome.arm import Arm, ArmFrame, Position
 
 if TYPE_CHECKING:
@@ -82,13 +82,3 @@ def tool_places(arm: Arm, positions: Array) -> Array:
                 points = points * cosine + np.cross(axis, points) * sine + along * (1.0 - cosine)
         points = points @ rotation(frame.rpy).T + np.asarray(frame.xyz_m)
     return points
-
-
-def tool_turn(robot: Robot, link: str, at: Mapping[str, float]) -> Array:
-    """Return how a link is turned in the base's frame, (3, 3); joints that `at` lacks are at 0."""
-    turn: Array = np.eye(3)
-    for hung in robot.above(link):
-        if hung.type not in ("fixed", "prismatic"):
-            turn = about(hung.axis, at.get(hung.name, 0.0)) @ turn
-        turn = rotation(hung.rpy) @ turn
-    return turn

@@ -186,6 +186,7 @@ class _Maker:
         commands = self.ran.recording.commands
         for gripper in self.ran.robot.grippers:
             last: GripperUse | None = None
+            ends = gripper_ends(self.ran.robot, gripper)
             for number, command in enumerate(commands):
                 if gripper.name not in command.elements:
                     continue
@@ -193,7 +194,6 @@ class _Maker:
                 later = (after for after in commands[number + 1 :] if after.issue_ns >= end_ns)
                 next_ns = next((after.issue_ns for after in later), self._end_ns)
                 holds = self._held_by(gripper.name, end_ns, next_ns, self._again_ns(number))
-                ends = gripper_ends(self.ran.robot, gripper)
                 opened = ends.share(gripper.position(self._all_at(end_ns)))
                 use = GripperUse(0, gripper.name, rounded(opened, 0.01), holds)
                 if last is not None and last.holds == holds and _is_as_open(last, use):

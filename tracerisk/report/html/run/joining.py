@@ -10,10 +10,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.geometry.rotation import quaternion_of, rotated
 from tracerisk.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body
-from tracerisk.report.png.placement import rotated
 
 Point = tuple[float, float, float]
 
