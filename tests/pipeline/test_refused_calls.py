@@ -63,6 +63,14 @@ REFUSED = {
         "MoveGroupCommander raised RuntimeError: Group 'left_arm' was not found",
         10,
     ),
+    "one of two that a condition leaves after": (
+        "def arms():\n    found = []\n    for name in ('left_arm', 'panda_arm'):\n        try:\n"
+        "            found.append(moveit_commander.MoveGroupCommander(name))\n"
+        "        except RuntimeError:\n            continue\n"
+        "        if rospy.is_shutdown():\n            return found\n    return found\narms()\n",
+        "MoveGroupCommander raised RuntimeError: Group 'left_arm' was not found",
+        12,
+    ),
     "type of a message": (
         "publisher = rospy.Publisher('/x', Float64, queue_size=1)\n"
         "rospy.Subscriber('/x', Float64, print)\nrospy.sleep(0.5)\n"

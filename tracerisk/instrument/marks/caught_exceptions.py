@@ -20,6 +20,7 @@ from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.marks.call_log import Calls
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
 from tracerisk.instrument.marks.endless_loops import import_into
+from tracerisk.instrument.marks.tried_again import is_tried_until_success
 from tracerisk.sandbox.replaced_names import replaced
 from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed
@@ -140,9 +141,9 @@ def with_settled_refusals(
 ) -> tuple[Finding, ...]:
     """Return the findings, those of refused calls as recovered where they need no report.
 
-    That is so where a loop tried the same call until it succeeded, where an `except` clause called
-    the same with success (another name of the group), and where another finding or the end of the
-    run has the same line.
+    That is so where a loop tried a call until it succeeded (`is_tried_until_success`), where an
+    `except` clause called the same with success (another name of the group), and where another
+    finding or the end of the run has the same line.
     """
     told = {_line(finding.location) for finding in findings if finding.kind != REFUSED}
     if not end.is_good:
@@ -177,11 +178,11 @@ def _has_another_way(
         return [marked[id(node)] for node in inner if id(node) in marked]
 
     succeeded = {at for file, at in calls.executed - calls.raised if file == place.file}
+    if site in succeeded and any(
+        is_tried_until_success(tree, call.node) for call in marked.values() if call.site == site
+    ):
+        return True
     for node in ast.walk(tree):
-        if isinstance(node, ast.For | ast.While) and site in succeeded:
-            is_left = any(isinstance(inner, ast.Break | ast.Return) for inner in ast.walk(node))
-            if is_left and any(call.site == site for call in calls_in(*node.body)):
-                return True
         if isinstance(node, ast.Try):
             refused = [call for call in calls_in(*node.body) if call.site == site]
             names = {last_name(call.node.func) for call in refused}
