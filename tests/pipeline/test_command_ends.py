@@ -317,6 +317,18 @@ def test_refused_goals_and_ignored_messages_are_commands_with_an_end(run):
     assert plain["visits"][0]["exposures"].keys() == trace["visits"][0]["exposures"].keys()
 
 
+def test_each_refused_goal_of_a_line_is_a_command_and_a_stream_of_messages_is_one(run):
+    body = (
+        "bad = way(0.3)\nbad.joint_names = ['elbow', *JOINTS[1:]]\n"
+        "for _ in range(3):\n"
+        "    arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=bad))\n    wait(0.5)\n"
+        "for pause in (0.1, 0.1, 1.0, 0.1):\n    topic.publish(bad)\n    wait(pause)\n"
+    )
+    trace = run(ARM2 + body)
+    assert ends(trace) == ["arrived", *["refused"] * 3, *["ignored"] * 2]
+    assert [code for code, _ in reasons(trace)] == ["command-rejected", "command-ignored"]
+
+
 def test_a_motion_that_the_end_of_the_run_cuts_is_a_reason_if_the_controller_was_done(run):
     trace = run(ARM2 + "arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=way(2.0, 9.0)))\n"
                 "wait(0.2)\n", "--duration", "7")  # fmt: skip

@@ -250,6 +250,7 @@ class Servo(TwinNode):
                 f"servo {'slows' if share else 'stops'} the tool at a singularity: the condition "
                 f"number is {condition:.3g}, and it stops at {high:g}; the arm may have to start "
                 "elsewhere",
+                may_stream=True,
             )
         return share
 

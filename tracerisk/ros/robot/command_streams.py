@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
     from tracerisk.twin.simulation.twin import Twin
 
-DWELL_NS = 250_000_000
-"""How long after the last set-point a stream may still go on [ns]."""
 _SAME = 0.005  # of the rated velocity: no other command
 _OFTEN_S = 0.05  # the same command is renewed no more often
 
@@ -128,4 +126,5 @@ class CommandStreams:
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",
             self._commands.stack() if stack is None else stack,
+            may_stream=True,
         )

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Joint
     from tracerisk.twin.simulation.twin import Twin
 
+DWELL_NS = 250_000_000
+"""How long after the last set-point a stream may still go on [ns]."""
 _LEFT_NS = 1_000_000_000
 """A velocity that goes on by itself for longer was left on [ns]."""
 _SILENT_NS = 10_000_000_000
@@ -80,6 +82,8 @@ class TwinCommands:
         self._recorder: Recorder | None = runtime.recorder
         self._live: list[LiveCommand] = []
         self._stops: set[tuple[str, int, int]] = set()
+        self._ignored_ns: dict[Hashable, int] = {}
+        """When each stream that moves nothing last had a message [ns]."""
         self._is_watching = False
         self.scheduler.when_alone.append(self._end_alone)
 
@@ -199,12 +203,14 @@ class TwinCommands:
         object_name: str = "",
         target: Sequence[float] = (),
         asker: Hashable = None,
+        may_stream: bool = False,
     ) -> None:
         """Record a finding at the line that sent the goal or message; the same one only once.
 
         Without a `stack` it is the line that runs now. `object_name` is what it is about, `target`
         the goal of what failed, `asker` who may try again: without it the function of that line.
-        One that says that a command was not taken records that, too.
+        One that says that a command was not taken records that, too, each time; of messages that
+        `may_stream` those that follow one another are one command.
         """
         if stack is None:
             stack = self.stack()
@@ -222,7 +228,15 @@ class TwinCommands:
             object_name=object_name,
             target=target,
         )
-        if is_new and kind in _NOT_TAKEN:
+        if kind not in _NOT_TAKEN:
+            return
+        goes_on = False
+        if may_stream:
+            stream, now_ns = (location, object_name), self.scheduler.now_ns
+            last_ns = self._ignored_ns.get(stream)
+            goes_on = not is_new and last_ns is not None and now_ns - last_ns <= DWELL_NS
+            self._ignored_ns[stream] = now_ns
+        if not goes_on:
             self.refuse(_NOT_TAKEN[kind][0], stack, _NOT_TAKEN[kind][1])
 
     def succeeded(self, kind: str, asker: Hashable, object_name: str) -> None:

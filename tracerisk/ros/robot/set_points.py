@@ -29,8 +29,8 @@ from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
-from tracerisk.ros.robot.command_streams import DWELL_NS, CommandStreams
-from tracerisk.ros.robot.commands import LiveCommand
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import (
@@ -269,7 +269,10 @@ class SetPoints(TrajectoryNode):
 
     def _refuse(self, topic: str, message: str) -> None:
         self._commands.report(
-            "command_ignored", f"a message on {topic} moved nothing: {message}", object_name=topic
+            "command_ignored",
+            f"a message on {topic} moved nothing: {message}",
+            object_name=topic,
+            may_stream=True,
         )
 
     def set_point(

@@ -138,6 +138,7 @@ class _Program:
             f"a program on {self._topic} moved nothing from here on: {message}",
             self._stack,
             object_name=self._topic,
+            may_stream=True,
         )
 
     # Motions
