@@ -69,6 +69,44 @@ def test_what_is_written_is_met_by_the_run_and_written_once(cell):
     assert (run.code, run.json["verdict"]["kind"]) == (0, "complete")
 
 
+BESIDE = """\
+import rospy
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger, TriggerResponse
+
+rospy.init_node("finder")
+glue = rospy.ServiceProxy("/glue/enable", SetBool)
+status = rospy.Publisher("/status", String, queue_size=1)
+
+
+def find(request):
+    glue(True)
+    status.publish("found")
+    return TriggerResponse(True, "")
+
+
+rospy.Service("/find_part", Trigger, find)
+rospy.spin()
+"""
+
+
+def test_what_a_node_beside_the_controller_sends_is_not_counted(cell, quick):
+    find = "from std_srvs.srv import Trigger", "rospy.wait_for_service('/find_part')"
+    asked = (*STEPS[:-1], *find, "rospy.ServiceProxy('/find_part', Trigger)()", STEPS[-1])
+    cell.write("package.xml", "<package><name>cell</name></package>\n")
+    cell.write("controller.py", quick(*asked))
+    cell.write("finder.py", BESIDE)
+    assert drafted(cell, "--write").code == 0
+    text = cell.read("cell.yaml").decode()
+    assert "{called: /glue/enable, exactly: 2}" in text
+    assert "{sent: /status, exactly: 1}" in text
+    of_fields = "  - {called: /glue/enable, with: {data: true}, exactly: 1}\n"
+    cell.write("cell.yaml", text.replace("  # assumed", "  # was assumed") + of_fields)
+    run = cell.run("run", "controller.py", "--scenario", "cell.yaml", "--json")
+    assert run.json["verdict"]["reasons"] == []
+    assert any("finder.py" in line for line in run.json["trace"]["assumptions"])
+
+
 def test_lines_of_the_user_stay_with_their_comments(cell):
     own = "success:\n  # FAT-7\n  - {called: /glue/enable, times: 2}  # at least\n"
     cell.write("cell.yaml", CELL + own)

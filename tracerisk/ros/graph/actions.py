@@ -200,10 +200,9 @@ class Actions:
 
     def count_goal(self, goal: ActionGoal) -> None:
         """Count a goal that the controller sent."""
-        graph = self._runtime.graph
-        graph.counts[goal.client.name] += 1
-        if graph.cell is not None:
-            graph.cell.sent(goal)
+        cell = self._runtime.graph.count(goal.client.name)
+        if cell is not None:
+            cell.sent(goal)
 
     def _listens(self) -> bool:
         return any(each.by_controller for known in self._servers.values() for each in known)

@@ -81,11 +81,9 @@ class Publication:
         scheduler.count_call()
         scheduler.raise_if_over()
         self.pace.keep(scheduler)
-        if self.by_controller and only is None:
-            self.graph.counts[self.topic] += 1
         receivers = self.subscriptions if only is None else (only,)
-        if self.by_controller and only is None and self.graph.cell is not None:
-            self.graph.cell.published(self, receivers, message)
+        if self.by_controller and only is None and (cell := self.graph.count(self.topic)):
+            cell.published(self, receivers, message)
         if not receivers:
             if self.topic not in self.graph._unheard:
                 self.graph._unheard[self.topic] = self, asking_place()
@@ -207,8 +205,8 @@ class Graph:
 
     `tracer` makes each service handler a root. `warn` gets what a user should know, such as
     two types on one topic; by default it is an error line on standard error.
-    `counts` is how many messages, calls and goals of the controller went to each name; `cell` is
-    notified of each.
+    `counts` is how many messages, calls and goals of the controller went to each name, without
+    those of nodes started beside it; `cell` is notified of each.
     """
 
     def __init__(
@@ -231,6 +229,16 @@ class Graph:
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
+
+    def count(self, name: str) -> CellWatch | None:
+        """Count a message, call or goal to a name; return who is to be notified of it, if anybody.
+
+        What a node started beside the controller sends is not counted.
+        """
+        if self.scheduler.process is not None:
+            return None
+        self.counts[name] += 1
+        return self.cell
 
     def listens(self) -> bool:
         """Return whether the controller subscribes or serves: the world outside could wake it."""
@@ -493,8 +501,8 @@ class Graph:
         """
         self.scheduler.raise_if_over()
         server.is_called = True
-        self.counts[server.name] += 1
-        answered = None if self.cell is None else self.cell.called(server, request)
+        cell = self.count(server.name)
+        answered = None if cell is None else cell.called(server, request)
         try:
             response = self._answer(server, request)
         except BaseException:

@@ -71,7 +71,7 @@ class CellLog:
     ) -> None:
         """Take a message of the controller."""
         self._ask(publication.topic, message)
-        if _SHOWN.search(publication.type_name) or self._is_beside:
+        if _SHOWN.search(publication.type_name):
             return
         if any(not receiver.by_controller for receiver in receivers):
             return  # the arm's own
@@ -83,7 +83,7 @@ class CellLog:
         """Take a call; return what is to be called with the response, or with None for none."""
         self._ask(server.name, request)
         is_driver = not server.is_callback and not server.is_scenario
-        if self._is_beside or (is_driver and not _SWITCHES.search(server.name)):
+        if is_driver and not _SWITCHES.search(server.name):
             return None
         if server.is_callback and server.process is None:
             return None
@@ -94,8 +94,6 @@ class CellLog:
         """Take a goal of the controller."""
         self._ask(goal.client.name, goal.message)
         server = goal.server
-        if self._is_beside:
-            return
         if server is not None and not server.is_scenario and not server.is_companions:
             return
         use = self._add("goal", goal.client.name, goal.message)
@@ -115,11 +113,6 @@ class CellLog:
     def _ask(self, name: str, message: Any) -> None:
         if self.take is not None:
             self.take(name, message)
-
-    @property
-    def _is_beside(self) -> bool:
-        """Whether a node that was started beside the controller runs."""
-        return self.graph.scheduler.process is not None
 
     def _add(self, kind: str, interface: str, message: Any) -> _Use | None:
         now_ns = self.graph.scheduler.now_ns
