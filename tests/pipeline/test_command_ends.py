@@ -169,6 +169,8 @@ def test_a_message_that_another_place_overtakes_is_replaced(run):
         # The controller stopped it.
         "goal = send(0.8)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
         "goal.result().cancel_goal_async()\nwait(2.0)\nsend(0.0)\nwait(4.0)\n",
+        # What was left was less than a cell can tell.
+        "send(0.03)\nwait(1.3)\nsend(0.4)\nwait(4.0)\n",
         # What was cut was sent again.
         "send(0.5)\nwait(0.5)\nsend(0.0)\nwait(4.0)\nsend(0.5)\nwait(4.0)\n",
     ],
@@ -176,6 +178,16 @@ def test_a_message_that_another_place_overtakes_is_replaced(run):
 def test_what_leads_on_was_there_or_was_stopped_is_no_reason(run, body):
     trace = run(ARM2 + body)
     assert reasons(trace) == []
+
+
+@pytest.mark.parametrize(("wait_s", "codes"), [(1.0, []), (0.0, ["command-replaced"])])
+def test_the_speed_of_a_generic_arm_says_nothing_of_what_it_did_not_reach(run, wait_s, codes):
+    trace = run(
+        ARM2 + f"send(0.8)\nwait({wait_s})\nsend(-0.8)\nwait(4.0)\n",
+        *("--robot", "generic"),
+    )
+    found = [code for code, _ in reasons(trace) if code.startswith("command-")]
+    assert found == codes
 
 
 def test_a_stream_of_set_points_is_one_command_to_where_it_led_in_the_end(run):

@@ -446,6 +446,39 @@ def test_objects_that_another_node_adds_to_the_planning_scene_are_drafted(exampl
     assert "spare" not in text
 
 
+ATTACHED = (
+    HEAD
+    + """\
+from gazebo_ros_link_attacher.srv import Attach, AttachRequest
+from std_srvs.srv import SetBool, SetBoolResponse
+
+scene = moveit_commander.PlanningSceneInterface()
+attach = rospy.ServiceProxy("/link_attacher_node/attach", Attach)
+
+
+def take(request):
+    tag = scene.get_objects(["tag_1"])["tag_1"]
+    turn(0.1)
+    attach(AttachRequest("panda", "panda_link7", "cube", "link"))
+    turn(0.2)
+    return SetBoolResponse(True, "")
+
+
+rospy.Service("/pick", SetBool, take)
+rospy.spin()
+"""
+)
+
+
+def test_a_model_of_gazebo_that_is_attached_is_drafted_beside_an_object_of_the_scene(example):
+    example.write("c.py", ATTACHED)
+    written = example.run("scenario", "c.py", "--write", "--json")
+    assert (written.code, written.json["verdict"]["kind"]) == (0, "partial")
+    text = example.read("c.scenario.yaml").decode()
+    assert {"name: tag_1", "name: cube"} <= {line.strip("- ").split("  #")[0]
+                                            for line in text.splitlines()}  # fmt: skip
+
+
 SEVERAL = (
     HEAD
     + """\

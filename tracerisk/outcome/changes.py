@@ -11,6 +11,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from tracerisk.outcome.alignment import aligned
 from tracerisk.outcome.arm import Position, angle_between
@@ -26,6 +27,9 @@ from tracerisk.outcome.outcome import (
 from tracerisk.outcome.ways import ways_apart
 from tracerisk.records import dataclass
 
+if TYPE_CHECKING:
+    from tracerisk.config import Settings
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
@@ -37,6 +41,15 @@ class Tolerances:
     """Of an object's tilt and heading, [deg]."""
     joint: float = 0.005
     """Of a joint at rest, [rad or m]."""
+
+    @classmethod
+    def of(cls, settings: Settings) -> Tolerances:
+        """Return those of the settings."""
+        return cls(
+            settings.outcome_place_mm / 1000.0,
+            settings.outcome_angle_deg,
+            settings.outcome_joint_mrad / 1000.0,
+        )
 
 
 TOLERANCES = Tolerances()

@@ -265,11 +265,7 @@ def annotate(
             _at_bare_lines(trace, before, controller),
             computed.instances,
             kept=kept,
-            tolerances=Tolerances(
-                settings.outcome_place_mm / 1000.0,
-                settings.outcome_angle_deg,
-                settings.outcome_joint_mrad / 1000.0,
-            ),
+            tolerances=Tolerances.of(settings),
         ),
         inputs=inputs.data(),
         policy=policy,

@@ -107,6 +107,16 @@ def test_a_change_that_is_too_small_to_matter_alters_nothing(plan, turning):
     assert not done.is_altered
 
 
+def test_the_tolerances_of_the_settings_say_what_is_altered(tmp_path_factory, example_in):
+    wide = example_in(tmp_path_factory.mktemp("wide"))
+    wide.write("turning.py", TURNING)
+    wide.write("angles.py", ANGLES)
+    settings = "[tool.tracerisk]\noutcome_place_mm = 20.0\noutcome_joint_mrad = 50.0\n"
+    wide.write("pyproject.toml", settings)
+    plan = plan_mutation(wide.folder / "turning.py", (), most=200)
+    assert not run_mutant(job_of(plan, wide, "0.02 becomes 0.04")).is_altered
+
+
 def test_a_change_that_breaks_the_run_is_noticed_by_the_verdict(plan, turning):
     done = run_mutant(job_of(plan, turning, "0.02 becomes 20.0, as in mm"))
     assert (done.verdict, done.noticed_by) == ("faulted", "verdict")

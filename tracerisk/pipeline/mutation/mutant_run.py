@@ -7,7 +7,7 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError
-from tracerisk.outcome.changes import outcome_changes
+from tracerisk.outcome.changes import TOLERANCES, Tolerances, outcome_changes
 from tracerisk.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
 from tracerisk.pipeline.mutation.change import Change
@@ -59,7 +59,7 @@ def run_mutant(job: MutantJob) -> MutantRun:
         raise
     except TraceRiskError as error:
         return _mutant(change, reason=error.message, is_whole=False)
-    return compared(change, nominal.trace, done.trace)
+    return compared(change, nominal.trace, done.trace, Tolerances.of(nominal.settings))
 
 
 def _bounded(nominal: Nominal) -> Settings:
@@ -69,7 +69,9 @@ def _bounded(nominal: Nominal) -> Settings:
     return settings.with_options({"stall_limit_s": min(settings.stall_limit_s, own_s)})
 
 
-def compared(change: Change, nominal: Trace, trace: Trace) -> MutantRun:
+def compared(
+    change: Change, nominal: Trace, trace: Trace, tolerances: Tolerances = TOLERANCES
+) -> MutantRun:
     """Return what a run with a change shows that the one without does not."""
     assert nominal.verdict is not None
     assert trace.verdict is not None
@@ -80,7 +82,7 @@ def compared(change: Change, nominal: Trace, trace: Trace) -> MutantRun:
         change,
         verdict=trace.verdict.kind,
         reason=str(next(iter(new), "")),
-        differs=differences(nominal, trace),
+        differs=differences(nominal, trace, tolerances),
         is_whole=trace.verdict.kind != "stuck",
         success_notices=len(others) < len(new),
         verdict_notices=bool(others),
@@ -97,7 +99,9 @@ def _mutant(change: Change, **found: Any) -> MutantRun:
     return MutantRun(change.file, change.line, change.function, change.kind, change.words, **found)
 
 
-def differences(nominal: Trace, trace: Trace) -> tuple[str, ...]:
+def differences(
+    nominal: Trace, trace: Trace, tolerances: Tolerances = TOLERANCES
+) -> tuple[str, ...]:
     """Return what a run brought about that another did not, a sentence each, the gravest first.
 
     How long the arm rests and moves decides nothing.
@@ -109,4 +113,4 @@ def differences(nominal: Trace, trace: Trace) -> tuple[str, ...]:
     old, new = (kept_outcome(outcome_summary(each.outcome)) for each in (nominal, trace))
     if old is None or new is None:
         return end
-    return (*outcome_changes(old, new).of_mission, *end)
+    return (*outcome_changes(old, new, tolerances).of_mission, *end)

@@ -167,10 +167,15 @@ def without_repeats(entries: Entries) -> Entries:
     """Return entries that call each service and action once, with the first value alone.
 
     Of the objects that are held, and of the others, the first stay: those of the first values.
+    Models of Gazebo stay, too, for one call may need them beside an object of the planning scene.
     """
     fewer = entries.copy()
     repeats = [key for key in entries.drafts if key[0] == "calls" and key[1].endswith("]")]
-    objects = [each for each in entries.drafts.items() if each[0][0] == "objects"]
+    objects = [
+        (key, draft)
+        for key, draft in entries.drafts.items()
+        if key[0] == "objects" and draft.need.type_name != "model"
+    ]
     for is_held in (True, False):
         alike = [key for key, each in objects if ("attached" in each.value) is is_held]
         repeats += alike[1:] if repeats else []

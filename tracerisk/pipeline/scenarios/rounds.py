@@ -39,7 +39,7 @@ from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
@@ -318,6 +318,7 @@ class Rounds:
         """Return the entries with what the run lacked; None where there is nothing new."""
         entries = attempt.entries.copy()
         is_new = False
+        n_objects = sum(map(stands_free, entries.drafts.values()))
         left: list[Draft] = []
         for draft in attempt.wanted:
             key = draft.section, draft.key
@@ -340,6 +341,10 @@ class Rounds:
             elif self._is_left_to_others(draft):
                 left.append(draft)
             else:
+                if stands_free(draft):
+                    # Those of earlier runs stand where this one would.
+                    for entry in (draft.value, *draft.others):
+                        move_aside(entry, n_objects)
                 self._give(entries, draft)
                 is_new = True
         if not is_new:

@@ -157,3 +157,5 @@ class RecordedRun:
     """Whether the user gave the run something that can be grasped."""
     is_duration_given: bool = False
     """Whether the user said how long the run may last."""
+    is_speed_known: bool = True
+    """Whether the limits of the joints are those of the robot, not those of a generic arm."""

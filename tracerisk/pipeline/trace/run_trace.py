@@ -13,10 +13,11 @@ from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.commands import traced_commands
 from tracerisk.instrument.marks.call_log import Site
-from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at, is_like_command
+from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
+from tracerisk.pipeline.trace.like_commands import like_commands
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import (
@@ -175,7 +176,7 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
     if not recording.commands:
         # The run has shown no call that commands: names that drivers' functions have must do.
         called = {name for calls in graph.calls.values() for name in calls.others}
-        motion |= {name for name in called if is_like_command(name)}
+        motion |= like_commands(called, [controller.source_of(file) for file in files])
     ran = {site.ref for site in recording.functions_ran}
     never_ran = tuple(each for each in uncovered(graph, motion, ran) if each.ref.file in own)
     # What the run has seen to command counts, however it came to.

@@ -119,6 +119,7 @@ def run_verdict(
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
         has_objects=bool(named),
         is_duration_given=settings.duration_s is not None,
+        is_speed_known=ran.robot.name != GENERIC,
     )
     accepted = (*settings.accept, *(Acceptance(**each) for each in given["accept"]))
     noted = tuple(

@@ -37,7 +37,8 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
     """Yield the commands that another replaced on their way, and those that the end cut.
 
     Left out are those that were practically there, those of a loop that leads on from goal to
-    goal, and velocities, which have no goal; and what is cut where the controller was not done.
+    goal, and velocities, which have no goal; what is cut where the controller was not done; and
+    what a generic arm, whose speed nobody knows, did not reach in the time that it was given.
     """
     is_done = run.end.is_good and run.end.cause not in ("cycles", "duration")
     for command in run.commands:
@@ -45,6 +46,8 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
             continue
         if command.end == "replaced":
             by = None if command.replaced_by is None else run.commands[command.replaced_by]
+            if not run.is_speed_known and by is not None and not _at_once(command, by):
+                continue
             if by is None or not _leads_on(command, by):
                 place = None if by is None else _place_of(by, command)
                 yield Unfinished(command, "command-replaced", _replaced(command, by), place)
@@ -53,13 +56,17 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
             yield Unfinished(command, "command-cut", words)
 
 
+def _at_once(command: IssuedCommand, by: IssuedCommand) -> bool:
+    return by.issue_s - command.issue_s <= _ONE_INSTANT_S
+
+
 def _leads_on(command: IssuedCommand, by: IssuedCommand) -> bool:
     """Return whether one command follows another to the same goal, or as in a loop that tracks."""
     if by.elements == command.elements and is_near(command.goal, by.goal):
         return True
     return (
         by.path == command.path
-        and by.issue_s - command.issue_s > _ONE_INSTANT_S
+        and not _at_once(command, by)
         and is_near(command.goal, by.goal, _ONWARD_GRIPPER if command.gripper else _ONWARD)
     )
 
@@ -73,8 +80,8 @@ def _so_far(command: IssuedCommand) -> str:
 def _replaced(command: IssuedCommand, by: IssuedCommand | None) -> str:
     if by is None:
         return f"{_so_far(command)} when something else moved the robot"
-    after_s = by.issue_s - command.issue_s
-    after = f"{after_s:.1f} s later" if after_s > _ONE_INSTANT_S else "at once"
+    is_at_once = _at_once(command, by)
+    after = "at once" if is_at_once else f"{by.issue_s - command.issue_s:.1f} s later"
     return f"{_so_far(command)} when it was replaced {after}"
 
 

@@ -25,7 +25,7 @@ class Signature:
 
 OF_ACTION = ("ActionSpec", "action_type")
 NAMES_OF_ACTION = ("name", "ns", "action_name")
-_SIGNATURES: dict[int, dict[str, Signature]] = {
+SIGNATURES: dict[int, dict[str, Signature]] = {
     1: {
         "Service": Signature("service", 0, 1, types=("service_class",)),
         "ServiceProxy": Signature("call", 0, 1, types=("service_class",)),
@@ -74,7 +74,7 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     """Return what a source of one ROS provides; names that it puts together are not known."""
     offers = {
         (kind, name, type_name)
-        for kind, name, type_name, _ in named_calls(tree, _SIGNATURES[ros])
+        for kind, name, type_name, _ in named_calls(tree, SIGNATURES[ros])
         if name
     }
     frames: set[str] = set()

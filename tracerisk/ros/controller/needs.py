@@ -33,7 +33,7 @@ class Need:
 
     `parent` is the frame in which a frame is looked up; `type_name` of a parameter is `string`,
     `double_array` and so on, as far as the controller says it, that of an object of the planning
-    scene `attached` where the robot must hold it.
+    scene `attached` where the robot must hold it, `model` where it is one of Gazebo.
     """
 
     kind: NeedKind
@@ -59,6 +59,8 @@ class Need:
         }[self.kind]
         if self.name == KEYS:
             return KEYS
+        if self.kind == "object" and self.type_name == "model":
+            return f"Gazebo model {self.name}"
         return f"{what} {self.name}" + (f" ({self.type_name})" if self.type_name else "")
 
 

@@ -45,6 +45,8 @@ _ACTS = re.compile(
     r"(^|_)(arm|joints?|traj(ectory)?|move\w*|motion|goto|go|home|poses?|postures?|angles?)(_|$)"
 )
 _ARM = re.compile(r"grip|(^|_)(arm|move\w*|goto|manipulator)(_|$)")
+# Where a part of the robot is: `/gripper_pose` commands nothing, `/move_to_pose` does.
+_WHERE_A_PART_IS = re.compile(r"(grip\w*|hand|tool|tcp|eef?)_(pose|point)s?$")
 
 _MOVING_FIELDS = re.compile(
     r"trajectory_msgs/|sensor_msgs/JointState$|geometry_msgs/(Pose|Twist|Wrench)(Stamped)?$"
@@ -64,7 +66,8 @@ def commands_something(topic: str, type_name: str, message: Any) -> bool:
     kind, name = snake_case(short), topic.strip("/").lower().replace("/", "_")
     last = topic.rpartition("/")[2].lower()
     is_command = bool(_COMMANDS.search(last))
-    if package in _SAYING_PACKAGES or _SAYS.search(kind):
+    is_place = bool(_PLACES.match(type_name))
+    if package in _SAYING_PACKAGES or (not is_place and _SAYS.search(kind)):
         return False
     if _SAYS.search(last) and not is_command:
         return False
@@ -73,8 +76,8 @@ def commands_something(topic: str, type_name: str, message: Any) -> bool:
     is_command = is_command or bool(_COMMANDS.search(name))
     if _PLAIN.match(type_name):
         return is_command or bool(_GRIPS.search(name) or _ACTS.search(name))
-    if _PLACES.match(type_name):
-        return is_command or bool(_ARM.search(name))
+    if is_place:
+        return is_command or bool(_ARM.search(name) and not _WHERE_A_PART_IS.search(name))
     if package in ("geometry_msgs", "sensor_msgs", "std_msgs", "moveit_msgs"):
         return False
     words = f"{name}_{kind}"

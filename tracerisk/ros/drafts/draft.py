@@ -137,16 +137,26 @@ def drafts(
     once: dict[tuple[str, str], Draft] = {}
     for each in found:
         once.setdefault((each.section, each.key), each)
-    _set_apart([each for each in once.values() if each.need.kind == "object"])
+    _set_apart(once.values())
     return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
 
 
-def _set_apart(objects: Iterable[Draft]) -> None:
-    """Move drafted objects aside, so that none stands in another."""
-    free = [each for each in objects if "attached" not in each.value]
-    for number, each in enumerate(free):
-        for entry in (each.value, *each.others):
-            entry["xyz"][1] = round(entry["xyz"][1] + number * _BESIDE, 3)
+def _set_apart(found: Iterable[Draft]) -> None:
+    """Move the objects among drafts aside, so that none stands in another."""
+    for number, draft in enumerate(filter(stands_free, found)):
+        for entry in (draft.value, *draft.others):
+            move_aside(entry, number)
+
+
+def stands_free(draft: Draft) -> bool:
+    """Return whether a draft puts an object into the cell that nothing holds."""
+    return draft.need.kind == "object" and "attached" not in draft.value
+
+
+def move_aside(entry: dict[str, Any], places: int) -> None:
+    """Move an object by some places, each wider than a drafted object."""
+    entry["xyz"] = list(entry["xyz"])
+    entry["xyz"][1] = round(entry["xyz"][1] + places * _BESIDE, 3)
 
 
 def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.gazebo.world import GazeboWorld, ModelRefusedError
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.moveit.messages import set_pose
@@ -205,6 +206,11 @@ class GazeboServices(TwinNode):
             kind = "simulator" if not is_on and key in self._attached else "attach_failure"
             message = f"{request_text} was refused: {refusal}"
             self._commands.report(kind, message, object_name=held, asker=key)
+            if is_on and held not in self._world.names:
+                # The worlds of Gazebo are not read: a scenario says which models there are.
+                needs = self._scheduler.needs
+                needs.seek(Need("object", held, "model"), self._scheduler.now_ns)
+                needs.note_error(message)
             return False, str(refusal)
         if is_on:
             self._attached.add(key)

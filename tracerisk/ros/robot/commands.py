@@ -29,6 +29,8 @@ _SILENT_NS = 10_000_000_000
 _NOT_DONE: frozenset[EndCause] = frozenset({"cycles", "duration"})
 """Ends of a run at which the controller would have commanded more."""
 _AT_LIMIT = 0.01  # of a joint [rad or m]
+_AS_GOOD_AS_THERE = {"rad": 0.01, "m": 0.001}
+"""What may be left of a way that still counts as done: less than a cell can tell."""
 _NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
     "goal_rejected": ("goal", "refused"),
     "command_ignored": ("message", "ignored"),
@@ -273,7 +275,7 @@ class TwinCommands:
         self._recorder.command_ended(
             command.id,
             end,
-            way_done=way.done if motion.leads == "to_goal" else None,
+            way_done=self._way_done(motion, way) if motion.leads == "to_goal" else None,
             replaced_by=next(filter(None, replacing), None),
             goal=motion.goal if command.has_led_on else None,
         )
@@ -288,6 +290,11 @@ class TwinCommands:
         elif end == "left_on":
             words, moving = self._left_on(command)
             self.report("left_on", words, command.stack, object_name=moving)
+
+    def _way_done(self, motion: Motion, way: Way) -> float:
+        """Return the fraction of its way that a motion has done, 1 where it is as good as there."""
+        units = {_unit(self.twin.robot.joint(name)) for name in motion.joints}
+        return 1.0 if way.left <= min(_AS_GOOD_AS_THERE[unit] for unit in units) else way.done
 
     def _left_on(self, command: LiveCommand) -> tuple[str, str]:
         """Return what became of a velocity that nobody took back, and the joint it is about."""
