@@ -7,8 +7,9 @@ who had seen neither this code nor its findings, and edits of them in `edits.jso
 run each edit was judged by the recorded physics and by goals that its author had declared; neither
 knows anything of verdict or outcome. An edit is noticed where the run has another verdict, by a
 reason that the unbroken run has not, or where `diff` names a difference of the outcome.
-Prints a table by category; `--rows FILE` writes each row. Exits 1 where fewer than 95 % of the
-broken missions are noticed, or more than 2 % of the harmless edits are.
+Of each harmless edit the mission's probability of failure is compared, too: the law of refactoring
+allows no other figure. Prints a table by category; `--rows FILE` writes each row. Exits 1 where
+fewer than 95 % of the broken missions are noticed, or more than 2 % of the harmless edits are.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ from tracerisk.trace_json import verdict_of_data
 SETS = Path(__file__).parent / "missions"
 RANKS = ("complete", "partial", "faulted", "stuck")
 LEAST_NOTICED, MOST_ALARMS = 0.95, 0.02
+SAME_FIGURE = 0.01
 LIMITS = ("--cpu-limit", "90", "--wall-limit", "300", "--stall-limit", "20")
 
 
@@ -78,6 +80,8 @@ class Ran:
     words: str
     judgement: Verdict | None
     outcome: Outcome | None
+    p_failure: float | None = None
+    """The mission's probability of failure; `None` where there is none."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,8 @@ class Row:
     """The new reason; empty for none."""
     by_outcome: tuple[str, ...]
     """What `diff` names."""
+    figure: float | None = None
+    """The mission's probability of failure over that of the unbroken run."""
 
     @property
     def is_noticed(self) -> bool:
@@ -151,7 +157,9 @@ def run(mission: Mission, folder: Path) -> Ran:
     kind = verdict.get("kind") or str(error.get("code") or "refused")
     open_reasons = [each for each in verdict.get("reasons", ()) if not each.get("accepted")]
     words = "; ".join(each["words"] for each in open_reasons) or str(error.get("message", ""))
-    return Ran(kind, words, verdict_of_data(entry.get("verdict")), kept_outcome(entry))
+    assessed: dict[str, Any] = (found.get("assessment") or {}).get("mission") or {}
+    judgement, outcome = verdict_of_data(entry.get("verdict")), kept_outcome(entry)
+    return Ran(kind, words, judgement, outcome, assessed.get("failure_probability"))
 
 
 def judged(edit: Edit, base: Ran, now: Ran) -> Row:
@@ -169,6 +177,7 @@ def judged(edit: Edit, base: Ran, now: Ran) -> Row:
         *(edit.id, edit.kind, edit.category, edit.what, edit.why, now.verdict),
         by_verdict,
         by_outcome,
+        now.p_failure / base.p_failure if base.p_failure and now.p_failure else None,
     )
 
 
@@ -257,7 +266,10 @@ def report(name: str, rows: Sequence[Row]) -> bool:
     alarms = sum(row.is_noticed for row in harmless)
     share, false = noticed / max(len(broken), 1), alarms / max(len(harmless), 1)
     print(f"\n{name}: {noticed} of {len(broken)} broken missions noticed ({share:.1%});")
-    print(f"{alarms} of {len(harmless)} harmless edits noticed ({false:.1%})")
+    print(f"{alarms} of {len(harmless)} harmless edits noticed ({false:.1%});")
+    figures = [row.figure for row in harmless if row.figure is not None]
+    same = sum(abs(figure - 1.0) <= SAME_FIGURE for figure in figures)
+    print(f"{same} of {len(figures)} with a figure have the same within {SAME_FIGURE:.0%}")
     return share >= LEAST_NOTICED and false <= MOST_ALARMS
 
 
