@@ -66,7 +66,7 @@ def test_a_plan_leads_around_the_arm_itself(name, group):
         **robot.initial_state,
         **dict(zip((joint.name for joint in members), begin, strict=True)),
     }
-    way = clearance.way(members, start, begin, goal)
+    way = clearance.way(members, start, begin, [goal])
     assert way is not None
     assert np.array_equal(way[0], begin)
     assert np.array_equal(way[-1], goal)

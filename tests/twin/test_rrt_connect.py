@@ -23,7 +23,7 @@ def test_a_rule_that_only_the_ends_keep_to_is_given_up_after_so_many_looks(monke
     def is_free(values):
         return bool((values == start).all() or (values == goal).all())
 
-    assert connect(start, goal, LOWER, UPPER, is_free, excess) is None
+    assert connect(start, [goal], LOWER, UPPER, is_free, excess) is None
     assert 2000 < len(looks) < 2200
 
 
@@ -39,6 +39,6 @@ def test_a_way_on_which_the_rule_holds_is_found():
     def is_free(values):
         return 0.85 < float(np.hypot(values[0], values[1])) < 1.15
 
-    path = connect(start, goal, LOWER, UPPER, is_free, excess)
+    path = connect(start, [goal], LOWER, UPPER, is_free, excess)
     assert path is not None
     assert all(0.8 < np.hypot(*point[:2]) < 1.2 for point in path)

@@ -108,7 +108,7 @@ class GoalReader:
         if not sought:
             joints = goals[0].joints
             asked = tuple(joints[name].middle for name in sorted(joints))
-        states = [partial(self._state, group, goal, start) for goal in goals]
+        states = [partial(self._states, group, goal, start) for goal in goals]
         plan = self._server.plan_to(group, states, asked, scaling, start)
         self._server.note_sought(group, sought, is_reached=plan.trajectory is not None)
         return plan
@@ -198,8 +198,10 @@ class GoalReader:
             bounds[one.joint_name] = found
         return bounds
 
-    def _state(self, group: str, goal: Goal, start: Mapping[str, float] | None) -> dict[str, float]:
-        """Return joint positions that meet a goal.
+    def _states(
+        self, group: str, goal: Goal, start: Mapping[str, float] | None
+    ) -> Iterator[dict[str, float]]:
+        """Yield joint positions that meet a goal, nearest first.
 
         Raises:
             PlanningError: none were found.
@@ -209,7 +211,8 @@ class GoalReader:
             there = self._server.with_others({**(start or {}), **joints})
             if outside := goal.rule.breach(there):
                 raise PlanningError("invalid_goal", f"the goal cannot be met as a whole: {outside}")
-            return joints
+            yield joints
+            return
         also = {
             "breach": goal.rule.breach,
             "bounds": {name: (each.lower, each.upper) for name, each in goal.joints.items()},
@@ -217,9 +220,11 @@ class GoalReader:
         failure: PlanningError | None = None
         for poses in goal.samples():
             try:
-                return self._server.reach(group, poses, start, **also)
+                yield from self._server.reach_each(group, poses, start, **also)
             except PlanningError as error:
                 failure = failure or error
+            else:
+                return
         raise failure or PlanningError("no_ik_solution", "the goal's constraints leave no pose")
 
     def check_group(self, name: str) -> None:

@@ -198,7 +198,7 @@ class MoveGroupServer(RobotGroups):
     ) -> Plan:
         """Plan to joint positions."""
         asked = tuple(target[name] for name in sorted(target))
-        return self.plan_to(group, [lambda: target], asked, scaling, start)
+        return self.plan_to(group, [lambda: [target]], asked, scaling, start)
 
     def plan_pose(
         self,
@@ -211,7 +211,7 @@ class MoveGroupServer(RobotGroups):
 
         Each alternative is one goal a link, all of which must be met.
         """
-        states = [partial(self.reach, group, alternative, start) for alternative in goals]
+        states = [partial(self.reach_each, group, alternative, start) for alternative in goals]
         plan = self.plan_to(group, states, places(goals), scaling, start)
         self.note_sought(group, goals, is_reached=plan.trajectory is not None)
         return plan
@@ -219,20 +219,21 @@ class MoveGroupServer(RobotGroups):
     def plan_to(
         self,
         group: str,
-        states: Iterable[Callable[[], Mapping[str, float]]],
+        states: Iterable[Callable[[], Iterable[Mapping[str, float]]]],
         asked: Sequence[float],
         scaling: Scaling,
         start: Mapping[str, float] | None = None,
     ) -> Plan:
-        """Plan to the first of several states that there is and that can be come to.
+        """Plan to the first of several goals that can be reached.
 
-        Each returns joint positions, or raises PlanningError. `asked` is the goal in findings.
+        Each returns the states that meet it, nearest first; it or the first of them raises
+        PlanningError where there are none. `asked` is the goal in findings.
         """
         self._runtime.scheduler.touch()
         failure = PlanningError("invalid_goal", "no goal is set; set a target first")
         for state in states:
             try:
-                trajectory = self._twin.plan_joints(group, state(), start, scaling=scaling)
+                trajectory = self._twin.plan_to_one_of(group, state(), start, scaling=scaling)
             except PlanningError as error:
                 failure = error
             else:
@@ -360,9 +361,19 @@ class MoveGroupServer(RobotGroups):
         start: Mapping[str, float] | None = None,
         **also: Any,
     ) -> dict[str, float]:
-        """Return joint positions that meet the goals, one a link.
+        """Return the nearest of `reach_each`, which takes the same; raise as it does."""
+        return next(self.reach_each(group, goals, start, **also))
 
-        `also` is what else they must meet: `breach` and `bounds` of `Planner.reach_all`.
+    def reach_each(
+        self,
+        group: str,
+        goals: Sequence[PoseGoal],
+        start: Mapping[str, float] | None = None,
+        **also: Any,
+    ) -> Iterator[dict[str, float]]:
+        """Yield joint positions that meet the goals, one a link; nearest to `start` first.
+
+        `also` is what else they must meet: `breach` and `bounds` of `Planner.reach_each`.
 
         Raises:
             PlanningError: none were found.
@@ -375,22 +386,20 @@ class MoveGroupServer(RobotGroups):
                     f"{one_of(self.robot.link_names, goal.link)}",
                 )
         near = [self._free(goal, start or {}) for goal in goals]
+        wide = [
+            replace(
+                target,
+                position_tolerance=max(target.position_tolerance, goal.position_tolerance),
+                orientation_tolerance=max(target.orientation_tolerance, goal.orientation_tolerance),
+            )
+            for target, goal in zip(near, goals, strict=True)
+        ]
         try:
-            return self._twin.reach_all(group, near, seed=start, **also)
+            yield from self._twin.reach_each(group, near, seed=start, **also)
         except PlanningError as error:
-            wide = [
-                replace(
-                    target,
-                    position_tolerance=max(target.position_tolerance, goal.position_tolerance),
-                    orientation_tolerance=max(
-                        target.orientation_tolerance, goal.orientation_tolerance
-                    ),
-                )
-                for target, goal in zip(near, goals, strict=True)
-            ]
             if error.failure != "no_ik_solution" or wide == near:
                 raise
-        return self._twin.reach_all(group, wide, seed=start, **also)
+            yield from self._twin.reach_each(group, wide, seed=start, **also)
 
     def solve(
         self, group: str, pose: Pose, link: str, seed: Mapping[str, float]

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import chain, pairwise
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.motion.rrt_connect import connect, segment_is_free
+from tracerisk.twin.motion.rrt_connect import (
+    FINE,
+    ITERATIONS,
+    RESOLUTION,
+    connect,
+    segment_is_free,
+)
 from tracerisk.twin.physics.collision import CLEAR, CollisionWorld, Pair
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.robots.robot import Joint, Robot
 
 Array = NDArray[np.float64]
+
+_MOST_GOALS = 12  # that a way is looked for to at once
+_CLEAR_ITERATIONS = 1500  # of the search for a way that keeps away from bodies
 
 
 class PathRule(Protocol):
@@ -92,39 +102,67 @@ class Clearance:
         return found[0] if found else None
 
     def way(
-        self, members: Sequence[Joint], start: Mapping[str, float], begin: Array, goal: Array
-    ) -> list[Array] | None:
-        """Return the free path from `begin` to `goal`, None where the straight line is free.
+        self,
+        members: Sequence[Joint],
+        start: Mapping[str, float],
+        begin: Array,
+        goals: Iterable[Array],
+    ) -> list[Array]:
+        """Return a free path from `begin` to one of `goals`: straight to the first where that is.
 
-        begin, goal: (n_members,) of the joints `members`; the others stay where `start` has them.
+        begin, goals: (n_members,) of the joints `members`; the others stay where `start` has them.
+        Goals are taken from `goals` until one is found that the straight line to it is free.
 
-        Raises PlanningError("start_in_collision"), ("collision") for the goal, and ("no_plan")
+        Raises PlanningError("start_in_collision"), ("collision") for the goals, and ("no_plan")
         where no way was found, or where an end breaks the rule of `keeping`.
         """
-        collides = self._judge(members, start)
         breach, excess = self._rule_of(members, start)
-        if pair := collides(begin):
+        touches = self._judge(members, start)
+        goals = iter(goals)
+        first = next(goals)  # a goal that is none is refused before a start in collision
+        if touches(begin):
             raise PlanningError(
                 "start_in_collision",
-                f"the arm begins in collision: {_touching(pair)}; move or remove the object, or "
-                "allow the collision",
+                f"the arm begins in collision: {self._touching(members, start, begin)}; move or "
+                "remove the object, or allow the collision",
             )
-        if pair := collides(goal):
-            raise PlanningError("collision", f"the goal is in collision: {_touching(pair)}")
-
-        for what, values in (("start", begin), ("goal", goal)):
-            if broken := breach(values):
-                raise PlanningError("no_plan", f"the {what} breaks the path constraints: {broken}")
+        broken = breach(begin)
 
         def is_free(values: Array) -> bool:
-            return breach(values) is None and collides(values) is None
+            return breach(values) is None and not touches(values)
 
-        if segment_is_free(begin, goal, is_free):
-            return None
-        lower = np.minimum([joint.lower for joint in members], begin)
-        upper = np.maximum([joint.upper for joint in members], begin)
+        failure: PlanningError | None = None
+        free: list[Array] = []
+        for goal in chain([first], goals):
+            if touches(goal):
+                pair = self._touching(members, start, goal)
+                failure = failure or PlanningError("collision", f"the goal is in collision: {pair}")
+                continue
+            if reason := broken or breach(goal):
+                end = "start" if broken else "goal"
+                message = f"the {end} breaks the path constraints: {reason}"
+                failure = failure or PlanningError("no_plan", message)
+                continue
+            if segment_is_free(begin, goal, is_free, FINE):
+                return [begin, goal]
+            free.append(goal)
+            if len(free) == _MOST_GOALS:
+                break
+        if not free:
+            raise failure or PlanningError("no_plan", "there is no goal")
+        room = _room(members, [begin, *free])
         ruled = None if self._rule is None else excess
-        path = connect(begin, goal, lower, upper, is_free, ruled)
+        # A way that grazes a body would rub on it or hook into its edge: rather one further off.
+        nears = self._judge(members, start, clear=CLEAR)
+
+        def is_clear(values: Array) -> bool:
+            return breach(values) is None and not nears(values)
+
+        path: list[Array] | None = None
+        clear = [goal for goal in free if not nears(goal)]
+        if clear and not nears(begin):
+            path = _connected(begin, clear, room, is_clear, ruled, _CLEAR_ITERATIONS)
+        path = path or _connected(begin, free, room, is_free, ruled, ITERATIONS)
         if path is None:
             within = " that keeps to the path constraints" if self._rule is not None else ""
             raise PlanningError(
@@ -132,15 +170,7 @@ class Clearance:
                 f"no way to the goal{within} clear of the planning scene and of the arm itself "
                 "was found",
             )
-        # A way that grazes a body would rub on it or hook into its edge: rather one further off.
-        nears = self._judge(members, start, clear=CLEAR)
-        if nears(begin) or nears(goal):
-            return path
-
-        def is_clear(values: Array) -> bool:
-            return breach(values) is None and nears(values) is None
-
-        return connect(begin, goal, lower, upper, is_clear, ruled) or path
+        return path
 
     def free_share(
         self,
@@ -155,14 +185,7 @@ class Clearance:
         The first point is always counted. What breaks the rule of `keeping` is not free; what
         collides where `avoid_collisions`.
         """
-        collides = self._judge(members, start)
-        breach, _ = self._rule_of(members, start)
-
-        def is_free(values: Array) -> bool:
-            if breach(values) is not None:
-                return False
-            return not avoid_collisions or collides(values) is None
-
+        is_free = self.judge(members, start, avoid_collisions=avoid_collisions)
         if not is_free(path[0]):
             return 1
         for count in range(1, len(path)):
@@ -170,26 +193,49 @@ class Clearance:
                 return count
         return len(path)
 
+    def judge(
+        self,
+        members: Sequence[Joint],
+        start: Mapping[str, float],
+        *,
+        avoid_collisions: bool = True,
+    ) -> Callable[[Array], bool]:
+        """Return what says of positions of `members` whether they are free.
+
+        What breaks the rule of `keeping` is not free; what collides where `avoid_collisions`.
+        """
+        touches = self._judge(members, start)
+        breach, _ = self._rule_of(members, start)
+
+        def is_free(values: Array) -> bool:
+            if breach(values) is not None:
+                return False
+            return not (avoid_collisions and touches(values))
+
+        return is_free
+
     def _judge(
         self, members: Sequence[Joint], start: Mapping[str, float], *, clear: float = 0.0
-    ) -> Callable[[Array], tuple[str, str] | None]:
+    ) -> Callable[[Array], bool]:
         world = self._world
         configuration = world.configuration(start)
         columns = world.columns([joint.name for joint in members])
-        from_the_start = world.touching_links(configuration)
+        depths = world.depths(clear=clear, passing=world.touching_links(configuration))
 
-        def collides(values: Array) -> tuple[str, str] | None:
+        def touches(values: Array) -> bool:
             configuration[columns] = values
-            return next(
-                (
-                    pair
-                    for pair in world.pairs(configuration, clear=clear)
-                    if frozenset(pair) not in from_the_start
-                ),
-                None,
-            )
+            return world.touches(configuration, depths)
 
-        return collides
+        return touches
+
+    def _touching(self, members: Sequence[Joint], start: Mapping[str, float], values: Array) -> str:
+        """Return in words the first pair that collides, but for links that do at the start."""
+        configuration = self._world.configuration(start)
+        passing = self._world.touching_links(configuration)
+        configuration[self._world.columns([joint.name for joint in members])] = values
+        pairs = self._world.pairs(configuration)
+        one, two = next(pair for pair in pairs if frozenset(pair) not in passing)
+        return f"'{one}' touches '{two}'"
 
     def _rule_of(
         self, members: Sequence[Joint], start: Mapping[str, float]
@@ -206,5 +252,33 @@ class Clearance:
         return lambda values: rule.breach(whole(values)), lambda values: rule.excess(whole(values))
 
 
-def _touching(pair: tuple[str, str]) -> str:
-    return f"'{pair[0]}' touches '{pair[1]}'"
+def _connected(
+    begin: Array,
+    goals: Sequence[Array],
+    room: tuple[Array, Array],
+    is_free: Callable[[Array], bool],
+    excess: Callable[[Array], Array] | None,
+    iterations: int,
+) -> list[Array] | None:
+    """Return a path that is free however closely it is looked at, None where none was found."""
+    path: list[Array] | None = None
+    for resolution in (RESOLUTION, FINE):
+        path = connect(
+            begin, goals, *room, is_free, excess, iterations=iterations, resolution=resolution
+        )
+        if path is None or all(segment_is_free(a, b, is_free, FINE) for a, b in pairwise(path)):
+            break
+    return path
+
+
+def _room(members: Sequence[Joint], ends: Sequence[Array]) -> tuple[Array, Array]:
+    """Return within which positions a way is looked for: within limits, and a turn of its ends."""
+    lower = np.array([joint.lower for joint in members])
+    upper = np.array([joint.upper for joint in members])
+    least, greatest = np.min(ends, axis=0), np.max(ends, axis=0)
+    endless = np.array([joint.type == "continuous" for joint in members])
+    turns = np.array([joint.type != "prismatic" for joint in members])
+    lower[endless], upper[endless] = -np.inf, np.inf
+    lower = np.where(turns, np.maximum(lower, least - np.pi), lower)
+    upper = np.where(turns, np.minimum(upper, greatest + np.pi), upper)
+    return np.minimum(lower, least), np.maximum(upper, greatest)

@@ -4,35 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.motion.branches import branches
+from tracerisk.twin.motion.descent import Descent, Miss, miss_cost
 from tracerisk.twin.motion.plausible_units import length_guess
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Robot
 
 # After the builder, which says that no window is needed.
-import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
 import mink  # isort: skip
 import mujoco  # isort: skip
 
 _TURN = 2 * math.pi
 
-_MAX_ITERATIONS = 40
-_RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
-_TURN_COST = 0.3  # of a turn that is missed, beside a distance [m/rad]
-_FREE_TURN_COST = 1e-3  # where any turn will do, and the nearest is wanted [m/rad]
+_RESTARTS = 24  # where no branch is found
+_NEARBY = 1.0  # no other branch is nearer than a solution within this distance [rad or m]
 _MOST_KEPT = 10_000  # poses out of reach that are remembered
-_STALLED = 1e-8  # a step this small changes nothing more [rad]
+_SAME = 1e-2  # two solutions that are nearer are one [rad or m]
+_TURN_SLACK = 1e-6  # beyond a limit: an error of rounding [rad]
 
 Bounds = tuple[float, float]
 """The least and the greatest position of a joint [rad or m]."""
-_Miss = tuple[float, float]  # the distance [m] and the turn [rad] from a target
 
 
 class Kinematics:
@@ -50,7 +49,7 @@ class Kinematics:
         self._dof = {name: int(each.dofadr[0]) for name, each in joints.items()}
         self._configuration = mink.Configuration(self._model)
         self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
-        self._unreached: dict[Hashable, _Miss] = {}
+        self._unreached: dict[Hashable, Miss] = {}
         self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
 
     def positions(self, given: Mapping[str, float]) -> NDArray[np.float64]:
@@ -110,8 +109,7 @@ class Kinematics:
     ) -> dict[str, float]:
         """Return joint positions of `group` within limits that bring `link` to `pose`.
 
-        The search starts at `seed`, then at the group's named states, then at positions drawn
-        from a generator that begins anew with each call; what `accept` refuses is passed over.
+        They are the first of `solutions` that `accept` does not refuse.
 
         Raises PlanningError("no_ik_solution") when no start leads there, and
         PlanningError("bad_request") when the group has no tip link or the pose is not a pose.
@@ -140,38 +138,92 @@ class Kinematics:
     ) -> dict[str, float]:
         """Return joint positions of `group` that bring each link to its pose, as with two arms.
 
-        The search is that of `inverse`, and so are the errors. It keeps the joints in `bounds`
-        within these, too.
+        The search is that of `solutions`, and so are the errors.
+        """
+        found = self.solutions(group, targets, seed=seed, restarts=restarts, bounds=bounds)
+        for solution in found:
+            if accept is None or accept(solution):
+                return solution
+        raise PlanningError("no_ik_solution", f"no position of group '{group}' is accepted")
+
+    def solutions(
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        *,
+        seed: Mapping[str, float] | None = None,
+        restarts: int = _RESTARTS,
+        bounds: Mapping[str, Bounds] | None = None,
+    ) -> Iterator[dict[str, float]]:
+        """Yield the joint positions of `group` that bring each link to its pose, nearest first.
+
+        Nearest to `seed` are those with the least sum of squared moves of the joints, each of which
+        comes to the nearest turn within its limits. They are those of a descent from `seed` and of
+        the `branches`. Where no joint turns further than once, those that descents from `seed` and
+        from the group's named states reach come first, in this order. If nothing is found there are
+        descents from `restarts` positions, drawn from a generator that begins anew with each call;
+        with no restarts there is the first descent alone. All keep the joints in `bounds`.
+
+        Raises PlanningError as `inverse` does, where there is none.
         """
         members = self._robot.group(group)
         for target in targets:
             self._link(target.link)
         if members.turns_freely:
             targets = [replace(target, orientation_tolerance=math.inf) for target in targets]
+        seed = seed or {}
         # What no start reaches is out of reach for the next who asks, too.
-        near = tuple((name, round(value, 3)) for name, value in sorted((seed or {}).items()))
+        near = tuple((name, round(value, 3)) for name, value in sorted(seed.items()))
         ranges = {joint.name: _range(joint, bounds or {}) for joint in self._robot.joints}
         asked = (group, tuple(targets), near, restarts, tuple((bounds or {}).items()))
         if asked in self._unreached:
-            raise self._out_of_reach(group, targets, seed or {}, self._unreached[asked])
+            raise self._out_of_reach(group, targets, seed, self._unreached[asked])
         limits = self._limits if not bounds else [self._limit(ranges)]
-        search = _Search(self._configuration, limits, self._frozen(members.joints), targets)
+        search = Descent(self._configuration, limits, self._frozen(members.joints), targets)
+        at_seed = self.positions(seed)
         best = (math.inf, math.inf)
-        is_reached = False
-        for start in self._starts(group, seed or {}, restarts, ranges):
-            found, error = search.descend(start)
-            if found is not None:
-                is_reached = True
-                reached = self._within_limits(members.joints, found, ranges)
-                if accept is None or accept(reached):
-                    return reached
-            best = min(best, error, key=_cost)
-        if not is_reached and len(self._unreached) < _MOST_KEPT:
-            self._unreached[asked] = best
-        raise self._out_of_reach(group, targets, seed or {}, best)
+        given: list[NDArray[np.float64]] = []
+
+        def reached(start: NDArray[np.float64]) -> NDArray[np.float64] | None:
+            nonlocal best
+            found, miss = search.descend(self._clipped(start, ranges))
+            best = min(best, miss, key=miss_cost)
+            return None if found is None else self._turned(found, members.joints, at_seed, ranges)
+
+        def is_new(found: NDArray[np.float64] | None) -> TypeGuard[NDArray[np.float64]]:
+            return found is not None and all(_far(found, other) > _SAME for other in given)
+
+        def handed(found: NDArray[np.float64]) -> dict[str, float]:
+            given.append(found)
+            return {name: float(found[self._address[name]]) for name in members.joints}
+
+        turns = any(_turns_further(self._robot.joint(name)) for name in members.joints)
+        first = reached(at_seed.copy())
+        if first is not None and (not turns or not restarts or _far(first, at_seed) <= _NEARBY):
+            yield handed(first)
+        if restarts and not turns:
+            for start in self._named(group, at_seed):
+                if is_new(found := reached(start)):
+                    yield handed(found)
+        if restarts:
+            for start in self._branches(members.joints, targets, at_seed, ranges):
+                if first is not None and not given and _far(first, at_seed) <= _far(start, at_seed):
+                    yield handed(first)
+                if is_new(found := reached(start)):
+                    yield handed(found)
+            if first is not None and not given:
+                yield handed(first)
+        if not given:
+            for start in self._drawn(group, at_seed, restarts, ranges):
+                if is_new(found := reached(start)):
+                    yield handed(found)
+        if not given:
+            if len(self._unreached) < _MOST_KEPT:
+                self._unreached[asked] = best
+            raise self._out_of_reach(group, targets, seed, best)
 
     def _out_of_reach(
-        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: _Miss
+        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: Miss
     ) -> PlanningError:
         asked, now = [], []
         for target in targets:
@@ -187,24 +239,42 @@ class Kinematics:
             "for a pose within reach",
         )
 
-    def _starts(
+    def _branches(
         self,
-        group: str,
-        seed: Mapping[str, float],
-        restarts: int,
+        names: tuple[str, ...],
+        targets: Sequence[LinkTarget],
+        at_seed: NDArray[np.float64],
         ranges: Mapping[str, Bounds],
-    ) -> Iterator[NDArray[np.float64]]:
-        at_seed = self._clipped(self.positions(seed), ranges)
-        yield at_seed
-        if restarts == 0:
-            return
+    ) -> list[NDArray[np.float64]]:
+        """Return starts near the solutions of each branch, nearest first."""
+        columns = [self._address[name] for name in names]
+        limits = np.array([_search_range(self._robot.joint(name), ranges[name]) for name in names])
+        self._data.qpos[:] = at_seed
+        found = branches(self._model, self._data, targets, columns, *limits.T)
+        starts = []
+        for values in found:
+            start = at_seed.copy()
+            start[columns] = values
+            starts.append(self._turned(start, names, at_seed, ranges))
+        return sorted(starts, key=lambda start: (round(_far(start, at_seed), 4), *start))
+
+    def _named(self, group: str, at_seed: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
         for state in self._robot.named_states.get(group, {}).values():
-            yield self._clipped(self.positions({**seed, **state}), ranges)
+            start = at_seed.copy()
+            for name, value in state.items():
+                start[self._address[name]] = value
+            yield start
+
+    def _drawn(
+        self, group: str, at_seed: NDArray[np.float64], count: int, ranges: Mapping[str, Bounds]
+    ) -> Iterator[NDArray[np.float64]]:
         generator = np.random.default_rng(0)
-        for _ in range(restarts):
+        for _ in range(count):
             start = at_seed.copy()
             for name in self._robot.group(group).joints:
-                start[self._address[name]] = generator.uniform(*ranges[name])
+                joint, within = self._robot.joint(name), ranges[name]
+                lower, upper = within if math.isfinite(sum(within)) else (joint.lower, joint.upper)
+                start[self._address[name]] = generator.uniform(lower, upper)
             yield start
 
     def _clipped(
@@ -212,17 +282,23 @@ class Kinematics:
     ) -> NDArray[np.float64]:
         for joint in self._robot.joints:
             at = self._address[joint.name]
-            qpos[at] = _inside(joint, float(qpos[at]), ranges[joint.name])
+            qpos[at] = turned_near(joint, float(qpos[at]), float(qpos[at]), ranges[joint.name])
         return qpos
 
-    def _within_limits(
-        self, names: tuple[str, ...], qpos: NDArray[np.float64], ranges: Mapping[str, Bounds]
-    ) -> dict[str, float]:
-        values = {}
+    def _turned(
+        self,
+        qpos: NDArray[np.float64],
+        names: tuple[str, ...],
+        at_seed: NDArray[np.float64],
+        ranges: Mapping[str, Bounds],
+    ) -> NDArray[np.float64]:
+        """Return a configuration whose joints `names` come to the turns nearest to the seed."""
+        turned: NDArray[np.float64] = qpos.copy()
         for name in names:
-            value = float(qpos[self._address[name]])
-            values[name] = _inside(self._robot.joint(name), value, ranges[name])
-        return values
+            at = self._address[name]
+            near = float(at_seed[at])
+            turned[at] = turned_near(self._robot.joint(name), float(qpos[at]), near, ranges[name])
+        return turned
 
     def _limit(self, ranges: Mapping[str, Bounds]) -> mink.ConfigurationLimit:
         """Return the limits of the search, narrowed to `ranges`."""
@@ -245,102 +321,51 @@ class Kinematics:
         return self._body[name]
 
 
-@dataclass(eq=False)
-class _Search:
-    """Gauss-Newton steps under joint limits (a quadratic program each) towards poses of links."""
-
-    _configuration: Any
-    _limits: list[Any]
-    _frozen: list[Any] | None
-    _targets: Sequence[LinkTarget]
-
-    def __post_init__(self) -> None:
-        self._tasks = [
-            mink.FrameTask(
-                target.link, "body", position_cost=1.0, orientation_cost=_turn_cost(target)
-            )
-            for target in self._targets
-        ]
-        for task, target in zip(self._tasks, self._targets, strict=True):
-            task.set_target(_target(target.pose))
-
-    def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, _Miss]:
-        """Return the configuration reached, `None` if short of a target, and the miss."""
-        configuration = self._configuration
-        configuration.update(start)
-        miss = (math.inf, math.inf)
-        for _ in range(_MAX_ITERATIONS):
-            miss, is_there = self._miss()
-            if is_there:
-                return configuration.q.copy(), miss
-            try:
-                velocity = mink.solve_ik(
-                    configuration,
-                    self._tasks,
-                    1.0,
-                    solver="daqp",
-                    damping=1e-6,
-                    limits=self._limits,
-                    constraints=self._frozen,
-                )
-            except mink.NoSolutionFound:
-                return None, miss
-            if float(np.abs(velocity).max()) < _STALLED:
-                return None, miss
-            configuration.integrate_inplace(velocity, 1.0)
-        return None, miss
-
-    def _miss(self) -> tuple[_Miss, bool]:
-        """Return the furthest miss of a target, and whether all are reached."""
-        misses, is_there = [], True
-        for task, target in zip(self._tasks, self._targets, strict=True):
-            error = task.compute_error(self._configuration)
-            distance, turn = (float(np.linalg.norm(part)) for part in (error[:3], error[3:]))
-            misses.append((distance, turn))
-            is_near = distance <= target.position_tolerance
-            is_there = is_there and is_near and turn <= target.orientation_tolerance
-        return max(misses, key=_cost, default=(0.0, 0.0)), is_there
-
-
-def _turn_cost(target: LinkTarget) -> float:
-    return _TURN_COST if math.isfinite(target.orientation_tolerance) else _FREE_TURN_COST
-
-
-def _cost(miss: _Miss) -> float:
-    return miss[0] + _TURN_COST * miss[1]
-
-
 def _range(joint: Joint, bounds: Mapping[str, Bounds]) -> Bounds:
     """Return within which positions a joint may be: its limits, and its bounds if it has any."""
-    lower, upper = bounds.get(joint.name, (joint.lower, joint.upper))
-    return max(lower, joint.lower), min(upper, joint.upper)
+    endless = joint.type == "continuous"
+    limits = (-math.inf, math.inf) if endless else (joint.lower, joint.upper)
+    lower, upper = bounds.get(joint.name, limits)
+    return max(lower, limits[0]), min(upper, limits[1])
 
 
-def _inside(joint: Joint, value: float, within: Bounds) -> float:
-    """Return a position within bounds: whole turns less or more, else at the limit."""
+def _is_whole(joint: Joint, within: Bounds) -> bool:
+    """Return whether a joint comes to every direction within its range: a turn at the least."""
+    return joint.type != "prismatic" and within[1] - within[0] >= _TURN - _TURN_SLACK
+
+
+def _turns_further(joint: Joint) -> bool:
+    """Return whether a joint may turn further than once: some poses are reached in two turns."""
+    lower, upper = _range(joint, {})
+    return joint.type != "prismatic" and upper - lower > _TURN + _TURN_SLACK
+
+
+def _search_range(joint: Joint, within: Bounds) -> Bounds:
+    return (-math.inf, math.inf) if _is_whole(joint, within) else within
+
+
+def turned_near(joint: Joint, value: float, near: float, within: Bounds) -> float:
+    """Return the position within bounds that is `value` but for whole turns, the nearest to `near`.
+
+    A joint with less than a turn to go is brought to the nearer of its bounds.
+    """
     lower, upper = within
-    if joint.type == "continuous":
+    if _is_whole(joint, within):
         # Whole turns lead to the same pose; a limit of the range would not.
-        value -= _TURN * math.ceil(max(0.0, value - upper) / _TURN)
-        value += _TURN * math.ceil(max(0.0, lower - value) / _TURN)
+        value += _TURN * round((near - value) / _TURN)
+        value -= _TURN * _turns(value - upper)
+        value += _TURN * _turns(lower - value)
     return min(max(value, lower), upper)
+
+
+def _turns(beyond: float) -> int:
+    return math.ceil((beyond - _TURN_SLACK) / _TURN) if beyond > _TURN_SLACK else 0
+
+
+def _far(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.square(one - other).sum()))
 
 
 def _shown(pose: Pose) -> str:
     x, y, z = pose.position
     return f"({x:.3f}, {y:.3f}, {z:.3f})"
-
-
-def _target(pose: Pose) -> Any:
-    x, y, z, w = pose.orientation
-    quaternion = np.array([w, x, y, z], dtype=np.float64)
-    norm = float(np.linalg.norm(quaternion))
-    if not np.isfinite([*pose.position, norm]).all() or norm < 1e-6:
-        raise PlanningError(
-            "bad_request",
-            f"position {pose.position}, orientation {pose.orientation} is not a pose; "
-            "give finite numbers and a quaternion (x, y, z, w) that is not zero",
-        )
-    return mink.SE3.from_rotation_and_translation(
-        mink.SO3(wxyz=quaternion / norm), np.asarray(pose.position, dtype=np.float64)
-    )

@@ -6,9 +6,10 @@ A move in joint space is straight where that is free, else it leads around what 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,14 @@ from numpy.typing import NDArray
 from tracerisk.errors import one_of
 from tracerisk.geometry.frames import triple
 from tracerisk.twin.motion.clearance import Clearance
-from tracerisk.twin.motion.kinematics import Bounds, Kinematics
+from tracerisk.twin.motion.kinematics import Bounds, Kinematics, turned_near
 from tracerisk.twin.motion.plausible_units import shown_limits
-from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
+from tracerisk.twin.motion.timing import (
+    MIN_ANGLE_CHANGE,
+    PATH_TOLERANCE,
+    RESAMPLE_S,
+    along_free_path,
+)
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Robot, Scaling
 
@@ -58,16 +64,39 @@ class Planner:
         Raises PlanningError("invalid_goal") for a joint outside the group or its limits,
         ("collision") for a goal that touches something, ("start_in_collision") and ("no_plan").
         """
-        return self._joints(group, target, self._begin(start or {}), scaling)
+        return self.to_one_of(group, [target], start, scaling=scaling)
 
-    def _joints(
+    def to_one_of(
         self,
         group: str,
+        targets: Iterable[Mapping[str, float]],
+        start: Mapping[str, float] | None = None,
+        *,
+        scaling: Scaling | None = None,
+    ) -> JointTrajectory:
+        """Return the move of `group` to the first of `targets` that is come to, as `joints`.
+
+        It is straight to the first to which that is free, else it leads around what is declared to
+        any of them. Raises PlanningError as `joints` does, of the first target.
+        """
+        start = self._begin(start or {})
+        members = self._members(group)
+        names = tuple(joint.name for joint in members)
+        begin = np.array([start[name] for name in names])
+        goals = (self._goal(group, members, target, start) for target in targets)
+        path = self._clearance.way(members, start, begin, goals)
+        is_free = self._clearance.judge(members, start)
+        return JointTrajectory(
+            names, *along_free_path(path, *self._limits(members, scaling), is_free)
+        )
+
+    def _goal(
+        self,
+        group: str,
+        members: Sequence[Joint],
         target: Mapping[str, float],
         start: Mapping[str, float],
-        scaling: Scaling | None,
-    ) -> JointTrajectory:
-        members = self._members(group)
+    ) -> NDArray[np.float64]:
         names = [joint.name for joint in members]
         for name in target:
             if name not in names:
@@ -76,13 +105,12 @@ class Planner:
                     f"joint '{name}' is not in group '{group}'; {one_of(names, name)}",
                 )
         wanted = self._robot.with_followers(target)
-        goal = np.array(
-            [_within(joint, wanted.get(joint.name, start[joint.name])) for joint in members]
+        return np.array(
+            [
+                _within(joint, wanted.get(joint.name, start[joint.name]), start[joint.name])
+                for joint in members
+            ]
         )
-        begin = np.array([start[name] for name in names])
-        limits = self._limits(members, scaling)
-        path = self._clearance.way(members, start, begin, goal) or [begin, goal]
-        return JointTrajectory(tuple(names), *along_path(np.array(path), *limits))
 
     def pose(
         self,
@@ -98,7 +126,9 @@ class Planner:
         Raises PlanningError("no_ik_solution") for a pose out of reach.
         """
         start = self._begin(start or {})
-        return self._joints(group, self.reach(group, pose, seed=start, link=link), start, scaling)
+        target = self._kinematics.target(group, pose, link)
+        goals = self.reach_each(group, [target], seed=start)
+        return self.to_one_of(group, goals, start, scaling=scaling)
 
     def reach(
         self,
@@ -119,6 +149,12 @@ class Planner:
         return self.reach_all(group, [target], seed=seed)
 
     def reach_all(
+        self, group: str, targets: Sequence[LinkTarget], **options: Any
+    ) -> dict[str, float]:
+        """Return the nearest of `reach_each`, which takes the same; raise as it does."""
+        return next(self.reach_each(group, targets, **options))
+
+    def reach_each(
         self,
         group: str,
         targets: Sequence[LinkTarget],
@@ -126,43 +162,36 @@ class Planner:
         seed: Mapping[str, float],
         breach: Callable[[Mapping[str, float]], str | None] = lambda positions: None,  # noqa: ARG005
         bounds: Mapping[str, Bounds] | None = None,
-    ) -> dict[str, float]:
-        """Return joint positions that bring each link to its pose, clear of everything.
+    ) -> Iterator[dict[str, float]]:
+        """Yield joint positions that bring each link to its pose, clear of all, nearest first.
 
         `breach` says of joint positions why they are none, `bounds` within what joints must be.
-        Raises PlanningError as `reach` does.
+        Raises PlanningError as `reach` does, where there are none.
         """
         pair: tuple[str, str] | None = None
         broken: str | None = None
-
-        def is_clear(found: Mapping[str, float]) -> bool:
-            nonlocal pair, broken
+        count = 0
+        for found in self._kinematics.solutions(group, targets, seed=seed, bounds=bounds):
             there = {**seed, **found}
             if reason := breach(there):
                 broken = broken or f"the goal cannot be met as a whole: {reason}"
-                return False
-            if reason := self._clearance.breach(there):
+            elif reason := self._clearance.breach(there):
                 broken = broken or (
                     f"the goal breaks the path constraints however it is reached: {reason}"
                 )
-                return False
-            touching = self._clearance.collision({**seed, **found})
-            pair = pair or touching
-            return touching is None
-
-        try:
-            return self._kinematics.inverse_all(
-                group, targets, seed=seed, accept=is_clear, bounds=bounds
-            )
-        except PlanningError as error:
-            if pair is None and broken is None:
-                raise
-            if pair is None:
-                raise PlanningError("no_plan", broken or "") from error
-            raise PlanningError(
-                "collision",
-                f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",
-            ) from error
+            elif touching := self._clearance.collision(there):
+                pair = pair or touching
+            else:
+                count += 1
+                yield found
+        if count:
+            return
+        if pair is None:
+            raise PlanningError("no_plan", broken or "")
+        raise PlanningError(
+            "collision",
+            f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",
+        )
 
     def cartesian(
         self,
@@ -212,8 +241,9 @@ class Planner:
             )
             path = path[:count]
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
-        limits = self._limits(members, scaling)
-        return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
+        is_free = self._clearance.judge(members, start, avoid_collisions=avoid_collisions)
+        timed = along_free_path(path, *self._limits(members, scaling), is_free)
+        return JointTrajectory(names, *timed), fraction
 
     def _reach(
         self,
@@ -233,9 +263,6 @@ class Planner:
                 raise
             return None
         reached = np.array([found[name] for name in names])
-        # A joint without an end goes on turning where its range of positions ends.
-        endless = [self._robot.joint(name).type == "continuous" for name in names]
-        reached += np.where(endless, 2 * math.pi * np.round((here - reached) / (2 * math.pi)), 0.0)
         return float(np.abs(reached - here).max()), reached
 
     def retime(
@@ -260,10 +287,12 @@ class Planner:
             if not (math.isfinite(value) and value > 0.0):
                 raise PlanningError("bad_request", f"{what} {value:g}; give a number above 0")
         members = [self._robot.joint(name) for name in trajectory.joints]
-        limits = self._limits(members, scaling)
-        timed = along_path(
+        first = dict(zip(trajectory.joints, trajectory.position[0].tolist(), strict=True))
+        is_free = self._clearance.judge(members, self._begin(first))
+        timed = along_free_path(
             trajectory.position,
-            *limits,
+            *self._limits(members, scaling),
+            is_free,
             tolerance=path_tolerance,
             resample_s=resample_s,
             min_angle_change=min_angle_change,
@@ -307,9 +336,9 @@ def _fraction(what: str, value: float) -> float:
     return value
 
 
-def _within(joint: Joint, value: float) -> float:
+def _within(joint: Joint, value: float, near: float) -> float:
     if joint.type == "continuous" and math.isfinite(value):
-        return float(value)
+        return turned_near(joint, float(value), near, (-math.inf, math.inf))
     if not joint.lower - _LIMIT_SLACK <= value <= joint.upper + _LIMIT_SLACK:
         raise PlanningError(
             "invalid_goal",

@@ -1,7 +1,8 @@
-"""Find a free path between two joint positions: RRT-Connect with shortcuts.
+"""Find a free path from joint positions to one of several others: RRT-Connect with shortcuts.
 
 J. Kuffner and S. LaValle, "RRT-Connect: an efficient approach to single-query path planning",
-ICRA 2000: two trees grow towards random samples and greedily towards one another.
+ICRA 2000: two trees grow towards random samples and greedily towards one another. That of the
+goals has a root at each.
 Bounded by numbers of iterations and of looks at a rule, not by time, so that a plan does not
 depend on the machine.
 Where a rule must be kept to, new points are projected onto it: D. Berenson and others,
@@ -11,7 +12,7 @@ Where a rule must be kept to, new points are projected onto it: D. Berenson and 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -19,15 +20,19 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-RESOLUTION = 0.04  # between two checked points of a path, in the joint that moves most [rad or m]
-_REACH = 0.4  # by which a tree grows at once [rad or m]
+RESOLUTION = 0.04
+"""Between two checked points of a search, in the joint that moves most [rad or m]."""
+FINE = 0.01
+"""The same of a path that is found: what is thin may lie between the points of a search."""
+_REACH = 0.8  # by which a tree grows at once [rad or m]
 _RULED_REACH = 0.1  # the same where a rule is to be kept: it bends the way between two points
 _PROGRESS = 0.1  # of its reach, by which a projected step must still come nearer
 _PROJECTIONS = 12  # steps of one projection
 _SLOPE_STEP = 1e-5  # by which a joint is moved to see how a rule changes [rad or m]
-_ITERATIONS = 3000
+ITERATIONS = 3000
+"""Of one search, unless it is told otherwise."""
 _LOOKS = 15_000  # at a rule, in one search: some seconds, as long as MoveIt plans by default
-_SHORTCUTS = 120
+_SHORTCUTS = 60
 _SMOOTHINGS = 4
 _FINE = 0.02  # between two points of the path returned [rad or m]
 
@@ -35,33 +40,36 @@ IsFree = Callable[[Array], bool]
 Excess = Callable[[Array], Array]
 
 
-def segment_is_free(a: Array, b: Array, is_free: IsFree) -> bool:
+def segment_is_free(a: Array, b: Array, is_free: IsFree, resolution: float = RESOLUTION) -> bool:
     """Return whether the straight way from `a`, left out, to `b` is free; a, b: (n_joints,)."""
-    count = max(1, math.ceil(float(np.abs(b - a).max()) / RESOLUTION))
+    count = max(1, math.ceil(float(np.abs(b - a).max()) / resolution))
     # The middle first, then quarters: what is in the way is found sooner than from one end on.
     return all(is_free(a + (k / count) * (b - a)) for k in _halving(count))
 
 
 def connect(
     start: Array,
-    goal: Array,
+    goals: Sequence[Array],
     lower: Array,
     upper: Array,
     is_free: IsFree,
     excess: Excess | None = None,
+    *,
+    iterations: int = ITERATIONS,
+    resolution: float = RESOLUTION,
 ) -> list[Array] | None:
-    """Return a free path from `start` to `goal` within limits, None where none was found.
+    """Return a free path from `start` to one of `goals` within limits, None where none was found.
 
-    start, goal, lower, upper: (n_joints,) [rad or m]; start and goal are free.
+    start, goals, lower, upper: (n_joints,) [rad or m]; start and goals are free.
     `excess` returns by how much a position breaks a rule, each part with its sign: (n_parts,).
     The path is dense: its points are near one another, and its corners are rounded where there
     is room. The same arguments give the same path.
     """
     generator = np.random.default_rng(0)
     project = None if excess is None else _Projection(excess, lower, upper)
-    ours, others = _Tree(start, project), _Tree(goal, project)
+    ours, others = (_Tree(roots, resolution, project) for roots in ([start], goals))
     forward = True
-    for _ in range(_ITERATIONS):
+    for _ in range(iterations):
         if project is not None and project.looks > _LOOKS:
             break
         sample = generator.uniform(lower, upper)
@@ -71,7 +79,7 @@ def connect(
             if met is not None:
                 one, two = ours.way_to(reached), others.way_to(met)
                 path = [*one, *two[::-1][1:]] if forward else [*two, *one[::-1][1:]]
-                return _rounded(_shortened(path, generator, is_free), is_free)
+                return _rounded(_shortened(path, generator, is_free, resolution), is_free)
         ours, others = others, ours
         forward = not forward
     return None
@@ -114,15 +122,19 @@ class _Projection:
 
 
 class _Tree:
-    """A tree of free positions, each joined to its parent by a free straight line."""
+    """Trees of free positions, each joined to its parent by a free straight line."""
 
-    def __init__(self, root: Array, project: _Projection | None = None) -> None:
-        self.points = [root]
+    def __init__(
+        self, roots: Sequence[Array], resolution: float, project: _Projection | None
+    ) -> None:
+        self.points: list[Array] = []
+        self._resolution = resolution
         self._project = project
         self._reach = _REACH if project is None else _RULED_REACH
-        self._parents = [-1]
-        self._table = np.empty((64, len(root)))
-        self._table[0] = root
+        self._parents: list[int] = []
+        self._table = np.empty((64, len(roots[0])))
+        for root in roots:
+            self._add(root, -1)
 
     def grow(self, target: Array, is_free: IsFree) -> int | None:
         """Return the new point after a step towards `target`, None where it is blocked."""
@@ -137,7 +149,7 @@ class _Tree:
             if projected is None or _far(projected, target) > far - _PROGRESS * self._reach:
                 return None
             there = projected
-        if not segment_is_free(here, there, is_free):
+        if not segment_is_free(here, there, is_free, self._resolution):
             return None
         return self._add(there, nearest)
 
@@ -151,7 +163,7 @@ class _Tree:
                 return at
 
     def way_to(self, index: int) -> list[Array]:
-        """Return the points from the root to a point."""
+        """Return the points from a root to a point."""
         way = []
         while index >= 0:
             way.append(self.points[index])
@@ -172,7 +184,9 @@ class _Tree:
         return index
 
 
-def _shortened(path: list[Array], generator: np.random.Generator, is_free: IsFree) -> list[Array]:
+def _shortened(
+    path: list[Array], generator: np.random.Generator, is_free: IsFree, resolution: float
+) -> list[Array]:
     """Replace stretches of the path by straight lines where these are free."""
     for _ in range(_SHORTCUTS):
         if len(path) < 3:
@@ -183,7 +197,7 @@ def _shortened(path: list[Array], generator: np.random.Generator, is_free: IsFre
         low, high = sorted(generator.uniform(0.0, ends[-1], 2))
         i, a = _point_at(path, ends, low)
         j, b = _point_at(path, ends, high)
-        if i != j and segment_is_free(a, b, is_free):
+        if i != j and segment_is_free(a, b, is_free, resolution):
             path = [*path[: i + 1], a, b, *path[j + 1 :]]
     return path
 

@@ -14,6 +14,7 @@ on Robotics 2018. It finds the same trajectory as a search for switching points,
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,8 @@ _MOST_POINTS = 2001  # of a path however slow, beside those where its accelerati
 _ARC_STEP = 0.06  # the turn of a blend within one cell, at most [rad]
 _STRAIGHT = 0.999999  # cosine of the turn of a corner that needs no blend
 _REVERSAL = -0.99999  # cosine of the turn at which a path goes back: it stops there
+_SHARP = 1e-4  # by which a blend leaves a corner where there is no room [rad or m]
+_PASSED = 0.01  # between two points that are looked at, on average [rad or m]
 _TINY = 1e-9
 
 
@@ -75,7 +78,7 @@ def along_path(
     velocity: Array,
     acceleration: Array,
     *,
-    tolerance: float = PATH_TOLERANCE,
+    tolerance: float | Array = PATH_TOLERANCE,
     resample_s: float = RESAMPLE_S,
     min_angle_change: float = MIN_ANGLE_CHANGE,
 ) -> tuple[Array, Array, Array]:
@@ -84,16 +87,18 @@ def along_path(
     path: (n_points, n_joints) [rad or m], followed in straight lines; at each point between, an
     arc blends them that leaves it by `tolerance` at most and begins and ends no further from it
     than half way to its neighbours. Where the path goes back on itself it comes to rest.
+    tolerance: of all points, or (n_points,) of each [rad or m].
     velocity, acceleration: (n_joints,), absolute and already scaled.
     `resample_s` [s] is the longest time between two points returned, `min_angle_change`
     [rad or m] how far some joint must be from one point of the path to the next that counts.
     Returns time (m,) [s] and position, velocity (m, n_joints), with which a cubic between two
     points keeps the limits: there is a point wherever the acceleration changes.
     """
-    points = _distinct(path, max(min_angle_change, _TINY))
+    tolerances = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), len(path))
+    points, kept = _distinct(path, max(min_angle_change, _TINY))
     if len(points) == 1:
         return np.zeros(1), points, np.zeros_like(points)
-    blended = _blended(points, tolerance)
+    blended = _blended(points, tolerances[kept][1:-1])
     piece, s = _cells(blended)
     squared = _fastest(blended, piece, s, velocity, acceleration)
     piece, s, squared = _with_peaks(blended, piece, s, squared, velocity, acceleration)
@@ -103,21 +108,70 @@ def along_path(
     return time, position, tangent * speed[:, None]
 
 
-def _distinct(path: Array, change: float) -> Array:
-    """Return the points that differ, with the first and the last, (m, n_joints)."""
-    kept = [path[0]]
-    for point in path[1:-1]:
-        if float(np.abs(point - kept[-1]).max()) > change:
-            kept.append(point)
-    last = path[-1]
-    if len(kept) > 1 and float(np.abs(last - kept[-1]).max()) <= change:
+def along_free_path(
+    path: Sequence[Array] | Array,
+    velocity: Array,
+    acceleration: Array,
+    is_free: Callable[[Array], bool],
+    *,
+    tolerance: float = PATH_TOLERANCE,
+    resample_s: float = RESAMPLE_S,
+    min_angle_change: float = MIN_ANGLE_CHANGE,
+) -> tuple[Array, Array, Array]:
+    """Return what `along_path` returns, with corners not blended whose blend is not free.
+
+    `is_free` says of positions (n_joints,) whether they are; the path itself is, or is followed
+    all the same.
+    """
+    points = np.array(path)
+    tolerances = np.full(len(points), tolerance)
+    while True:
+        timed = along_path(
+            points,
+            velocity,
+            acceleration,
+            tolerance=tolerances,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
+        )
+        if len(points) < 3:
+            return timed
+        caught = [position for position in _passed(*timed) if not is_free(position)]
+        apart = [np.abs(points[1:-1] - position).max(axis=1) for position in caught]
+        corners = sorted({1 + int(far.argmin()) for far in apart})
+        corners = [corner for corner in corners if tolerances[corner] > _SHARP]
+        if not corners:
+            return timed
+        tolerances[corners] = _SHARP
+
+
+def _passed(time: Array, position: Array, velocity: Array) -> Array:
+    """Return where the joints pass, points near one another: (n, n_joints)."""
+    longest = float(np.abs(np.diff(position, axis=0)).sum(axis=0).max(initial=0.0))
+    if not longest > 0.0:
+        return position
+    step_s = float(time[-1]) / math.ceil(longest / _PASSED)
+    between, _ = resample(time, position, velocity, step_s)
+    return np.concatenate((position, between))
+
+
+def _distinct(path: Array, change: float) -> tuple[Array, list[int]]:
+    """Return the points that differ, with the first and the last, (m, n_joints), and which."""
+    kept = [0]
+    for index in range(1, len(path) - 1):
+        if float(np.abs(path[index] - path[kept[-1]]).max()) > change:
+            kept.append(index)
+    last = len(path) - 1
+    apart = float(np.abs(path[last] - path[kept[-1]]).max())
+    if len(kept) > 1 and apart <= change:
         kept[-1] = last
-    elif float(np.abs(last - kept[-1]).max()) > _TINY:
+    elif apart > _TINY:
         kept.append(last)
-    return np.array(kept)
+    return path[kept], kept
 
 
-def _blended(points: Array, tolerance: float) -> _Blended:
+def _blended(points: Array, tolerance: Array) -> _Blended:
+    """Return the path through points whose corners are left by (n_points - 2,) at most."""
     delta = np.diff(points, axis=0)
     length = np.sqrt(np.square(delta).sum(axis=1))
     ahead = delta / length[:, None]
@@ -127,7 +181,7 @@ def _blended(points: Array, tolerance: float) -> _Blended:
     tangent = np.array([math.tan(each) for each in half.tolist()])
     # From the corner to where the blend begins: half way to the nearer neighbour at most.
     # sin h / (1 - cos h) = 1 / tan(h / 2) is that distance for a blend 1 off its corner.
-    wide = np.array([tolerance / math.tan(each / 2) for each in half.tolist()])
+    wide = tolerance / np.array([math.tan(each / 2) for each in half.tolist()])
     cut = np.where(turns, np.minimum(np.minimum(length[:-1], length[1:]) / 2, wide), 0.0)
     radius = np.where(turns, cut / tangent, 1.0)
     apart = ahead[1:] - ahead[:-1]

@@ -45,7 +45,13 @@ class CollisionWorld:
         by_build: frozenset[Pair] | None = None,
     ) -> None:
         self._robot = robot
-        self._model = self._compiled(bodies)
+        touch = {
+            frozenset((body.name, link))
+            for body in bodies
+            if body.link is not None
+            for link in (*body.touch_links, body.link)
+        }
+        self._model = self._compiled(bodies, by_build or frozenset())
         self._data = mujoco.MjData(self._model)
         # With no other bodies all that overlaps are links, whose shapes overstate them.
         self._least_depth = _TOUCH if bodies else _OVERSTATED
@@ -61,13 +67,8 @@ class CollisionWorld:
             joint.name: int(self._model.joint(joint.name).qposadr[0]) for joint in robot.joints
         }
         self._allowed: frozenset[Pair] = frozenset()
+        self._depths: dict[float, NDArray[np.float64]] = {}
         self.by_build = self._touching_by_build() if by_build is None else by_build
-        touch = {
-            frozenset((body.name, link))
-            for body in bodies
-            if body.link is not None
-            for link in (*body.touch_links, body.link)
-        }
         self._allowed = frozenset(allowed) | self.by_build | touch
 
     def columns(self, joints: Sequence[str]) -> NDArray[np.int64]:
@@ -105,6 +106,45 @@ class CollisionWorld:
                 found.append(pair)
         return found
 
+    def depths(
+        self, *, clear: float = 0.0, passing: frozenset[Pair] = frozenset()
+    ) -> NDArray[np.float64]:
+        """Return from which overlap on two bodies collide [m]: (n_bodies, n_bodies), by number.
+
+        It is infinite for those that may touch and for the pairs `passing`; `clear` as in `pairs`.
+        """
+        if clear not in self._depths:
+            self._depths[clear] = self._depths_of(clear)
+        found: NDArray[np.float64] = self._depths[clear].copy()
+        for pair in passing:
+            numbers = [i for i, name in enumerate(self._names) if name in pair]
+            found[np.ix_(numbers, numbers)] = np.inf
+        return found
+
+    def _depths_of(self, clear: float) -> NDArray[np.float64]:
+        is_link = np.array(self._is_link)
+        found: NDArray[np.float64] = np.full(
+            (len(is_link), len(is_link)), -clear if clear else self._least_depth
+        )
+        found[np.ix_(is_link, is_link)] = _OVERSTATED
+        for i, one in enumerate(self._names):
+            for j, two in enumerate(self._names[: i + 1]):
+                if self._may_touch((one, two)):
+                    found[i, j] = found[j, i] = np.inf
+        return found
+
+    def touches(self, configuration: NDArray[np.float64], depths: NDArray[np.float64]) -> bool:
+        """Return whether anything collides; `depths` are those of `depths`, for many looks."""
+        data = self._data
+        data.qpos[:] = configuration
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_collision(self._model, data)
+        if not data.ncon:
+            return False
+        contact = data.contact
+        bodies = self._body_of[contact.geom]
+        return bool((contact.dist <= -depths[bodies[:, 0], bodies[:, 1]]).any())
+
     def touching_links(self, configuration: NDArray[np.float64]) -> frozenset[Pair]:
         """Return the pairs of links, and of no other bodies, that collide."""
         links = self._robot.link_names
@@ -117,17 +157,18 @@ class CollisionWorld:
             allowed in self._allowed for allowed in map(frozenset, (pair, pair[:1], pair[1:]))
         )
 
-    def _compiled(self, bodies: Sequence[SceneBody]) -> mujoco.MjModel:
+    def _compiled(self, bodies: Sequence[SceneBody], by_build: frozenset[Pair]) -> mujoco.MjModel:
         spec = build_spec(self._robot)
         spec.option.enableflags = 0
         for geom in spec.geoms:
             if geom.contype:
                 geom.contype, geom.conaffinity = _LINK, _LINK | _BODY
         links = set(self._robot.link_names)
-        for one, two in sorted(self._robot.disabled_collisions):
-            # Left out before they are looked at: an SRDF disables most pairs.
-            if one != two and {one, two} <= links:
-                spec.add_exclude(bodyname1=one, bodyname2=two)
+        # Left out before they are looked at: an SRDF disables most pairs.
+        disabled = {frozenset(pair) for pair in self._robot.disabled_collisions} | by_build
+        for pair in sorted(sorted(pair) for pair in disabled):
+            if len(pair) == 2 and links.issuperset(pair):
+                spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
         for body in bodies:
             parent = spec.worldbody if body.link is None else spec.body(body.link)
             if parent is None:

@@ -6,7 +6,7 @@ Time advances only in `advance`, in whole physics steps; everything else reads o
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -63,6 +63,7 @@ class Twin:
         self.object_pose, self.bearing = parts.object_pose, parts.bearing
         self.planning_among, self.planning_under = self._clearance.among, self._clearance.keeping
         self.plan_joints, self.plan_pose = self._planner.joints, self._planner.pose
+        self.plan_to_one_of = self._planner.to_one_of
         self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime
         self.follow, self.stop = self._motions.follow, self._motions.stop
         self.move_gripper, self.abort = self._motions.move_gripper, self._motions.abort
@@ -177,20 +178,20 @@ class Twin:
         search = self._planner.reach if avoid_collisions else self._kinematics.inverse
         return search(group, pose, link=link, seed={**self._positions(), **(seed or {})})
 
-    def reach_all(
+    def reach_each(
         self,
         group: str,
         targets: Sequence[LinkTarget],
         *,
         seed: Mapping[str, float] | None = None,
         **options: Any,
-    ) -> dict[str, float]:
-        """Return joint positions of `group` that bring each link to its pose; `Planner.reach_all`.
+    ) -> Iterator[dict[str, float]]:
+        """Yield joint positions of `group` that bring each link to its pose; `Planner.reach_each`.
 
         The search begins at the present state, changed by `seed`.
         """
         begin = {**self._positions(), **(seed or {})}
-        return self._planner.reach_all(group, targets, seed=begin, **options)
+        return self._planner.reach_each(group, targets, seed=begin, **options)
 
     def collision(self, positions: Mapping[str, float] | None = None) -> tuple[str, str] | None:
         """Return the names of a pair of links or declared bodies that collide, None for none.
