@@ -173,8 +173,8 @@ def test_a_joint_without_stops_turns_on_where_its_range_of_positions_ends(seed, 
 def test_a_pose_that_was_out_of_reach_is_not_searched_for_again(panda, monkeypatch):
     kinematics = Kinematics(panda)
     searches = []
-    starts = kinematics._starts
-    monkeypatch.setattr(kinematics, "_starts", lambda *given: searches.append(1) or starts(*given))
+    starts = kinematics._drawn
+    monkeypatch.setattr(kinematics, "_drawn", lambda *given: searches.append(1) or starts(*given))
     texts = set()
     for _ in range(2):
         with pytest.raises(PlanningError) as caught:
