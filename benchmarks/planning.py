@@ -255,9 +255,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print("| robot | timed plans | of them not straight | colliding points |")
     print("|---|---|---|---|")
     for name, cell in cells.items():
-        plans = [cell.plan() for _ in range(options.plans)]
-        made = [plan for plan, _ in plans if plan is not None]
-        bent = sum(is_bent for _, is_bent in plans)
+        made, bent = [], 0
+        while len(made) < options.plans:
+            plan, is_bent = cell.plan()
+            if plan is not None:
+                made.append(plan)
+                bent += is_bent
         print(f"| {name} | {len(made)} | {bent} | {sum(colliding(cell, each) for each in made)} |")
 
 

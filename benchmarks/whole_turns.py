@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 TURN = 2 * math.pi
 _DESCENTS, _STEPS = 24, 30
+_ALONG_X = {"fetch"}
+"""The arms whose tool points along x of the tip link; that of the others along z."""
 
 
 class Referee:
@@ -142,6 +144,15 @@ def _drawn(joints: Sequence[Joint], generator: np.random.Generator) -> dict[str,
     return {name: float(generator.uniform(*within)) for name, within in limits.items()}
 
 
+def _down(yaw: float, *, along_x: bool) -> tuple[float, float, float, float]:
+    """Return the orientation of a tool whose axis points down."""
+    sine, cosine = math.sin(yaw / 2), math.cos(yaw / 2)
+    if not along_x:
+        return cosine, sine, 0.0, 0.0
+    half = math.sqrt(0.5)
+    return -sine * half, cosine * half, sine * half, cosine * half
+
+
 def chain(name: str, group: str, goals: int) -> tuple[int, int, float, float, float]:
     """Return goals reached, needless turns, travel, travel of the nearest, and CPU time [s]."""
     robot = load_robot(name)
@@ -161,7 +172,7 @@ def chain(name: str, group: str, goals: int) -> tuple[int, int, float, float, fl
             break
         angle, far = drawn.uniform(-math.pi, math.pi), drawn.uniform(0.35, 0.75) * reach
         height, yaw = drawn.uniform(0.0, 0.3) * reach, drawn.uniform(-math.pi, math.pi)
-        down = (math.cos(yaw / 2), math.sin(yaw / 2), 0.0, 0.0)
+        down = _down(yaw, along_x=name in _ALONG_X)
         pose = Pose((far * math.cos(angle), far * math.sin(angle), height), down)
         before = np.array([state[joint.name] for joint in referee.joints])
         begin = time.process_time()

@@ -30,7 +30,7 @@ _PROGRESS = 0.1  # of its reach, by which a projected step must still come neare
 _PROJECTIONS = 12  # steps of one projection
 _SLOPE_STEP = 1e-5  # by which a joint is moved to see how a rule changes [rad or m]
 ITERATIONS = 3000
-"""Of one search, unless it is told otherwise."""
+"""Of one search, unless others are given."""
 _LOOKS = 15_000  # at a rule, in one search: some seconds, as long as MoveIt plans by default
 _SHORTCUTS = 60
 _SMOOTHINGS = 4
