@@ -13,7 +13,7 @@ from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.motion.rrt_connect import FINE, connect, segment_is_free
 from tracerisk.twin.motion.timing import along_free_path, along_path, resample
-from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.robots.robot import load_robot
 
@@ -138,15 +138,30 @@ def test_a_path_that_is_not_free_itself_is_timed_all_the_same():
     assert np.array_equal(timed[1][-1], CORNERS[-1])
 
 
-def test_retiming_does_not_blend_a_corner_into_a_body():
-    post = box("post", (0.32, 0.0, 0.4), (0.04, 0.04, 0.4))
-    cell = Cell(post)
-    is_free = cell.clearance.judge(cell.members, cell.ready)
-    plan = cell.planner.to_one_of("panda_arm", [cell.target(-0.7)], cell.turned(0.7))
-    for tolerance in (0.1, 1.0):
-        again = cell.planner.retime(plan, path_tolerance=tolerance)
-        points, _ = resample(again.time, again.position, again.velocity, again.time[-1] / 500)
-        assert all(is_free(point) for point in points)
+def test_retiming_does_not_blend_a_corner_where_the_blend_is_not_free():
+    cell = Cell()
+    corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.3]])
+    names = ("panda_joint1", "panda_joint2")
+    path = JointTrajectory(names, np.arange(3.0), corners, np.zeros((3, 2)))
+
+    class Rule:
+        """Keeps two joints off the inside of the corner."""
+
+        def breach(self, positions):
+            one, two = (positions[name] for name in names)
+            return "inside" if 0.4 < one < 0.495 and -0.495 < two < -0.4 else None
+
+        def excess(self, positions):
+            return np.zeros(1)
+
+    rule = Rule()
+    plain = cell.planner.retime(path, path_tolerance=0.05)
+    with cell.clearance.keeping(rule):
+        careful = cell.planner.retime(path, path_tolerance=0.05)
+    for plan, is_broken in ((plain, True), (careful, False)):
+        points, _ = resample(plan.time, plan.position, plan.velocity, plan.time[-1] / 500)
+        at = [dict(zip(names, point.tolist(), strict=True)) for point in points]
+        assert any(rule.breach(each) for each in at) is is_broken
 
 
 def test_what_a_search_returns_is_free_however_closely_it_is_looked_at():
