@@ -255,7 +255,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print("| robot | timed plans | of them not straight | colliding points |")
     print("|---|---|---|---|")
     for name, cell in cells.items():
-        made, bent = [], 0
+        made: list[JointTrajectory] = []
+        bent = 0
         while len(made) < options.plans:
             plan, is_bent = cell.plan()
             if plan is not None:

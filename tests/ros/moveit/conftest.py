@@ -32,9 +32,16 @@ def panda() -> Robot:
 
 
 @pytest.fixture
-def run(panda: Robot, tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
-    """Run a program of moveit_commander on the Panda in virtual time; at full speed."""
-    twin = Twin.build(panda, load_scene("tube_racks"))
+def cell(panda: Robot) -> tuple[Robot, str]:
+    """Return the robot of the program and its scene; a module may have its own."""
+    return panda, "tube_racks"
+
+
+@pytest.fixture
+def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
+    """Run a program of moveit_commander on the robot in virtual time; at full speed."""
+    robot, scene = cell
+    twin = Twin.build(robot, load_scene(scene))
     tracer = Tracer()
     scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
     events = tmp_path / "events.jsonl"

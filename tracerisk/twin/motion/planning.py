@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,13 +145,7 @@ class Planner:
         is reached in collision only.
         """
         target = self._kinematics.target(group, pose, link)
-        return self.reach_all(group, [target], seed=seed)
-
-    def reach_all(
-        self, group: str, targets: Sequence[LinkTarget], **options: Any
-    ) -> dict[str, float]:
-        """Return the nearest of `reach_each`, which takes the same; raise as it does."""
-        return next(self.reach_each(group, targets, **options))
+        return next(self.reach_each(group, [target], seed=seed))
 
     def reach_each(
         self,
