@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tracerisk.twin.motion.clearance import Clearance
-from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.motion.kinematics import Kinematics, turned_near
 from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
 from tracerisk.twin.robots.robot import load_robot
@@ -109,6 +109,22 @@ def test_a_joint_that_has_turned_once_stays_there():
     arm = Arm("ur10e", "manipulator", (*READY[:5], 2 * math.pi - 0.3))
     found = arm.solutions(arm.pose(shoulder_pan_joint=1.5, wrist_3_joint=2 * math.pi - 0.5))
     assert found[0][5] == pytest.approx(2 * math.pi - 0.5, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("value", "near", "within", "wanted"),
+    [
+        (1.0, 6.0, (-6.3, 6.3), 1.0),
+        (1.0, -4.0, (-6.3, 6.3), 1.0 - 2 * math.pi),
+        (1.0, 9.0, (-math.inf, math.inf), 1.0 + 2 * math.pi),
+        (6.4, 6.2, (0.1, 0.2), 6.4 - 2 * math.pi),
+        (3.0, 3.0, (-2.0, 2.0), 2.0),
+        (-2.5, 0.0, (-2.0, 2.0), -2.0),
+    ],
+)
+def test_the_turn_nearest_to_a_joint_is_within_its_bounds(value, near, within, wanted):
+    joint = load_robot("gen3").joint("joint_1")
+    assert turned_near(joint, value, near, within) == pytest.approx(wanted)
 
 
 def test_an_arm_without_a_second_turn_keeps_to_the_descent_from_where_it_is():

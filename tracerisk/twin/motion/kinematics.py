@@ -347,14 +347,16 @@ def _search_range(joint: Joint, within: Bounds) -> Bounds:
 def turned_near(joint: Joint, value: float, near: float, within: Bounds) -> float:
     """Return the position within bounds that is `value` but for whole turns, the nearest to `near`.
 
-    A joint with less than a turn to go is brought to the nearer of its bounds.
+    Where no turn is within bounds, it is the bound nearest to `value`.
     """
     lower, upper = within
+    # Whole turns lead to the same pose; a limit of the range would not.
     if _is_whole(joint, within):
-        # Whole turns lead to the same pose; a limit of the range would not.
         value += _TURN * round((near - value) / _TURN)
-        value -= _TURN * _turns(value - upper)
-        value += _TURN * _turns(lower - value)
+    if joint.type != "prismatic":
+        turned = value - _TURN * _turns(value - upper)
+        turned += _TURN * _turns(lower - turned)
+        value = turned if turned <= upper + _TURN_SLACK else value
     return min(max(value, lower), upper)
 
 
