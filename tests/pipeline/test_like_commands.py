@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.trace.like_commands import like_commands
+from tracerisk.pipeline.workspace.like_commands import like_commands
 
 IMPORTS = """
 from geometry_msgs.msg import PoseStamped

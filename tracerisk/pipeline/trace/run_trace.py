@@ -17,7 +17,6 @@ from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
-from tracerisk.pipeline.trace.like_commands import like_commands
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import (
@@ -32,6 +31,7 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.pipeline.workspace.like_commands import like_commands
 from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
 from tracerisk.source.python_source import MODULE_NAME
 from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit

@@ -30,7 +30,7 @@ _NOT_DONE: frozenset[EndCause] = frozenset({"cycles", "duration"})
 """Ends of a run at which the controller would have commanded more."""
 _AT_LIMIT = 0.01  # of a joint [rad or m]
 _AS_GOOD_AS_THERE = {"rad": 0.01, "m": 0.001}
-"""What may be left of a way that still counts as done: less than a cell can tell."""
+"""What may be left of a way that still counts as done: less than a cell can measure."""
 _NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
     "goal_rejected": ("goal", "refused"),
     "command_ignored": ("message", "ignored"),
