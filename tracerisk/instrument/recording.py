@@ -27,6 +27,8 @@ _FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
 _WAY_DIGITS = 4  # of a fraction: what processors round differently is less
 
 
+CELL = "cell"
+"""The note of what the cell was asked for: `uses` in order, and the topics of `streams`."""
 STOPS = "stops"
 """The note of the calls that brought the arm to rest: file, line and column of each."""
 

@@ -24,7 +24,7 @@ from tracerisk.instrument.import_finder import ControllerFinder, controller_impo
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.marks.call_log import CALLS
 from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recording import CELL, Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
@@ -76,7 +76,7 @@ from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
-from tracerisk.ros.scenario.cell_log import CELL, CellLog
+from tracerisk.ros.scenario.cell_log import CellLog
 from tracerisk.ros.scenario.objects import with_objects, with_start
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld

@@ -39,7 +39,7 @@ from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.assumed_gripper import NAME as ASSUMED_GRIPPER
 from tracerisk.twin.robots.assumed_gripper import has_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC
-from tracerisk.twin.robots.gripper_ends import gripper_ends
+from tracerisk.twin.robots.gripper_ends import GripperEnds, gripper_ends
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -255,6 +255,7 @@ def _commands(
 ) -> Iterator[IssuedCommand]:
     robot, recording = ran.robot, ran.recording
     grippers = {gripper.name: gripper for gripper in robot.grippers}
+    ends = {gripper.name: gripper_ends(robot, gripper) for gripper in robot.grippers}
     joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
     place_of = {command.id: place for place, command in enumerate(recording.commands)}
@@ -286,7 +287,7 @@ def _commands(
             issued = replace(
                 issued,
                 gripper=gripper.name,
-                grip=_grip(robot, gripper, at, command),
+                grip=_grip(ends[gripper.name], gripper, at, command),
                 holds=_holds(gripper, command, recording.commands[number + 1 :], holds, samples),
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
@@ -319,10 +320,11 @@ def _positions(samples: Samples, time_ns: int) -> Mapping[str, float]:
     return dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
 
 
-def _grip(robot: Robot, gripper: Gripper, at: Mapping[str, float], command: Command) -> Grip | None:
+def _grip(
+    ends: GripperEnds, gripper: Gripper, at: Mapping[str, float], command: Command
+) -> Grip | None:
     if not command.goal:
         return None
-    ends = gripper_ends(robot, gripper)
     change = ends.share(command.goal[0]) - ends.share(gripper.position(at))
     if abs(change) < _SAME_PLACE:
         return None

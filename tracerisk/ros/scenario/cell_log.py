@@ -17,8 +17,6 @@ from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.graph import Graph, Publication, ServiceServer, Subscription
 from tracerisk.ros.messages.fields import fields_of
 
-CELL = "cell"
-"""The note of what the cell was asked for: `uses` in order, and the topics of `streams`."""
 _SHOWN = re.compile(
     r"(visualization_msgs|rosgraph_msgs|rcl_interfaces|diagnostic_msgs|tf2_msgs|bond)/"
     r"|moveit_msgs/Display|rviz"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,6 +80,18 @@ def tool_places(arm: Arm, positions: Array) -> Array:
                 # Rodrigues' formula, for a turn of its own of each point.
                 sine, cosine = np.sin(position), np.cos(position)
                 along = (points @ axis)[:, None] * axis
-                points = points * cosine + np.cross(axis, points) * sine + along * (1.0 - cosine)
-        points = points @ rotation(frame.rpy).T + np.asarray(frame.xyz_m)
+                across = points @ _turned(frame.axis)
+                points = points * cosine + across * sine + along * (1.0 - cosine)
+        points = points @ _rotation(frame.rpy).T + np.asarray(frame.xyz_m)
     return points
+
+
+# An arm has few frames, and a run asks for its tool at each of its rests.
+_rotation = lru_cache(maxsize=256)(rotation)
+
+
+@lru_cache(maxsize=256)
+def _turned(axis: Position) -> Array:
+    """Return the matrix by which rows are turned into their cross product with an axis."""
+    x, y, z = axis
+    return np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recording import CELL, Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.mission.asked_calls import AskedCalls
@@ -49,7 +49,7 @@ from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
-from tracerisk.ros.scenario.cell_log import CELL, CellLog
+from tracerisk.ros.scenario.cell_log import CellLog
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
 from tracerisk.sandbox.limited_process import mark_start

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tracerisk.geometry.frames import matrix_of
 from tracerisk.instrument.commands import Command
+from tracerisk.instrument.recording import CELL
 from tracerisk.outcome.arm import Arm, Position
 from tracerisk.outcome.outcome import (
     CORNER_M,
@@ -30,7 +31,6 @@ from tracerisk.outcome.outcome import (
 from tracerisk.outcome.ways import corners
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import OBJECTS
-from tracerisk.ros.scenario.cell_log import CELL
 from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
