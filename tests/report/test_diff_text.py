@@ -207,19 +207,24 @@ def run_of(kind, *codes):
     return Verdict(kind, reasons, Coverage(1, 1))
 
 
-def test_a_reason_of_a_renamed_function_did_not_break():
-    def run(function, call):
+def test_a_reason_of_a_renamed_function_or_one_that_moved_did_not_break():
+    def run(function, call, *parts):
         reasons = (
-            Reason("lookup-failed", "faulted", "no frame", function, "part"),
+            *(Reason("lookup-failed", "faulted", "no frame", function, part) for part in parts),
             Reason("never-called", "partial", "not executed", function, call),
         )
         return Verdict("faulted", reasons, Coverage(1, 1))
 
-    runs = run("find", "self.go"), run("locate", "self.move")
+    runs = run("find", "self.go", "part"), run("locate", "self.move", "part")
     renamed = RunVerdicts(*runs, renamed={"find": "locate"})
     assert renamed.broke == renamed.repaired == ()
-    (other,) = RunVerdicts(*runs).broke
-    assert other.code == "lookup-failed"
+    # Whoever extracts a function moves what was said of its code.
+    moved = RunVerdicts(*runs)
+    assert moved.broke == moved.repaired == ()
+    twice = RunVerdicts(runs[0], run("locate", "self.move", "part", "part"))
+    assert [reason.code for reason in twice.broke] == ["lookup-failed"]
+    other = RunVerdicts(runs[0], run("find", "self.go", "tray"))
+    assert [reason.object for reason in other.broke] == ["tray"]
 
 
 @pytest.mark.parametrize("code", ["never-grasped", "unmet-need"])

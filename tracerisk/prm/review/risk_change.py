@@ -247,17 +247,31 @@ def _only_in(
     """Return the reasons that only the first verdict has, functions that never ran left aside.
 
     `renamed` gives the other verdict's name of a function by its own. Of calls that were left out,
-    whose object is a call as written, only their number counts: whoever renames changes it.
+    whose object is a call as written, only their number counts: whoever renames changes it. What
+    was said of the same thing in another function has moved with the code.
     """
     left = Counter(_key(reason, {}) for reason in _open(other))
-    found = []
+    alone = []
     for reason in _open(verdict):
         key = _key(reason, renamed)
         if reason.code == NEVER_RAN or left[key] > 0:
             left[key] -= 1
         else:
+            alone.append(reason)
+    moved = Counter(_thing(key) for key in left.elements())
+    found = []
+    for reason in alone:
+        thing = _thing(_key(reason, renamed))
+        if thing[1] and moved[thing] > 0:
+            moved[thing] -= 1
+        else:
             found.append(reason)
     return tuple(found)
+
+
+def _thing(key: tuple[str, str, str]) -> tuple[str, str]:
+    code, _, thing = key
+    return code, thing
 
 
 def _open(verdict: Verdict | None) -> tuple[Reason, ...]:
