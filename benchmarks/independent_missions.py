@@ -146,9 +146,9 @@ def run(mission: Mission, folder: Path) -> Ran:
         found = json.loads(done.stdout)
     except ValueError:
         return Ran("internal error", done.stderr[-300:], None, None)
-    lock = folder / "tracerisk.lock"
     entry: dict[str, Any] = {}
-    if lock.exists():
+    # It stands at the root of the project, which may be a package of the workspace.
+    for lock in folder.rglob("tracerisk.lock"):
         controllers: dict[str, Any] = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
         entry = next((known["trace"] for known in controllers.values()), {})
     given: Any = found.get("verdict") or entry.get("verdict", {})
