@@ -78,6 +78,7 @@ SUB_ROOMS = {
             "robot",
         ),
         *("drafts", "transforms", "messages", "graph", "time", "controller", "homogeneous"),
+        "distributions",
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

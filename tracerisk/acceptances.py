@@ -41,6 +41,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "path-cut",
     "planning-failed",
     "robot-assumed",
+    "distro-assumed",
     "input-assumed",
     "run-exited",
     "run-raised",

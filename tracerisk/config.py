@@ -25,6 +25,9 @@ ActiveMode = Literal["moving", "moving+holding"]
 FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution_failure"]
 """Which findings of a run make `run` exit 1: any that is no mere note, or those of a kind."""
 
+RosDistro = Literal["noetic", "humble", "jazzy"]
+"""The distributions of ROS whose rules are served."""
+
 DEFAULT_DURATION_S = 300.0
 """The simulated time after which a run is over where nobody says otherwise [s]."""
 
@@ -58,6 +61,8 @@ class Settings:
     else.
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
+    `ros_distro` is the distribution of ROS whose rules a run follows, `None` for that found in the
+    workspace.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters,
     `drivers` files that describe drivers.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
@@ -82,6 +87,7 @@ class Settings:
     scene: str | None = None
     scenario: str | None = None
     hardware: str | None = None
+    ros_distro: RosDistro | None = None
     active: ActiveMode = "moving+holding"
     duration_s: float | None = None
     cpu_limit_s: float = 120.0
@@ -406,6 +412,7 @@ class _Reader:
         for name, choices in (
             ("active", get_args(ActiveMode)),
             ("fail_on", get_args(FailOn)),
+            ("ros_distro", get_args(RosDistro)),
             ("sandbox", get_args(SandboxMode)),
         ):
             if key == name and value not in choices:

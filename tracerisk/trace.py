@@ -62,6 +62,7 @@ NOTES: frozenset[str] = frozenset(
         "assumed_setting",
         "assumed_start",
         "concurrent_owners",
+        "distro_assumed",
         "not_simulated",
         "nothing_to_grasp",
         "removed_name",

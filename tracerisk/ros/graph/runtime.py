@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from tracerisk.ros.distributions.in_run import DistroRules
+
 if TYPE_CHECKING:
     from tracerisk.ros.graph.graph import Graph
     from tracerisk.ros.graph.parameter_files import Parameter
@@ -27,6 +29,7 @@ class Runtime:
     `argv` is the controller's command line, `seed` that of everything random.
     `parameters` are those of the scenario and of parameter files, later ones first in rank.
     `packages` are those of the controller's workspace, each name with its folder.
+    `distro` has the rules of the distribution of ROS that the run follows.
     `clients` holds the state of each client library, by the class of that state. `beside` is the
     runtime of the controller where this one is that of a companion: what is the world's of the
     states, and no process's own (its class says `is_of_world`), they share.
@@ -41,6 +44,7 @@ class Runtime:
     seed: int = 0
     packages: Mapping[str, Path] = field(default_factory=dict)
     parameters: tuple[Parameter, ...] = ()
+    distro: DistroRules = field(default_factory=DistroRules)
     clients: dict[type, Any] = field(default_factory=dict)
     beside: Runtime | None = None
 

@@ -1,0 +1,71 @@
+"""The distribution of ROS that a run follows, and which of its rules decided something."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from tracerisk.config import RosDistro
+from tracerisk.errors import Location
+from tracerisk.ros.distributions.rules import RULE_OF, RuleValue
+
+_TITLES: dict[RosDistro, str] = {
+    "noetic": "ROS 1 Noetic",
+    "humble": "ROS 2 Humble",
+    "jazzy": "ROS 2 Jazzy",
+}
+
+
+class DistroRules:
+    """The rules of the distribution that a run follows.
+
+    `name` is that distribution. `report` gets the words, the place and the rule where a rule
+    decided something that another distribution would have decided otherwise; it is `None` where
+    nothing is assumed, so that nobody has to know.
+    """
+
+    def __init__(
+        self,
+        name: RosDistro = "jazzy",
+        report: Callable[[str, Location | None, str], None] | None = None,
+    ) -> None:
+        self.name = name
+        self._report = report
+        self._reported: set[tuple[str, Location | None]] = set()
+
+    def value(self, rule: str) -> RuleValue:
+        """Return what the distribution does by a rule of the table.
+
+        Raises:
+            KeyError: the table has no such rule.
+        """
+        return RULE_OF[rule].of(self.name)
+
+    def decided(self, rule: str, location: Location | None = None) -> None:
+        """Note that a rule decided what happened at a line of the controller.
+
+        Call it where the outcome would be another under the other distribution, not where the rule
+        is merely read.
+        """
+        found = RULE_OF[rule]
+        if self._report is None or not found.differs or self.name == "noetic":
+            return
+        if (rule, location) in self._reported:
+            return
+        self._reported.add((rule, location))
+        other: RosDistro = "humble" if self.name == "jazzy" else "jazzy"
+        self._report(
+            f"{found.subject}: {in_words(found.of(self.name))} in {_TITLES[self.name]}, which is "
+            f"assumed, and {in_words(found.of(other))} in {_TITLES[other]}; set ros_distro in "
+            "[tool.tracerisk]",
+            location,
+            rule,
+        )
+
+
+def in_words(value: RuleValue) -> str:
+    """Return what a distribution does, as people read it."""
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,68 @@
+"""What differs between the distributions of ROS that are served, as one table.
+
+The stand-ins and the robot's controllers read it by `DistroRules` and have no other conditions on
+the name of a distribution. docs/ros.md shows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tracerisk.config import RosDistro
+
+RuleValue = str | bool | float | None
+"""What a distribution does: a word of the rule's own, a number, whether; `None`: has it not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule of ROS that differs between distributions."""
+
+    name: str
+    """The name under which code reads it."""
+    subject: str
+    """What it is about, as a clause: `a message field gets a value of the wrong type`."""
+    noetic: RuleValue
+    """What noetic does."""
+    humble: RuleValue
+    """What humble does."""
+    jazzy: RuleValue
+    """What jazzy does."""
+    source: str
+    """Where that is to be read: `owner/repo path`, several separated by commas."""
+
+    def of(self, distro: RosDistro) -> RuleValue:
+        """Return what a distribution does."""
+        value: RuleValue = getattr(self, distro)
+        return value
+
+    @property
+    def differs(self) -> bool:
+        """Whether the distributions of ROS 2 disagree: of ROS 1 only one is served."""
+        return self.humble != self.jazzy
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(
+        name="field-of-wrong-type",
+        subject="a message field is assigned a value of the wrong type",
+        noetic="fails when it is published",
+        humble="raises AssertionError at the assignment",
+        jazzy="aborts the process when it is published",
+        source="ros2/rosidl_python rosidl_generator_py/resource/_msg.py.em, "
+        "ros2/rosidl_python rosidl_generator_py/resource/_msg_support.c.em",
+    ),
+    Rule(
+        name="call-with-timeout",
+        subject="`Client.call` of rclpy has the argument `timeout_sec`",
+        noetic=None,
+        humble=False,
+        jazzy=True,
+        source="ros2/rclpy rclpy/rclpy/client.py",
+    ),
+)
+"""All rules that differ, grouped by subject."""
+
+RULE_OF: Mapping[str, Rule] = {rule.name: rule for rule in RULES}
+"""The rules by their names."""
