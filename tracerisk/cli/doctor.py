@@ -202,8 +202,13 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
+    from tracerisk.pipeline.workspace.ros_distro import choose_distro
 
     found = {"controller": controller.file, "root": str(controller.root)}
+    if controller.is_python:
+        distro = choose_distro(controller, settings)
+        assumed = "assumed: " if distro.is_assumed else ""
+        found["ros_distro"] = f"{distro.name} ({assumed}{distro.found_in})"
     launch = LaunchChoice()
     try:
         launch = choose_launch(controller, settings)

@@ -28,6 +28,7 @@ _ROS1 = re.compile(
 # `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
 # may have that name too, so that it decides only where nothing else does.
 _ACTIONS = re.compile(r"\w+\.action(\..*)?")
+_AMENT = re.compile(r"<(build_type|buildtool_depend)[^>]*>\s*ament_")
 _IMPORT = re.compile(r"\s*(?:from\s+([\w.]+)\s+import|import\s+([\w., ]+))")
 
 
@@ -35,7 +36,8 @@ def ros_version(script: Path, root: Path) -> RosVersion:
     """Return the ROS of a script: that of the first module which imports what only one of them has.
 
     The script comes first, then the modules below `root` that it imports, the nearest first.
-    A script that imports neither is of ROS 1, whose message packages take more forms of call.
+    For a script that imports neither the build tool of its package decides; without one it is of
+    ROS 1, whose message packages take more forms of call.
     """
     waiting, seen = deque([script]), {script}
     while waiting:
@@ -53,7 +55,15 @@ def ros_version(script: Path, root: Path) -> RosVersion:
                 if found not in seen:
                     seen.add(found)
                     waiting.append(found)
-    return 1
+    return 2 if _is_built_by_ament(root) else 1
+
+
+def _is_built_by_ament(root: Path) -> bool:
+    try:
+        manifest = (root / "package.xml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return _AMENT.search(manifest) is not None
 
 
 def _imported(path: Path) -> Iterator[str]:

@@ -19,7 +19,7 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.errors import ExitCode, Location, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.marks.call_log import CALLS
@@ -42,6 +42,7 @@ from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.trace.run_files import (
     AROUND,
+    DISTRO,
     ELSEWHERE,
     ENTRY,
     EVENTS,
@@ -59,6 +60,7 @@ from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.workspace import Workspace, project_top
 from tracerisk.ros.controller.needs import asking_place
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.drafts.draft import known_answers
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.graph import Graph
@@ -292,9 +294,7 @@ def _run(
                 )
             )
         os.environ.update(
-            {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
-            if is_ros2
-            else {"ROS_DISTRO": "noetic", "ROS_VERSION": "1"}
+            {"ROS_DISTRO": request.distro.name, "ROS_VERSION": "2" if is_ros2 else "1"}
         )
         os.environ.update(launch.environment)
         if entry is not None:
@@ -357,7 +357,20 @@ def runtime_of(
             *(each for file in request.params for each in read_parameters(Path(file))),
         ),
         packages=workspace.packages,
+        distro=_distro_of(request, recorder),
     )
+
+
+def _distro_of(request: RunRequest, recorder: Recorder) -> DistroRules:
+    """Return the rules of the distribution; where it is assumed, what they decide is recorded."""
+    if not request.distro.is_assumed:
+        return DistroRules(request.distro.name)
+    recorder.note(DISTRO, line=request.distro.assumption)
+
+    def report(words: str, location: Location | None, rule: str) -> None:
+        recorder.finding("distro_assumed", words, location, object_name=rule)
+
+    return DistroRules(request.distro.name, report)
 
 
 def note_given(recorder: Recorder, scenario: Scenario) -> None:

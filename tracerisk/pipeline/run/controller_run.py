@@ -30,6 +30,7 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     WallTime,
 )
+from tracerisk.pipeline.workspace.ros_distro import choose_distro
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.sandbox.process import OF_FORKED, end, is_contained, passed_environment, read_regular
@@ -108,6 +109,7 @@ def run_controller(
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
+            distro=choose_distro(controller, settings),
             drafts=options.drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
             live_speed=options.live_speed,

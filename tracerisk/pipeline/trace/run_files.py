@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.pipeline.workspace.ros_distro import DistroChoice
 from tracerisk.text.read_back import read_back
 from tracerisk.twin.faults.fault import Fault
 
@@ -58,6 +59,8 @@ COMPANION = "companion"
 _WALL_TIME = "wall_time.json"
 GRAPH_USE = "graph_use"
 """The note of how many messages, calls and goals went to each name of the graph: `counts`."""
+DISTRO = "distro"
+"""The note of an assumed distribution of ROS: `line` among the assumptions."""
 DECIDED = "decided"
 """The note that a run with a failure was ended because the fate of its mission is decided."""
 UNMET = "unmet"
@@ -174,6 +177,7 @@ class RunBeside:
 class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
 
+    `distro` is the distribution of ROS whose rules it follows.
     `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
     it; `launch_notes` are the lines that describe `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
@@ -210,6 +214,7 @@ class RunRequest:
     duration_s: float
     memory_limit_mb: int
     seed: int
+    distro: DistroChoice
     drafts: DraftsNoted = "never"
     written: str | None = None
     readable: tuple[str, ...] = ()

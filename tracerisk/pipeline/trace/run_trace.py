@@ -21,6 +21,7 @@ from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import (
     CYCLE,
+    DISTRO,
     ELSEWHERE,
     ENTRY,
     GIVEN,
@@ -232,6 +233,9 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
         lines.append(f"robot: {robot.name}, {robot.chosen_by}")
     if settings.scene is None:
         lines.append(f"scene: {ran.scene}, the default of the robot")
+    distro = recording.note(DISTRO)
+    if distro is not None:
+        lines.append(distro["line"])
     lines += _started_by(recording)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")

@@ -77,6 +77,7 @@ class Companions:
             runtime.seed,
             runtime.packages,
             (*parameters, *runtime.parameters),
+            runtime.distro,
             beside=runtime,
         )
         return NodeProcess(companion.told, own, list(argv))

@@ -1,0 +1,193 @@
+"""Which distribution of ROS a controller is written for, by what its workspace names."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.config import RosDistro, Settings, setting_origins
+from tracerisk.errors import SettingsError
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.workspace import project_top, searched
+from tracerisk.source.ros_version import RosVersion, ros_version
+from tracerisk.text.patterns import pattern
+
+_SERVED: dict[RosVersion, dict[str, RosDistro]] = {
+    1: {
+        **dict.fromkeys(("indigo", "jade", "kinetic", "lunar", "melodic"), "noetic"),
+        "noetic": "noetic",
+    },
+    2: {
+        **dict.fromkeys(("dashing", "eloquent", "foxy", "galactic", "humble", "iron"), "humble"),
+        **dict.fromkeys(("jazzy", "kilted", "lyrical", "rolling"), "jazzy"),
+    },
+}
+"""Every distribution that may be named, and the one of those served whose rules are nearest."""
+_ASSUMED: dict[RosVersion, RosDistro] = {1: "noetic", 2: "jazzy"}
+_INSTALLED = Path("/opt/ros")
+_HIDDEN = (".github", ".gitlab", ".circleci", ".devcontainer", ".docker", ".ci")
+_MOST_FOLDERS = 500
+_MOST_BYTES = 200_000
+_SHOWN = 3
+
+_NAMES = "|".join(name for names in _SERVED.values() for name in names)
+_WORD = pattern(rf"(?<![a-z])({_NAMES})(?![a-z])")
+# Prose has `rolling`, `iron` and `humble` as words of its own.
+_IN_PROSE = pattern(
+    rf"(?:\bros(?:[ _-]?[12])?[ _:/-]{{1,2}}|/opt/ros/|ros_?distro\W{{1,6}}|moveit/moveit2?:)"
+    rf"({_NAMES})(?![a-z])"
+)
+_POINTS = {"image": 4, "checks": 3, "branch": 3, "sources": 2, "commands": 2, "prose": 1}
+"""How much a file of a kind that names a distribution weighs."""
+
+
+@dataclass(frozen=True, slots=True)
+class DistroChoice:
+    """The distribution of ROS whose rules a run follows, and why."""
+
+    name: RosDistro
+    """The distribution, one of those that are served."""
+    found_in: str
+    """Where it was found, or why it is assumed, in words."""
+    is_assumed: bool = False
+    """Whether nothing says so: nobody names one, several are named alike, or one not served."""
+
+    @property
+    def assumption(self) -> str:
+        """The line among the assumptions of a run; empty where nothing is assumed."""
+        return f"ros_distro: {self.name}, {self.found_in}" if self.is_assumed else ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Mention:
+    name: str
+    """The distribution as it is written."""
+    points: int
+    """How much it weighs."""
+    place: str
+    """The file and line, from the top of the project."""
+
+
+def choose_distro(
+    controller: Controller,
+    settings: Settings,
+    environment: Mapping[str, str] = os.environ,
+    installed: Path = _INSTALLED,
+) -> DistroChoice:
+    """Return the distribution of a controller: by its settings, its workspace, the installed ROS.
+
+    Raises:
+        SettingsError: the setting is a distribution of the other ROS than the controller's.
+    """
+    ros = ros_version(controller.path.resolve(), controller.root.resolve())
+    if settings.ros_distro is not None:
+        if settings.ros_distro not in _SERVED[ros].values():
+            origin = setting_origins(controller.root, controller.file).get("ros_distro")
+            allowed = " or ".join(dict.fromkeys(_SERVED[ros].values()))
+            raise SettingsError(
+                f"ros_distro: {settings.ros_distro} is not of ROS {ros}, which {controller.file} "
+                f"imports; give {allowed} in its own table",
+                None if origin is None else origin.location,
+            )
+        return DistroChoice(settings.ros_distro, "by the settings")
+    mentions = [each for each in _mentions(controller.root) if each.name in _SERVED[ros]]
+    if not mentions:
+        sourced = _of_installed(environment, installed)
+        mentions = [each for each in sourced if each.name in _SERVED[ros]]
+    return _weighed(ros, mentions)
+
+
+def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:
+    """Return the distribution that most speaks for; of several alike the newest."""
+    served = _SERVED[ros]
+    points: dict[RosDistro, int] = {}
+    for mention in mentions:
+        name = served[mention.name]
+        points[name] = points.get(name, 0) + mention.points
+    if not points:
+        return DistroChoice(_ASSUMED[ros], "nothing in the workspace names one", is_assumed=True)
+    order = list(dict.fromkeys(served.values()))
+    best = max(points, key=lambda name: (points[name], order.index(name)))
+    chosen = [mention for mention in mentions if served[mention.name] == best]
+    words = ", ".join(dict.fromkeys(mention.place for mention in chosen[:_SHOWN]))
+    others = [name for name, found in points.items() if name != best and found == points[best]]
+    if others:
+        return DistroChoice(best, f"named as often as {others[0]}: {words}", is_assumed=True)
+    written = sorted({mention.name for mention in chosen})
+    if best not in written:
+        nearest = f"the nearest that is served to {' and '.join(written)}: {words}"
+        return DistroChoice(best, nearest, is_assumed=True)
+    return DistroChoice(best, words)
+
+
+def _mentions(root: Path) -> Iterator[_Mention]:
+    """Yield what the files of a project say, one a file and distribution."""
+    top = project_top(root)
+    yield from _of_branch(top)
+    tops = [top, *(top / name for name in _HIDDEN if (top / name).is_dir())]
+    for start in tops:
+        for folder, files in itertools.islice(searched(start, environments=False), _MOST_FOLDERS):
+            for file in files:
+                kind = _kind(Path(folder, file), top)
+                if kind:
+                    yield from _of_file(Path(folder, file), top, kind)
+
+
+def _kind(path: Path, top: Path) -> str:
+    """Return which kind of file may name a distribution; empty for none."""
+    name = path.name.lower()
+    inside = path.relative_to(top).parts[0]
+    if "dockerfile" in name or name.startswith(("containerfile", "docker-compose", "compose.y")):
+        return "image"
+    if inside == ".devcontainer" and name.endswith(".json"):
+        return "image"
+    is_yaml = name.endswith((".yml", ".yaml"))
+    if inside in _HIDDEN or name in (".gitlab-ci.yml", ".travis.yml", "jenkinsfile"):
+        return "checks" if is_yaml or name == "jenkinsfile" else ""
+    if name.endswith((".repos", ".rosinstall")):
+        return "sources"
+    if name.endswith((".sh", ".bash", ".zsh")) or name in ("makefile", "justfile"):
+        return "commands"
+    return "prose" if name.startswith("readme") else ""
+
+
+def _of_file(path: Path, top: Path, kind: str) -> Iterator[_Mention]:
+    try:
+        with path.open("rb") as stream:
+            text = stream.read(_MOST_BYTES).decode("utf-8", "replace").lower()
+    except OSError:
+        return
+    seen = set()
+    found_by = _IN_PROSE if kind in ("prose", "commands") else _WORD
+    for number, line in enumerate(text.split("\n"), start=1):
+        if kind != "prose" and line.lstrip().startswith("#"):
+            continue
+        for name in found_by.findall(line):
+            if name not in seen:
+                seen.add(name)
+                place = f"{path.relative_to(top).as_posix()}:{number}"
+                yield _Mention(name, _POINTS[kind], place)
+
+
+def _of_branch(top: Path) -> Iterator[_Mention]:
+    """Yield the distribution that the branch which is checked out is named after."""
+    try:
+        head = (top / ".git" / "HEAD").read_text(encoding="utf-8", errors="replace").strip()
+    except OSError:
+        return
+    branch = head.removeprefix("ref: refs/heads/")
+    for name in _WORD.findall(branch.lower()):
+        yield _Mention(name, _POINTS["branch"], f"the branch {branch}")
+
+
+def _of_installed(environment: Mapping[str, str], installed: Path) -> Iterator[_Mention]:
+    """Yield the distribution that is sourced, and those that are installed."""
+    sourced = environment.get("ROS_DISTRO", "").lower()
+    if sourced:
+        yield _Mention(sourced, 2, "the environment's ROS_DISTRO")
+    if installed.is_dir():
+        for folder in sorted(installed.iterdir()):
+            yield _Mention(folder.name.lower(), 1, str(folder))
