@@ -12,9 +12,11 @@ from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
@@ -46,7 +48,14 @@ def run_traced(
         scheduler = Scheduler(twin, duration_ns=round(duration_s * 1e9), tracer=tracer)
         graph = Graph(scheduler, tracer)
         runtime = Runtime(
-            scheduler, graph, twin, tracer, recorder, argv=(str(script),), packages=packages
+            scheduler,
+            graph,
+            twin,
+            tracer,
+            recorder,
+            argv=(str(script),),
+            packages=packages,
+            distro=DistroRules("noetic" if isinstance(interfaces, Interfaces) else "jazzy"),
         )
         if has_topics:
             TwinTopics(runtime, interfaces)

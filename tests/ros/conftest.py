@@ -10,6 +10,8 @@ import pytest
 # The process of a run has it before time is simulated: what it imports of `time` is real.
 import tracerisk.sandbox.limited_process  # noqa: F401
 from tests.ran import Ran
+from tracerisk.config import RosDistro
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
@@ -119,10 +121,15 @@ def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
 def run_ros2() -> Callable[..., Any]:
     """Run a function that imports the stand-ins of ROS 2 as a controller; each run is a new one."""
 
-    def run_controller(main: Callable[[], Any], *arguments: str) -> Any:
+    def run_controller(
+        main: Callable[[], Any], *arguments: str, distro: RosDistro = "jazzy"
+    ) -> Any:
         scheduler = Scheduler(ClockWorld(), duration_ns=300 * SECOND)
-        runtime = Runtime(scheduler, Graph(scheduler), argv=("controller.py", *arguments))
-        with activate(runtime), StandInFinder(Interfaces2()), virtual_time(scheduler):
+        rules = DistroRules(distro)
+        argv = ("controller.py", *arguments)
+        runtime = Runtime(scheduler, Graph(scheduler), argv=argv, distro=rules)
+        interfaces = Interfaces2(rules=rules)
+        with activate(runtime), StandInFinder(interfaces), virtual_time(scheduler):
             return scheduler.run_main(main)
 
     return run_controller

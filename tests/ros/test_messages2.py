@@ -62,17 +62,6 @@ def test_defaults_of_the_definition_hold(interfaces):
     assert interfaces.message("control_msgs/MotionPrimitive")().type == -1
 
 
-def test_a_time_that_is_no_message_is_taken_until_it_is_sent(interfaces):
-    class Time:  # as Jazzy takes that of rclpy
-        def to_msg(self):
-            raise NotImplementedError
-
-    header = interfaces.message("std_msgs/Header")()
-    header.stamp = Time()
-    with pytest.raises(AttributeError, match="'Time' object has no attribute 'sec'"):
-        copy_message(header)
-
-
 def test_defaults_of_arrays_are_words_numbers_and_bytes(tmp_path):
     (tmp_path / "msg").mkdir()
     (tmp_path / "msg" / "Plan.msg").write_text(
@@ -130,10 +119,10 @@ def test_sequences_of_numbers_are_arrays_of_python(point):
         "The 'positions' field must be a set or sequence and each value of type 'float' and each "
         "double in [-1797693134862315"
     )
-    for several in ([1, 2.0], np.array([1.0, 2.0]), np.array([1, 2])):
-        point.positions = several
-        assert point.positions == array.array("d", [1.0, 2.0])
-    assert refused(lambda: setattr(point, "positions", np.zeros((2, 2)))).startswith("The 'pos")
+    for several in ([1, 2.0], np.array([1.0, 2.0]), np.array([1, 2]), np.zeros((2, 2))):
+        assert "'positions' field" in refused(
+            lambda given=several: setattr(point, "positions", given)
+        )
     assert (
         refused(lambda: setattr(point, "positions", array.array("f")))
         == "The 'positions' array.array() must have the type code of 'd'"
@@ -234,12 +223,6 @@ def test_copies_and_pickles_are_equal_and_apart(interfaces):
     assert copy.copy(state).position is state.position
     with StandInFinder(interfaces):
         assert pickle.loads(pickle.dumps(state)) == state
-
-
-def test_copying_finds_what_was_put_into_a_list_and_does_not_fit(interfaces):
-    trajectory = interfaces.message("trajectory_msgs/JointTrajectory")()
-    trajectory.points.append(1.0)
-    assert "each value of type 'JointTrajectoryPoint'" in refused(lambda: copy_message(trajectory))
 
 
 def test_services_and_actions_hold_their_parts():

@@ -214,20 +214,15 @@ def test_profiles_need_a_history_or_a_depth(run_ros2):
     assert run_ros2(main) is True
 
 
-def test_publishing_checks_the_class_and_what_lists_hold(run_ros2):
+def test_publishing_checks_the_class(run_ros2):
     def main():
         import rclpy
         from std_msgs.msg import Int32, String
-        from trajectory_msgs.msg import JointTrajectory
 
         rclpy.init()
         node = rclpy.create_node("arm")
         with pytest.raises(TypeError, match="Expected"):
             node.create_publisher(Int32, "t", 10).publish(String())
-        bad = JointTrajectory()
-        bad.joint_names.append(1)
-        with pytest.raises(AssertionError, match="'joint_names' field"):
-            node.create_publisher(JointTrajectory, "j", 10).publish(bad)
 
     run_ros2(main)
 

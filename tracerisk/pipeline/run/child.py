@@ -180,7 +180,7 @@ def _run(
     own = workspace.interfaces
     drivers, more = drivers_of(request, scenario)
     interfaces = (
-        Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
+        Interfaces2(own, more, runtime.distro) if is_ros2 else Interfaces(workspace=own, more=more)
     )
     serve_twin(runtime, interfaces, drivers)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
@@ -234,6 +234,7 @@ def _run(
         missing,
         scheduler.outlast,
     )
+    scheduler.on_abort = end.abort
     replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES

@@ -13,6 +13,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType, TracebackType
+from typing import NoReturn
 
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
@@ -77,6 +78,13 @@ class ControllerEnd:
         self._over(over)
         self.before_exit()
         os.kill(os.getpid(), signal.SIGKILL)
+
+    def abort(self, message: str, place: Location | None) -> NoReturn:
+        """Report that the process aborts, and end it: no code of the controller runs any more."""
+        self._over(RunOver("raised", message, place))
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            sys.stdout.flush()
+        os._exit(128 + signal.SIGABRT)
 
     def _report(self, cause: EndCause, message: str, location: Location | None = None) -> None:
         if self._reported:

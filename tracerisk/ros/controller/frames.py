@@ -76,6 +76,11 @@ def caller_beyond(files: tuple[str, ...]) -> FrameType | None:
     return frame
 
 
+def is_of_tracerisk(frame: FrameType | None) -> bool:
+    """Return whether the code of a frame is tracerisk's own."""
+    return frame is not None and frame.f_code.co_filename.startswith(_OURS)
+
+
 def is_quiet(frame: FrameType | None) -> bool:
     """Return whether the frame is a library's whose looks at the clock move nothing."""
     if frame is None:

@@ -44,15 +44,33 @@ class Rule:
 
 
 RULES: tuple[Rule, ...] = (
+    # Messages
     Rule(
         name="field-of-wrong-type",
-        subject="a message field is assigned a value of the wrong type",
-        noetic="fails when it is published",
-        humble="raises AssertionError at the assignment",
-        jazzy="aborts the process when it is published",
+        subject="a message field is assigned a value of the wrong type or out of range",
+        noetic="error when sent",
+        humble="AssertionError",
+        jazzy="abort when sent",
         source="ros2/rosidl_python rosidl_generator_py/resource/_msg.py.em, "
         "ros2/rosidl_python rosidl_generator_py/resource/_msg_support.c.em",
     ),
+    Rule(
+        name="whole-numbers-as-floats",
+        subject="whole numbers or a NumPy array are assigned to a list of floating-point numbers",
+        noetic="converted",
+        humble="AssertionError",
+        jazzy="converted",
+        source="ros2/rosidl_python rosidl_generator_py/resource/_msg.py.em",
+    ),
+    Rule(
+        name="unknown-keyword-of-message",
+        subject="a message is made with a keyword that is none of its fields",
+        noetic="AttributeError",
+        humble="AssertionError",
+        jazzy="ignored",
+        source="ros2/rosidl_python rosidl_generator_py/resource/_msg.py.em",
+    ),
+    # rclpy
     Rule(
         name="call-with-timeout",
         subject="`Client.call` of rclpy has the argument `timeout_sec`",

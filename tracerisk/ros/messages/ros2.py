@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.messages.fields import snake_case
 from tracerisk.ros.messages.interface_texts import (
     Definition,
@@ -27,6 +28,7 @@ from tracerisk.ros.messages.interface_texts import (
     shipped_packages,
     shipped_texts,
 )
+from tracerisk.ros.messages.misfits import Misfits
 from tracerisk.ros.messages.ros2_base import Action2, Message2, Service2, copy_message
 from tracerisk.ros.messages.ros2_fields import Field2, accessor
 
@@ -54,7 +56,10 @@ _DEFAULT = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?\s+(\w+)\s+([^=\s#].*
 
 
 class Interfaces2(InterfaceStore):
-    """The message packages of ROS 2 that are known, and the classes made of them so far."""
+    """The message packages of ROS 2 that are known, and the classes made of them so far.
+
+    `rules` say what becomes of values that do not fit: by default those of Humble.
+    """
 
     kinds = ("msg", "srv", "action")
 
@@ -62,8 +67,10 @@ class Interfaces2(InterfaceStore):
         self,
         workspace: Mapping[str, Path] | None = None,
         more: Iterable[InterfaceText] = (),
+        rules: DistroRules | None = None,
     ) -> None:
         super().__init__(workspace, more)
+        self._misfits = Misfits(DistroRules("humble") if rules is None else rules)
         self._defaults: dict[str, dict[str, Any]] = {}
 
     @cached_property
@@ -203,7 +210,9 @@ class Interfaces2(InterfaceStore):
             Field2(name.lower(), f"{package}/{short}_{name}", "sequence", 1, None, parts[name])
             for name in ("Request", "Response")
         )
-        return _message_class(package, "srv", f"{short}_Event", short, (info, *request_fields), {})
+        return _message_class(
+            package, "srv", f"{short}_Event", short, (info, *request_fields), {}, self._misfits
+        )
 
     def _wrappers(self, package: str, short: str, parts: Mapping[str, Any]) -> type:
         """Make what an action sends: its parts with the goal's id, status or time."""
@@ -220,7 +229,9 @@ class Interfaces2(InterfaceStore):
             return Field2(name, f"{package}/{short}_{part}", message=parts[part])
 
         def made(suffix: str, *fields: Field2) -> type[Message2]:
-            return _message_class(package, "action", f"{short}_{suffix}", short, fields, {})
+            return _message_class(
+                package, "action", f"{short}_{suffix}", short, fields, {}, self._misfits
+            )
 
         send = {
             "_ros_type": f"{package}/{short}_SendGoal",
@@ -257,7 +268,7 @@ class Interfaces2(InterfaceStore):
             name: bytes([cast("int", value)]) if base == "byte" else value
             for name, base, value in constants
         }
-        return _message_class(package, kind, short, of, fields, values)
+        return _message_class(package, kind, short, of, fields, values, self._misfits)
 
     def _field(self, owner: str, name: str, description: FieldDesc, default: Any) -> Field2:
         from rosbags.interfaces import Nodetype
@@ -324,6 +335,7 @@ def _message_class(
     of: str,
     fields: tuple[Field2, ...],
     constants: Mapping[str, Any],
+    misfits: Misfits,
 ) -> type[Message2]:
     body: dict[str, Any] = {
         "__module__": f"{package}.{kind}._{snake_case(of)}",
@@ -331,11 +343,12 @@ def _message_class(
         "__slots__": [f"_{field.name}" for field in fields],
         "_ros_type": f"{package}/{short}",
         "_ros_fields": fields,
+        "_misfits": misfits,
         "_fields_and_field_types": {field.name: field.type_text for field in fields},
         "SLOT_TYPES": tuple(field.type_text for field in fields),
     }
     body |= constants
-    body |= {field.name: accessor(field) for field in fields}
+    body |= {field.name: accessor(field, misfits) for field in fields}
     return type(short, (Message2,), body)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import array
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 
@@ -13,9 +13,13 @@ from tracerisk.ros.messages.ros2_fields import Field2
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from tracerisk.ros.messages.misfits import Misfits
+
 
 class Message2:
-    """A ROS 2 message: fields by keyword, each checked when it is assigned.
+    """A ROS 2 message: fields by keyword.
+
+    What does not fit is an error at the assignment, or when the message is sent: `Misfits`.
 
     Raises:
         AssertionError: a keyword is not a field, or a value does not fit its field.
@@ -27,12 +31,13 @@ class Message2:
     _ros_type: ClassVar[str] = ""
     _ros_fields: ClassVar[tuple[Field2, ...]] = ()
     _fields_and_field_types: ClassVar[dict[str, str]] = {}
+    _misfits: ClassVar[Misfits]
     SLOT_TYPES: ClassVar[tuple[Any, ...]] = ()
 
     def __init__(self, **kwargs: Any) -> None:
         known = self._fields_and_field_types
         unknown = sorted(name for name in kwargs if name not in known)
-        if unknown:
+        if unknown and not self._misfits.keywords_are_ignored():
             text = ", ".join(unknown)
             raise AssertionError(f"Invalid arguments passed to constructor: {text}")
         for field in self._ros_fields:
@@ -102,32 +107,49 @@ class Action2:
 
 
 def copy_message(message: Any) -> Any:
-    """Return a copy of a message, its nested messages and lists included, checked anew.
+    """Return a copy of a message as it arrives where it is sent to, nested messages included.
 
-    A list may have been filled with what does not fit since it was assigned.
+    A value that does not fit its field ends the process.
 
     Raises:
-        AssertionError: a value does not fit its field.
-        AttributeError: a field holds a time that is no message.
+        TypeError: a field that is a list holds what cannot be iterated.
+        UnicodeEncodeError: a string holds what UTF-8 has not.
     """
-    made = type(message)()
-    for field in type(message)._ros_fields:
-        setattr(made, field.name, _copy(field, getattr(message, field.name)))
+    kind = type(message)
+    made = kind.__new__(kind)
+    for field in kind._ros_fields:
+        kept = _copy(message, field, getattr(message, field.name))
+        object.__setattr__(made, f"_{field.name}", kept)
     return made
 
 
-def _copy(field: Field2, value: Any) -> Any:
-    if isinstance(value, array.array | np.ndarray):
-        return value[:] if isinstance(value, array.array) else value.copy()
-    if field.arrangement != "scalar":
-        field.accept(value)
-        nested = field.message is not None
-        return [copy_message(item) if nested else item for item in value]
-    if field.message is None:
-        return value
-    if not isinstance(value, field.message):
-        raise AttributeError(f"'{type(value).__name__}' object has no attribute 'sec'")
-    return copy_message(value)
+def _copy(message: Any, field: Field2, value: Any) -> Any:
+    if isinstance(value, array.array):
+        return value[:]
+    if field.arrangement == "array" and field.is_numbers:
+        is_whole = value.ndim == 1 and value.size >= (field.size or 0)
+        if not is_whole:
+            _abort(message, field, value, "PyArray_NDIM(seq_field) == 1")
+        return value[: field.size].copy()
+    if field.arrangement == "scalar":
+        return _element(message, field, value)
+    if not isinstance(value, Iterable):
+        raise TypeError(f"expected a sequence in '{field.name}'")
+    return [_element(message, field, item) for item in value]
+
+
+def _element(message: Any, field: Field2, value: Any) -> Any:
+    assertion = field.unsendable(value)
+    if assertion:
+        _abort(message, field, value, assertion)
+    return field.as_sent(value) if field.message is None else copy_message(value)
+
+
+def _abort(message: Any, field: Field2, value: Any, assertion: str) -> NoReturn:
+    # Imported here: a program that makes messages alone needs no run.
+    from tracerisk.ros.messages.misfits import abort_sending
+
+    abort_sending(type(message)._ros_type, field, value, assertion)
 
 
 def _shown(value: Any) -> str:

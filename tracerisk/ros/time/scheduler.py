@@ -17,7 +17,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from sys import _getframe
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NoReturn, TypeVar
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.exit_calls import ExitCalls
@@ -82,6 +82,7 @@ class Scheduler:
     times; it should end the process.
     `on_over` (an attribute) is called when the run is over before the controller has ended, and
     when its main program has failed, before its exit calls.
+    `on_abort` (an attribute) is called where the process is to end at once.
     `process` (an attribute) is the companion whose code runs, None for the controller's;
     `has_companions` says that there may be any, and `on_process_change` is called at each change.
     """
@@ -115,6 +116,7 @@ class Scheduler:
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
         self.on_over: Callable[[], None] | None = None
+        self.on_abort: Callable[[str, Location | None], NoReturn] | None = None
         self.when_alone: list[Callable[[], None]] = []
         self.has_companions = False
         self.process: NodeProcess | None = None
@@ -398,6 +400,19 @@ class Scheduler:
         """End the run: every thread's next wait raises `RunOver`."""
         if self._over is None:
             self._end_with(RunOver(cause, message, location))
+
+    def abort(self, message: str, location: Location | None) -> NoReturn:
+        """End the process at once, as C code does whose assertion fails.
+
+        In the code of a companion that process alone.
+        """
+        if self.process is not None:
+            raise SystemExit(message)
+        if self.on_abort is not None:
+            self.on_abort(message, location)
+        self.end("raised", message, location)
+        assert self._over is not None
+        raise self._over.again()
 
     def _end_with(self, over: RunOver) -> None:
         self._over = over
