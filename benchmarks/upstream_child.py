@@ -23,6 +23,7 @@ from typing import Any, TextIO
 
 import pytest
 
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameter_files import Parameter, into_tree
 from tracerisk.ros.graph.runtime import Runtime, activate
@@ -213,12 +214,13 @@ def main() -> None:
     parameters = tuple(Parameter(**each) for each in started["parameters"])
     into_tree(parameters, graph.parameters)
     argv = (job["file"] if job["ros"] == 1 else "pytest", *started["arguments"])
-    runtime = Runtime(scheduler, graph, argv=argv, parameters=parameters)
+    rules = DistroRules("jazzy" if job["ros"] == 2 else "noetic")
+    runtime = Runtime(scheduler, graph, argv=argv, parameters=parameters, distro=rules)
     folders = {
         name: Path(path)
         for name, path in job["interfaces" if job["ros"] == 2 else "interfaces1"].items()
     }
-    interfaces = Interfaces2(folders) if job["ros"] == 2 else Interfaces(folders)
+    interfaces = Interfaces2(folders, rules=rules) if job["ros"] == 2 else Interfaces(folders)
 
     def run_tests() -> None:
         reporter = Reporter(stream, lambda: scheduler.over is not None, job["done"])

@@ -42,7 +42,8 @@ def test_a_goal_is_answered_fed_back_and_ends_with_a_result(run_ros2):
         future = handle.get_result_async()
         future.add_done_callback(lambda done: order.append(done.result().result.position))
         rclpy.spin_until_future_complete(node, future)
-        rclpy.spin_once(node, timeout_sec=0.1)
+        for _ in range(20):
+            rclpy.spin_once(node, timeout_sec=0.1)
         return handle.accepted, future.result().status == GoalStatus.STATUS_SUCCEEDED, order
 
     assert run_ros2(main) == (True, True, [0.5, 0.25])

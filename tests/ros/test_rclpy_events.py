@@ -166,7 +166,7 @@ def test_the_calls_of_a_service_are_published_as_far_as_each_end_says(run_ros2):
         def called():
             future = client.call_async(SetBool.Request(data=True))
             rclpy.spin_until_future_complete(node, future)
-            for _ in range(4):
+            for _ in range(12):
                 rclpy.spin_once(node, timeout_sec=0.01)
             reported = [
                 (e.info.event_type, e.info.sequence_number, len(e.request), len(e.response))

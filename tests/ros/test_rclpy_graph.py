@@ -92,22 +92,18 @@ def test_messages_are_published_received_and_kept_as_bytes(run_ros2):
     assert run_ros2(main) == ([b"\x00\x01\x00\x00\x05\x00\x00\x00", 5], 5)
 
 
-def test_init_may_be_a_context_manager(run_ros2):
+def test_a_context_begins_and_ends_as_a_context_manager(run_ros2):
     def main():
         import rclpy
         from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_options
 
-        with rclpy.init() as begun:
-            assert begun.context is rclpy.get_default_context()
-            assert get_current_signal_handlers_options() is SignalHandlerOptions.ALL
-            assert rclpy.ok()
-        assert not rclpy.ok()
-        context = rclpy.Context()
-        with rclpy.init(context=context):
+        assert rclpy.init() is None
+        assert get_current_signal_handlers_options() is SignalHandlerOptions.ALL
+        with rclpy.Context() as context:
             rclpy.create_node("arm", context=context)
-        return context.ok()
+        return rclpy.ok(), context.ok()
 
-    assert run_ros2(main) is False
+    assert run_ros2(main) == (True, False)
 
 
 def test_jumps_of_a_clock_can_be_asked_for_and_never_come(run_ros2):

@@ -20,7 +20,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2, copy_message
 def of_controller(code: str, **names: object) -> dict[str, object]:
     """Run code as the controller's own: our own may assign more."""
     namespace = dict(names)
-    exec(compile(code, str(Path.cwd() / "controller.py"), "exec"), namespace)  # noqa: S102
+    exec(compile(code, str(Path.cwd() / "controller.py"), "exec"), namespace)
     return namespace
 
 
@@ -62,7 +62,7 @@ def test_a_scalar_that_does_not_fit(kind, distro, messages, reported):
             of_controller(code, m=made)
     else:
         of_controller(code, m=made)
-        assert (made.layout if value is None else made.data) == eval(value or "'x'")  # noqa: S307
+        assert (made.layout if value is None else made.data) == eval(value or "'x'")
     assert reported == ["field-of-wrong-type"]
 
 
@@ -148,7 +148,7 @@ SENT = {
 @pytest.mark.parametrize("kind", SENT)
 def test_sending_it_ends_the_process_on_jazzy(kind, run_ros2):
     code = SENDING.format(statement=SENT[kind], again="raise")
-    with pytest.raises(RunOver, match="the process aborted when it sent .*no `except` catches"):
+    with pytest.raises(RunOver, match=r"the process aborted when it sent .*no `except` catches"):
         run_ros2(lambda: of_controller(code), distro="jazzy")
 
 

@@ -103,7 +103,7 @@ def test_parameters_are_declared_typed_and_overridden(run_ros2):
     found = run_ros2(main, "--ros-args", "-p", "speed:=0.5", "-p", "arm:count:=many")
     assert found == (
         False,
-        "Wrong parameter type, expected 'DOUBLE' got 'STRING'",
+        "Wrong parameter type, expected 'Type.DOUBLE' got 'Type.STRING'",
         0.5,
         1,
         ["home", "names"],

@@ -100,7 +100,7 @@ def test_values_are_set_one_by_one_or_all_or_none(ask):
     each, unknown, both, value = ask(use)
     assert each == [True, False]
     assert "undeclared" in unknown
-    assert both == (False, "Wrong parameter type, expected 'INTEGER' got 'STRING'")
+    assert both == (False, "Wrong parameter type, expected 'Type.INTEGER' got 'Type.STRING'")
     assert value == 2
 
 

@@ -300,7 +300,8 @@ def test_coroutines_await_responses_and_futures(run_ros2):
         task = rclpy.get_global_executor().create_task(later)
         task.add_done_callback(lambda done: order.append(done.result()))
         rclpy.spin_until_future_complete(node, task)
-        rclpy.spin_once(node, timeout_sec=0.0)
+        for _ in range(9):
+            rclpy.spin_once(node, timeout_sec=0.0)
         return order
 
     assert run_ros2(main) == ["begun", "served", True, "open", 7]

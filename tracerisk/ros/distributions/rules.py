@@ -79,6 +79,31 @@ RULES: tuple[Rule, ...] = (
         jazzy=True,
         source="ros2/rclpy rclpy/rclpy/client.py",
     ),
+    Rule(
+        name="words-of-errors",
+        subject="the text of an error of rclpy's parameters",
+        noetic=None,
+        humble="several arguments",
+        jazzy="one text",
+        source="ros2/rclpy rclpy/rclpy/exceptions.py",
+    ),
+    Rule(
+        name="executor-shutdown-waits",
+        subject="`Executor.shutdown` of rclpy waits for callbacks that run",
+        noetic=None,
+        humble=True,
+        jazzy=False,
+        source="ros2/rclpy rclpy/rclpy/executors.py",
+    ),
+    Rule(
+        name="each-turn-adds-a-done-callback",
+        subject="each turn of `spin_until_future_complete` with one thread adds a task that "
+        "`spin_once` has to do later",
+        noetic=None,
+        humble=False,
+        jazzy=True,
+        source="ros2/rclpy rclpy/rclpy/executors.py",
+    ),
 )
 """All rules that differ, grouped by subject."""
 

@@ -11,13 +11,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
+from dis import opmap
 from functools import cache, cached_property, partial
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
-from types import CodeType, MappingProxyType, ModuleType
+from types import CodeType, FrameType, MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from tracerisk.ros.imports.cfg_modules import cfg_module
@@ -35,6 +36,14 @@ Provided = Literal["library", "interfaces", "library and interfaces"]
 STAND_INS = Path(__file__).parents[1] / "stand_ins"
 # Packages that are used for their code; their messages alone would be a half of them.
 _CODE_WITH_INTERFACES = frozenset({"actionlib", "bond", "dynamic_reconfigure", "roscpp"})
+
+
+def _is_from_import() -> bool:
+    """Return whether a statement imports, and no call of `__import__`."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_code.co_filename.startswith((__file__, "<frozen")):
+        frame = frame.f_back
+    return frame is None or frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_NAME"]
 
 
 class StandInFinder(MetaPathFinder):
@@ -161,6 +170,9 @@ class StandInFinder(MetaPathFinder):
         parent, _, leaf = fullname.rpartition(".")
         known = sys.modules.get(parent)
         names = public_names(known) if known is not None else []
+        if not _is_from_import():
+            # `__import__` with a list of names takes what is there of them.
+            return ModuleNotFoundError(missing_name(parent, leaf, names), name=fullname)
         return ModuleNotFoundError(missing_name(parent, leaf, names), name=parent)
 
     def _take_out_provided(self) -> dict[str, ModuleType]:

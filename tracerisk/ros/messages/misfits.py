@@ -38,6 +38,11 @@ class Misfits:
             return self._rules.value(rule) == "converted"
         return self._rules.value(rule) == "abort when sent"
 
+    @property
+    def knows_check_fields(self) -> bool:
+        """Whether constructors have the keyword `check_fields`, which asks for checks."""
+        return self._rules.value(_FIELD) == "abort when sent"
+
     def keywords_are_ignored(self) -> bool:
         """Return whether keywords that are no fields are ignored, and note that a rule decided."""
         self._rules.decided(_KEYWORD, asking_place())

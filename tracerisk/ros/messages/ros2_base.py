@@ -36,8 +36,9 @@ class Message2:
 
     def __init__(self, **kwargs: Any) -> None:
         known = self._fields_and_field_types
+        checks = bool(kwargs.pop("check_fields", False)) and self._misfits.knows_check_fields
         unknown = sorted(name for name in kwargs if name not in known)
-        if unknown and not self._misfits.keywords_are_ignored():
+        if unknown and (checks or not self._misfits.keywords_are_ignored()):
             text = ", ".join(unknown)
             raise AssertionError(f"Invalid arguments passed to constructor: {text}")
         for field in self._ros_fields:
@@ -47,6 +48,8 @@ class Message2:
             value = kwargs[field.name]
             if field.is_numbers:
                 value = field.pack(value)
+            if checks:
+                field.accept(value)
             setattr(self, field.name, value)
 
     @classmethod

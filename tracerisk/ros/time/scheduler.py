@@ -234,6 +234,15 @@ class Scheduler:
             thread.waits += 1
         self._block(thread, None, self._now_ns + max(duration_ns, 0), "time to pass")
 
+    def give_way(self) -> None:
+        """Give the other threads that can run at this instant their turn; no time passes.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self._require_current()
+        self._block(thread, None, self._now_ns, "other threads")
+
     def pass_until(self, time_ns: int) -> None:
         """Advance by the time that a call takes which is no wait of the controller's.
 

@@ -17,49 +17,24 @@ from .utilities import get_default_context, get_rmw_implementation_identifier, o
 from .utilities import shutdown as _shutdown
 
 
-class InitContextManager:
-    """Begins a context, and ends it where it is left as a context manager."""
-
-    def __init__(
-        self,
-        args: Sequence[str] | None,
-        context: Context | None,
-        domain_id: int | None,
-        signal_handler_options: SignalHandlerOptions | None,
-    ) -> None:
-        self.context = get_default_context() if context is None else context
-        if signal_handler_options is None:
-            is_default = self.context is get_default_context()
-            signal_handler_options = (
-                SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
-            )
-        self.installed_signal_handlers = signal_handler_options != SignalHandlerOptions.NO
-        self.context.init(args, domain_id=domain_id)
-        install_signal_handlers(signal_handler_options)
-
-    def __enter__(self) -> InitContextManager:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        is_default = self.context is get_default_context()
-        try_shutdown(context=None if is_default else self.context)
-
-
 def init(
     *,
     args: Sequence[str] | None = None,
     context: Context | None = None,
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
-) -> InitContextManager:
+) -> None:
     """Begin; `args` is a command line, by default the program's own.
-
-    What is returned ends it: `with rclpy.init(): ...`.
 
     Raises:
         RuntimeError: it has begun already, or the command line is malformed.
     """
-    return InitContextManager(args, context, domain_id, signal_handler_options)
+    chosen = get_default_context() if context is None else context
+    if signal_handler_options is None:
+        is_default = chosen is get_default_context()
+        signal_handler_options = SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
+    chosen.init(args, domain_id=domain_id)
+    install_signal_handlers(signal_handler_options)
 
 
 def get_global_executor() -> Any:
@@ -99,16 +74,14 @@ def create_node(node_name: str, **kwargs: Any) -> Any:
 def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
     """Run one callback of a node, waiting for it `timeout_sec` seconds, or for ever.
 
-    The node leaves the executor that it was in, for good; one that has it already keeps it.
+    The node leaves the executor that it was in, for good, and the one that is given too.
     """
     chosen = get_global_executor() if executor is None else executor
-    added = False
     try:
-        added = chosen.add_node(node)
+        chosen.add_node(node)
         chosen.spin_once(timeout_sec=timeout_sec)
     finally:
-        if added:
-            chosen.remove_node(node)
+        chosen.remove_node(node)
 
 
 def spin(node: Any, executor: Any = None) -> None:

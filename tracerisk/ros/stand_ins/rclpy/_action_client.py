@@ -21,6 +21,7 @@ from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._entity import Call, Entity
+from ._handle import OF_NODE, check_context
 from ._run import run
 from .callback_groups import CallbackGroup
 from .executors import await_or_execute
@@ -114,6 +115,9 @@ class ActionClient(Entity):
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
         super().__init__(node, callback_group or node.default_callback_group)
+        with node.handle:
+            if not node.context.is_valid:
+                raise ValueError(f"Failed to create action client: {OF_NODE}")
         self._action_type = action_type
         self._action_name = node.resolve_topic_name(action_name)
         self._came: dict[str, deque[Any]] = {kind: deque() for kind in _ORDER}
@@ -163,7 +167,14 @@ class ActionClient(Entity):
         return sent.response
 
     def server_is_ready(self) -> bool:
-        """Return whether somebody serves the action."""
+        """Return whether somebody serves the action.
+
+        Raises:
+            InvalidHandle: client or node was destroyed.
+            RCLError: the context was shut down.
+        """
+        with self._node.handle, self.handle:
+            check_context(self._node.context, "Failed to check if action server is available")
         run().scheduler.touch()
         return self._end.is_served()
 
@@ -171,7 +182,8 @@ class ActionClient(Entity):
         """Wait until somebody serves the action, and return whether somebody does."""
         timeout_ns = None if timeout_sec is None else max(0, round(timeout_sec * 1e9))
         context = self._node.context
-        return self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
+        self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
+        return self.server_is_ready()
 
     def get_num_entities(self) -> NumberOfEntities:
         """Return how many entities of each kind a client is made of."""
@@ -236,6 +248,8 @@ class ActionClient(Entity):
         goal = sent.goal
         if goal is None or goal.state.is_terminal:
             response = CancelGoal.Response(return_code=CancelGoal.Response.ERROR_GOAL_TERMINATED)
+            if goal is None or goal.state is GoalState.REJECTED:
+                response.return_code = CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
             self._came["cancel"].append((future, response))
             return future
         sent.cancels.append(future)
@@ -250,7 +264,10 @@ class ActionClient(Entity):
         if goal.state in _CANCELING:
             response.goals_canceling.append(GoalInfo(goal_id=sent.goal_id))
         else:
-            response.return_code = CancelGoal.Response.ERROR_REJECTED
+            # Servers of rclpy name no goal and no error; those in C++ say that they refuse.
+            by_rclpy = goal.server is not None and goal.server.by_controller
+            if not by_rclpy:
+                response.return_code = CancelGoal.Response.ERROR_REJECTED
         for future in sent.cancels:
             self._came["cancel"].append((future, response))
         sent.cancels.clear()

@@ -2,9 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from ._rclpy_pybind11 import RCLError
 from .exceptions import InvalidHandle
 
 GONE = "cannot use Destroyable because destruction was requested"
+
+
+OF_CONTEXT = (
+    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+)
+OF_NODE = "rcl node's context is invalid"
+OF_PUBLISHER = "publisher's context is invalid"
+
+
+def check_context(context: Any, doing: str, why: str = OF_NODE) -> None:
+    """Refuse what a context that was shut down does no longer, in the words of rcl.
+
+    Raises:
+        RCLError: the context was shut down; `doing` says what failed.
+    """
+    if not context.is_valid:
+        raise RCLError(f"{doing}: {why}")
 
 
 class Handle:

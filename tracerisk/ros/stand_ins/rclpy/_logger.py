@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,7 +74,8 @@ class RcutilsLogger:
         `once`, `skip_first` and `throttle_duration_sec` [s] count for the place in the source.
 
         Raises:
-            TypeError: a keyword is not known, or is of no use without another.
+            TypeError: a keyword is not known, or is of no use without another; or the message is
+                no string.
             ValueError: the same place has logged with another severity, name or filter.
         """
         level = LoggingSeverity(severity)
@@ -83,14 +85,15 @@ class RcutilsLogger:
         place = self._place(level, given_name, _filters(kwargs))
         if not _passes(place):
             return False
+        message = _text_for_c(message)
         state = run()
         seconds, rest = divmod(EPOCH_NS + state.scheduler.now_ns, 1_000_000_000)
         print(  # noqa: T201 - this is its purpose
             f"[{level.name}] [{seconds}.{rest:09d}] [{given_name}]: {message}", file=sys.stderr
         )
-        self._publish_to_rosout(level, str(message))
+        self._publish_to_rosout(level, message)
         if level >= LoggingSeverity.ERROR:
-            error_logged(level.name, str(message))
+            error_logged(level.name, message)
         return True
 
     def _place(self, level: LoggingSeverity, name: str, filters: dict[str, Any]) -> _Place:
@@ -113,14 +116,15 @@ class RcutilsLogger:
             return
         from rcl_interfaces.msg import Log
 
-        if state.rosout is None:
-            state.rosout = state.graph.advertise(
-                "/rosout", Log._ros_type, node=self.name, copy=lambda message: message
-            )
         line = Log(level=int(level), name=self.name, msg=text)
         stamp_ns = EPOCH_NS + state.scheduler.now_ns
         line.stamp.sec, line.stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
-        state.rosout.publish(line)
+        if state.rosout is None:
+            # The line of a logger of no node.
+            state.rosout = state.graph.advertise(
+                "/rosout", Log._ros_type, node=self.name, copy=lambda message: message
+            )
+        (state.rosouts.get(self.name) or state.rosout).publish(line)
 
     def debug(self, message: Any, **kwargs: Any) -> bool:
         """Log a line of severity DEBUG; see `log`."""
@@ -145,6 +149,25 @@ class RcutilsLogger:
     def fatal(self, message: Any, **kwargs: Any) -> bool:
         """Log a line of severity FATAL; see `log`."""
         return self.log(message, LoggingSeverity.FATAL, **kwargs)
+
+
+def _text_for_c(message: Any) -> str:
+    """Return what C logs of a message: a text up to its first zero; of None `(null)`.
+
+    Raises:
+        TypeError: it is neither text nor bytes, or holds what UTF-8 has not.
+    """
+    if message is None:
+        return "(null)"
+    with suppress(UnicodeError):
+        if isinstance(message, str):
+            return message.encode().decode().partition("\0")[0]
+        if isinstance(message, bytes | bytearray):
+            return bytes(message).decode(errors="replace").partition("\0")[0]
+    raise TypeError(
+        "rclpy_logging_rcutils_log(): incompatible function arguments: the message is a "
+        f"{type(message).__name__} ({message!r}) and must be a str"
+    )
 
 
 def _filters(keywords: dict[str, Any]) -> dict[str, Any]:

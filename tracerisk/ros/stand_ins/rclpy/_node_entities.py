@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from copy import copy
 from typing import Any
 
+from ._handle import OF_CONTEXT, check_context
 from ._node_names import NodeNames
 from ._run import run
 from .callback_groups import CallbackGroup
@@ -92,6 +93,7 @@ class NodeEntities(NodeNames):
         """
         check_is_valid_msg_type(msg_type)
         name = self.resolve_topic_name(topic)
+        self._check_usable("Failed to create publisher")
         made = publisher_class(
             self,
             msg_type,
@@ -120,6 +122,7 @@ class NodeEntities(NodeNames):
         """Make a subscription; see `create_publisher`."""
         check_is_valid_msg_type(msg_type)
         name = self.resolve_topic_name(topic)
+        self._check_usable("Failed to create subscription")
         made = Subscription(
             self,
             msg_type,
@@ -163,6 +166,7 @@ class NodeEntities(NodeNames):
             RuntimeError: it is one of another kind.
         """
         check_is_valid_srv_type(srv_type)
+        self._check_usable("failed to create client")
         made = Client(
             self,
             srv_type,
@@ -191,6 +195,7 @@ class NodeEntities(NodeNames):
             RuntimeError: it is one of another kind.
         """
         check_is_valid_srv_type(srv_type)
+        self._check_usable("failed to create service")
         made = Service(
             self,
             srv_type,
@@ -223,7 +228,12 @@ class NodeEntities(NodeNames):
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
-        """Make a timer of a period in seconds."""
+        """Make a timer of a period in seconds.
+
+        Raises:
+            RCLError: the context was shut down.
+        """
+        check_context(self._context, "failed to create timer", OF_CONTEXT)
         made = Timer(
             self,
             callback,
@@ -239,7 +249,12 @@ class NodeEntities(NodeNames):
     def create_guard_condition(
         self, callback: Callable[..., Any] | None, callback_group: CallbackGroup | None = None
     ) -> GuardCondition:
-        """Make a guard condition."""
+        """Make a guard condition.
+
+        Raises:
+            RCLError: the context was shut down.
+        """
+        check_context(self._context, "failed to create guard_condition", OF_CONTEXT)
         made = GuardCondition(self, callback, callback_group or self._default_callback_group)
         self._guards.append(made)
         return made

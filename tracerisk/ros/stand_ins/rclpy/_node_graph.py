@@ -18,6 +18,7 @@ class NodeGraph(NodeNames):
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
         """Return each topic with its types: `std_msgs/msg/String`."""
+        self._check_usable("failed to get topic names and types")
         graph = run().graph
         found = []
         run().scheduler.touch()
@@ -29,6 +30,7 @@ class NodeGraph(NodeNames):
 
     def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each service with its types: `std_srvs/srv/Trigger`."""
+        self._check_usable("failed to get service names and types")
         run().scheduler.touch()
         return [
             (server.name, [_full_type(server.type_name, "srv")])
@@ -37,40 +39,46 @@ class NodeGraph(NodeNames):
 
     def get_node_names(self) -> list[str]:
         """Return the names of the controller's nodes."""
-        return [node.get_name() for node in run().nodes]
+        self._check_usable("Failed to get node names")
+        return [node.get_name() for node in _living()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """Return names and namespaces of the controller's nodes."""
-        return [(node.get_name(), node.get_namespace()) for node in run().nodes]
+        self._check_usable("Failed to get node names")
+        return [(node.get_name(), node.get_namespace()) for node in _living()]
 
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publish on a topic."""
+        self._check_usable("Error in rcl_count_publishers")
         run().scheduler.touch()
         return len(run().graph.publications(self._checked_topic(topic_name)))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return how many subscribe to a topic."""
+        self._check_usable("Error in rcl_count_subscribers")
         run().scheduler.touch()
         return len(run().graph.subscriptions(self._checked_topic(topic_name)))
 
     def count_clients(self, service_name: str) -> int:
         """Return how many of the controller's clients call a service."""
+        self._check_usable("Error in rcl_count_clients")
         name = self._checked_service(service_name)
         return sum(each.srv_name == name for node in run().nodes for each in node.clients)
 
     def count_services(self, service_name: str) -> int:
         """Return how many serve a service."""
+        self._check_usable("Error in rcl_count_services")
         run().scheduler.touch()
         name = self._checked_service(service_name)
         return sum(server.name == name for server in run().graph.services())
 
     def get_fully_qualified_node_names(self) -> list[str]:
         """Return the full names of the controller's nodes."""
-        return [node.get_fully_qualified_name() for node in run().nodes]
+        return [node.get_fully_qualified_name() for node in _living()]
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """Return names, namespaces and enclaves of the controller's nodes."""
-        return [(node.get_name(), node.get_namespace(), "/") for node in run().nodes]
+        return [(node.get_name(), node.get_namespace(), "/") for node in _living()]
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
         """Wait `timeout` seconds until a node is there, and return whether it is."""
@@ -175,6 +183,11 @@ class NodeGraph(NodeNames):
                 f"Cannot get topic names and types for nonexistent node '{name}'"
             )
         return name
+
+
+def _living() -> list[Any]:
+    """Return the controller's nodes that others see: not those of a context that was shut down."""
+    return [node for node in run().nodes if node.context.is_valid]
 
 
 def _topics_of(node: str, ends_of: Callable[[str], Any]) -> list[tuple[str, list[str]]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from ._arguments import Arguments
+from ._handle import Handle, check_context
 from ._name_rules import check, namespace_fault, topic_name_fault
+from .context import Context
 from .exceptions import (
     InvalidNamespaceException,
     InvalidServiceNameException,
@@ -19,6 +21,18 @@ class NodeNames:
     """What a node does with names; a part of `Node`."""
 
     _sources: tuple[Arguments, ...]
+    _handle: Handle
+    _context: Context
+
+    def _check_usable(self, doing: str) -> None:
+        """Refuse what a destroyed node does no longer, and one whose context was shut down.
+
+        Raises:
+            InvalidHandle: the node was destroyed.
+            RCLError: the context was shut down; `doing` says what failed.
+        """
+        with self._handle:
+            check_context(self._context, doing)
 
     def _take_names(self, node_name: str, namespace: str | None) -> None:
         validate_node_name(node_name)
@@ -36,7 +50,8 @@ class NodeNames:
 
     def get_name(self) -> str:
         """Return the name."""
-        return self._name
+        with self._handle:
+            return self._name
 
     def get_namespace(self) -> str:
         """Return the namespace: `/`, or with no slash at its end."""
@@ -63,6 +78,8 @@ class NodeNames:
         return self._resolved(service, InvalidServiceNameException, remaps=not only_expand)
 
     def _resolved(self, name: str, error: Any, *, remaps: bool = True) -> str:
+        with self._handle:
+            pass
         if not isinstance(name, str):
             raise TypeError(f"name must be a str, not {type(name).__name__}")
         check(name, topic_name_fault(name), error)

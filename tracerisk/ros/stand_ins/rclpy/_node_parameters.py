@@ -284,7 +284,8 @@ class NodeParameters:
             raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
         unknown = [p.name for p in wanted if p.name not in self._parameters]
         if unknown and not self._allow_undeclared_parameters:
-            raise ParameterNotDeclaredException(unknown)
+            # The real library asks a generator first whether there is any: that one is gone then.
+            raise ParameterNotDeclaredException(unknown[1:])
         return self._set_all(wanted, None, keeps_unset=False)
 
     def add_pre_set_parameters_callback(self, callback: Any) -> None:

@@ -30,6 +30,7 @@ class Run:
         self.log_levels: dict[str, int] = {"": 20}
         self.log_places: dict[tuple[Any, ...], Any] = {}
         self.rosout: Any = None
+        self.rosouts: dict[str, Any] = {}
         self.unheard_loggers: set[str] = set()
         self.signal_options = 0
         self._action_services: ActionServices | None = None

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call
-from ._handle import GONE
+from ._handle import check_context
 from ._run import run
 from .callback_groups import CallbackGroup
-from .exceptions import InvalidHandle
 from .qos import QoSProfile
 from .service import Service
 from .service_introspection import ServiceEnd
@@ -42,24 +41,34 @@ class Client(ServiceEnd):
         self._responses: deque[tuple[Future, Any, int]] = deque()
         run().graph.become_caller(srv_name, srv_type._ros_type)
 
-    def call(self, request: Any, timeout_sec: float | None = None) -> Any:
+    def call(self, request: Any, *timeout: float | None, **named: float | None) -> Any:
         """Call the service and wait for the response; another thread has to spin.
 
+        The only other argument is `timeout_sec`; without a response in time the result is None.
+
         Raises:
-            TypeError: the request is of another class.
-            TimeoutError: no response came in time.
+            TypeError: the request is of another class, or the distribution takes no timeout.
         """
+        timeout_sec = self._timeout_sec(*timeout, **named)
         self._check(request)
         future = self.call_async(request)
-        came = run().scheduler.wait_until(
+        run().scheduler.wait_until(
             lambda: future._done,
             timeout_ns=None if timeout_sec is None else round(timeout_sec * 1e9),
             reason=self._text,
             kind=self._meaning_of_answer,
         )
-        if not came:
-            raise TimeoutError
+        if not future._done:
+            self.remove_pending_request(future)
         return future.result()
+
+    def _timeout_sec(self, *given: float | None, **named: float | None) -> float | None:
+        if not given and not named:
+            return None
+        distro = run().runtime.distro
+        distro.decided("call-with-timeout", asking_place())
+        takes_it = bool(distro.value("call-with-timeout"))
+        return (_with_timeout if takes_it else _without_timeout)(*given, **named)
 
     def call_async(self, request: Any) -> Future:
         """Call the service and return the response's future.
@@ -115,7 +124,14 @@ class Client(ServiceEnd):
             self._pending.remove(future)
 
     def service_is_ready(self) -> bool:
-        """Return whether somebody serves."""
+        """Return whether somebody serves.
+
+        Raises:
+            InvalidHandle: the client was destroyed.
+            RCLError: the context was shut down.
+        """
+        with self.handle:
+            check_context(self.context, "failed to check service availability")
         scheduler = run().scheduler
         scheduler.touch()
         is_ready = self._server() is not None
@@ -126,7 +142,7 @@ class Client(ServiceEnd):
         return is_ready
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Wait until somebody serves, and return whether somebody does."""
+        """Wait until somebody serves, and return whether somebody does; see `service_is_ready`."""
         run().scheduler.wait_until(
             lambda: self._server() is not None or not self.context.is_valid,
             timeout_ns=None if timeout_sec is None else max(0, round(timeout_sec * 1e9)),
@@ -134,7 +150,7 @@ class Client(ServiceEnd):
             kind="unmet",
             need=self._need,
         )
-        return self._server() is not None
+        return self.service_is_ready()
 
     def destroy(self) -> None:
         """Make no more calls."""
@@ -150,10 +166,10 @@ class Client(ServiceEnd):
         return Need("service", self.srv_name, self.srv_type._ros_type)
 
     def _check(self, request: Any) -> None:
-        if self._is_destroyed:
-            raise InvalidHandle(GONE)
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
+        with self.handle:
+            return
 
     def _server(self) -> ServiceServer | None:
         server = run().graph.service(self.srv_name, self.srv_type._ros_type)
@@ -176,3 +192,11 @@ class Client(ServiceEnd):
                 future.set_result(response)
 
         return call
+
+
+def _with_timeout(timeout_sec: float | None = None) -> float | None:
+    return timeout_sec
+
+
+def _without_timeout() -> None:
+    """Take no argument: Python's own error names the one that is too many."""

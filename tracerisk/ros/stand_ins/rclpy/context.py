@@ -10,7 +10,7 @@ from weakref import WeakMethod
 from tracerisk.ros.graph.runtime import current
 
 from ._arguments import Arguments, parse_arguments
-from ._handle import Handle
+from ._handle import Handle, check_context
 
 
 class Context:
@@ -43,13 +43,13 @@ class Context:
         """Begin; `args` is a command line, by default the program's own.
 
         Raises:
-            RuntimeError: it has begun already, or the command line is malformed.
+            RuntimeError: it has begun before, or the command line is malformed.
         """
         if domain_id is not None and domain_id < 0:
             raise RuntimeError(
                 f"Domain id ({domain_id}) should not be lower than zero or negative."
             )
-        if self._is_valid:
+        if self.handle is not None:
             raise RuntimeError("Context.init() must only be called once")
         self._domain_id = domain_id or 0
         self._arguments = parse_arguments(current().argv if args is None else args)
@@ -69,10 +69,14 @@ class Context:
         """End: everything that waits goes on.
 
         Raises:
-            RuntimeError: it has not begun, or has ended already.
+            RuntimeError: it has not begun.
+            RCLError: it has ended already.
         """
-        if not self._is_valid:
+        if self.handle is None:
             raise RuntimeError("Context must be initialized before it can be shutdown")
+        check_context(
+            self, "failed to shutdown", "rcl_shutdown already called on the given context"
+        )
         self._end()
 
     def try_shutdown(self) -> None:
@@ -94,6 +98,9 @@ class Context:
         """
         if not callable(callback):
             raise TypeError("callback should be a callable")
+        if self.handle is not None and not self._is_valid:
+            callback()
+            return
         kept: Any = WeakMethod(callback) if isinstance(callback, MethodType) else callback
         self._callbacks.append(kept)
 
@@ -103,8 +110,8 @@ class Context:
         Raises:
             RuntimeError: the context has not begun.
         """
-        if not self._is_valid:
-            raise RuntimeError("Context is not initialized")
+        if self.handle is None:
+            raise RuntimeError("Context must be initialized before it can have a domain id")
         return self._domain_id
 
     def _end(self) -> None:
@@ -116,6 +123,7 @@ class Context:
                 callback()
 
     def __enter__(self) -> Context:
+        self.init()
         return self
 
     def __exit__(self, *error: object) -> None:

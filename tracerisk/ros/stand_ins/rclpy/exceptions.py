@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.ros.graph.runtime import current
+
+
+def _arguments(text: str, details: tuple[Any, ...], separator: str = ": ") -> tuple[Any, ...]:
+    """Return the arguments of an error: what Humble keeps apart Jazzy joins to one text."""
+    if current().distro.value("words-of-errors") == "several arguments":
+        return (text, *details)
+    return (separator.join((text, *map(str, details))),)
+
 
 class NotInitializedException(Exception):
     """`rclpy.init()` has not been called."""
 
     def __init__(self, *args: Any) -> None:
-        super().__init__("rclpy.init() has not been called", *args)
+        text = "rclpy.init() has not been called"
+        super().__init__(*_arguments(text, args, ". msg:"))
 
 
 class NoTypeSupportImportedException(Exception):
@@ -65,7 +75,7 @@ class ParameterException(Exception):
     """Base of the errors of parameters."""
 
     def __init__(self, error_msg: str, parameters: Any, *args: Any) -> None:
-        super().__init__(error_msg, parameters, *args)
+        super().__init__(*_arguments(error_msg, (parameters, *args)))
 
 
 class ParameterNotDeclaredException(ParameterException):
@@ -93,10 +103,10 @@ class InvalidParameterTypeException(ParameterException):
     """A parameter is given a value of another type than it was declared with."""
 
     def __init__(self, desired_parameter: Any, expected_type: str, *args: Any) -> None:
-        Exception.__init__(
-            self,
+        super().__init__(
             f"Trying to set parameter '{desired_parameter.name}' to '{desired_parameter.value}'"
             f" of type '{desired_parameter.type_.name}', expecting type '{expected_type}'",
+            desired_parameter.name,
             *args,
         )
 
@@ -121,7 +131,8 @@ class ParameterUninitializedException(ParameterException):
     """A parameter that has a type and no value yet is read."""
 
     def __init__(self, parameter_name: str, *args: Any) -> None:
-        Exception.__init__(self, f"The parameter '{parameter_name}' is not initialized", *args)
+        text = f"The parameter '{parameter_name}' is not initialized"
+        super().__init__(text, parameter_name, *args)
 
 
 class ROSInterruptException(Exception):

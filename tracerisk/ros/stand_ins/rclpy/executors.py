@@ -9,13 +9,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.controller.thread import ControllerThread, WaitKind, spinning
 from tracerisk.ros.imports.exported import defined as _defined
 
+from ._handle import OF_CONTEXT, check_context
 from ._run import run
 from .context import Context
 from .task import Future, Task
 
+_NO_TIMER = "failed to create timer"
 POOL_SIZE = 4
 """Threads of a MultiThreadedExecutor that is given no number; the real one counts processors."""
 
@@ -56,9 +59,16 @@ class Executor:
     def __init__(self, *, context: Context | None = None) -> None:
         self._run = run()
         self._context = self._run.default_context if context is None else context
+        # As in the real library: Python's own error where the context has never begun.
+        handle: Any = self._context.handle
+        with handle:
+            check_context(self._context, "failed to create guard_condition", OF_CONTEXT)
         self._nodes: list[Any] = []
         self._tasks: list[Task] = []
         self._batch: deque[Any] = deque()
+        self._has_looked_at_tasks = False
+        self._n_working = 0
+        self._waits: list[tuple[Any, ...]] = []
         self._is_shutdown = False
         self._spinners: list[ControllerThread | None] = []
         self._n_waiting = 0
@@ -77,6 +87,7 @@ class Executor:
         stack = None if tracer is None else tracer.resume(tracer.capture())
         task = Task(callback, args, kwargs, executor=self, stack=stack)
         self._tasks.append(task)
+        self._trigger()
         return task
 
     def _create_callback_task(self, callback: Any, *args: Any) -> None:
@@ -92,11 +103,38 @@ class Executor:
         self._tasks.append(Task(callback, (future,), executor=self, stack=stack))
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """Run no more callbacks; those that run go on."""
+        """Run no more callbacks.
+
+        Whether it waits `timeout_sec` seconds, or for ever, until those that run have returned
+        depends on the distribution; False where they have not.
+        """
         self._is_shutdown = True
+        if self._n_working and not self._has_ended(timeout_sec):
+            return False
         self._nodes.clear()
         self._batch.clear()
         return True
+
+    def _has_ended(self, timeout_sec: float | None) -> bool:
+        """Return whether the callbacks that run have returned, or nobody asks."""
+        distro = self._run.runtime.distro
+        distro.decided("executor-shutdown-waits", asking_place())
+        if not distro.value("executor-shutdown-waits"):
+            return True
+        return self._run.scheduler.wait_until(
+            lambda: self._n_working == 0,
+            timeout_ns=_nanoseconds(timeout_sec),
+            reason="the end of the callbacks of an executor, of which this may be one",
+        )
+
+    def _trigger(self) -> None:
+        """Wake who waits; that of an executor which was shut down is gone.
+
+        Raises:
+            AttributeError: the executor was shut down.
+        """
+        if self._is_shutdown:
+            raise AttributeError("'NoneType' object has no attribute 'trigger'")
 
     def add_node(self, node: Any) -> bool:
         """Run the callbacks of a node too; False where the executor does already."""
@@ -104,12 +142,14 @@ class Executor:
             return False
         self._nodes.append(node)
         node.executor = self
+        self._trigger()
         return True
 
     def remove_node(self, node: Any) -> None:
         """Run the callbacks of a node no longer."""
         if node in self._nodes:
             self._nodes.remove(node)
+            self._trigger()
 
     def wake(self) -> None:
         """Look for work again; the executor sees for itself what is new."""
@@ -127,17 +167,32 @@ class Executor:
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is complete, or for `timeout_sec` seconds."""
+        future.add_done_callback(self._wake_for)
         with self._spun():
             if timeout_sec is None or timeout_sec < 0:
                 while self._goes_on(future):
-                    self._spin_once_impl(None, future)
+                    self._turn(None, future)
                 return
             scheduler = self._run.scheduler
             end_ns = scheduler.now_ns + round(timeout_sec * 1e9)
             while self._goes_on(future):
-                self._spin_once_impl(max(0, end_ns - scheduler.now_ns), future)
+                self._turn(max(0, end_ns - scheduler.now_ns), future)
                 if scheduler.now_ns >= end_ns:
                     return
+
+    def _turn(self, timeout_ns: int | None, future: Future) -> None:
+        """Run one callback of those that a future may need; each time asks to be woken by it."""
+        if self._adds_wakes:
+            future.add_done_callback(self._wake_for)
+        self._spin_once_impl(timeout_ns, future)
+
+    def _wake_for(self, future: Future) -> None:
+        """Be woken by a future: a task like any other, which takes its turn."""
+        self.wake()
+
+    @property
+    def _adds_wakes(self) -> bool:
+        return True
 
     def _goes_on(self, future: Future) -> bool:
         return self._context.is_valid and not future._done and not self._is_shutdown
@@ -153,7 +208,7 @@ class Executor:
         """Run one callback, or none if the future is complete before there is one."""
         seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
         with self._spun():
-            self._spin_once_impl(_nanoseconds(seconds), future)
+            self._turn(_nanoseconds(seconds), future)
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
         raise NotImplementedError
@@ -185,7 +240,9 @@ class Executor:
         """Wait for work and return it; None after the timeout, or where there is to be none.
 
         Raises:
-            ExternalShutdownException: the context was shut down.
+            ExternalShutdownException: the context was shut down meanwhile.
+            RCLError: it was before.
+            ValueError: another thread waits here for the same.
         """
         scheduler = self._run.scheduler
         scheduler.count_call()
@@ -193,17 +250,28 @@ class Executor:
         while True:
             if self._is_shutdown or (future is not None and future._done):
                 return None
-            if not self._context.is_valid:
-                raise ExternalShutdownException
             task = self._from_batch()
             if task is not None:
                 return task
+            doing = "failed to initialize wait set" if timeout_ns is None else _NO_TIMER
+            check_context(self._context, doing, OF_CONTEXT)
             self._batch.extend(self._ready())
             if self._batch:
                 continue
             left_ns = None if deadline_ns is None else max(0, deadline_ns - scheduler.now_ns)
-            if not self._wait(left_ns, future):
+            # All that wait with the same arguments share one generator in the real library.
+            arguments = (timeout_ns, future)
+            if arguments in self._waits:
+                raise ValueError("generator already executing")
+            self._waits.append(arguments)
+            try:
+                came = self._wait(left_ns, future)
+            finally:
+                self._waits.remove(arguments)
+            if not came:
                 return None
+            if not self._is_shutdown and not self._context.is_valid:
+                raise ExternalShutdownException
 
     def wait_for_ready_callbacks(
         self,
@@ -248,9 +316,28 @@ class Executor:
         return None
 
     def _ready(self) -> list[Any]:
-        """Return tasks that go on, then entities that have work, in the order of rclpy."""
+        """Return tasks that go on, else entities that have work, in the order of rclpy.
+
+        After tasks entities come first: tasks that others have made wait for their next turn.
+        """
+        found: list[Any] = []
+        if not self._has_looked_at_tasks:
+            found = self._ready_tasks()
+        if not found:
+            found = self._ready_entities()
+        elif not self._has_looked_at_tasks:
+            self._has_looked_at_tasks = True
+            return found
+        self._has_looked_at_tasks = False
+        return found or self._ready_tasks()
+
+    def _ready_tasks(self) -> list[Any]:
+        """Return the tasks that go on, the newest first."""
         self._tasks = [task for task in self._tasks if not task._done and not task._cancelled]
-        found: list[Any] = [task for task in self._tasks if self._goes_on_with(task)]
+        return [task for task in reversed(self._tasks) if self._goes_on_with(task)]
+
+    def _ready_entities(self) -> list[Any]:
+        found: list[Any] = []
         for node in self._nodes:
             found.extend(each for each in node._waitables if self._can_run(each))
         for node in self._nodes:
@@ -337,12 +424,14 @@ class Executor:
         if self._is_shutdown or entity._is_destroyed or not group.beginning_execution(entity):
             entity._is_taken = False
             return
+        self._n_working += 1
         try:
             call = entity._take(self)
             entity._is_taken = False
             if call is not None:
                 await call()
         finally:
+            self._n_working -= 1
             group.ending_execution(entity)
 
     def __enter__(self) -> Executor:
@@ -354,6 +443,10 @@ class Executor:
 
 class SingleThreadedExecutor(Executor):
     """Runs callbacks in the thread that spins."""
+
+    @property
+    def _adds_wakes(self) -> bool:
+        return bool(self._run.runtime.distro.value("each-turn-adds-a-done-callback"))
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
         task = self._next_task(timeout_ns, future)
@@ -370,6 +463,8 @@ class MultiThreadedExecutor(Executor):
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)
+        if num_threads is not None and num_threads <= 0:
+            raise ValueError("max_workers must be greater than 0")
         if num_threads == 1:
             warnings.warn(
                 "MultiThreadedExecutor is used with a single thread.\n"
@@ -381,21 +476,6 @@ class MultiThreadedExecutor(Executor):
         self._submitted: deque[Task] = deque()
         self._futures: list[Task] = []
         self._pool: list[ControllerThread] = []
-
-    def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
-        """Run no more callbacks, and wait until those that run have returned.
-
-        `wait_for_threads` False, or a call from one of those callbacks, waits for none.
-        """
-        ended = super().shutdown(timeout_sec)
-        scheduler = self._run.scheduler
-        thread = scheduler.current
-        if wait_for_threads and thread is not None and thread not in self._pool:
-            scheduler.wait_until(
-                lambda: self._n_running == 0,
-                reason="the end of the callbacks of a MultiThreadedExecutor",
-            )
-        return ended
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
         try:
@@ -415,20 +495,14 @@ class MultiThreadedExecutor(Executor):
                         self._work, "executor thread", inherit=False, is_controllers=False
                     )
                 )
-        self._raise_what_failed()
+            # The callback runs as far as it goes at once; a later error waits for other work.
+            self._run.scheduler.give_way()
+            self._raise_what_failed()
 
     @property
     def _takes_work(self) -> bool:
         has_thread = self._n_running < self._n_threads or not self._submitted
         return super()._takes_work and has_thread
-
-    def _has_work(self) -> bool:
-        return any(task._exception is not None for task in self._futures) or super()._has_work()
-
-    def _wait(self, timeout_ns: int | None, future: Future | None) -> bool:
-        came = super()._wait(timeout_ns, future)
-        self._raise_what_failed()
-        return came
 
     def _raise_what_failed(self) -> None:
         for task in [each for each in self._futures if each._done]:

@@ -21,7 +21,13 @@ class GuardCondition(Entity):
         self._is_triggered = False
 
     def trigger(self) -> None:
-        """Call the callback."""
+        """Call the callback.
+
+        Raises:
+            InvalidHandle: the condition was destroyed.
+        """
+        with self.handle:
+            pass
         self._is_triggered = True
 
     def _is_ready(self) -> bool:
@@ -31,7 +37,7 @@ class GuardCondition(Entity):
         self._is_triggered = False
 
         async def call() -> None:
-            if self.callback is not None:
-                await await_or_execute(self.callback)
+            callback: Any = self.callback
+            await await_or_execute(callback)
 
         return call

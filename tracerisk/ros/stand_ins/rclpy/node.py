@@ -86,8 +86,16 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         self._rate_group = ReentrantCallbackGroup()
         self._clock = ROSClock()
         self._logger = RcutilsLogger(self.get_fully_qualified_name().strip("/").replace("/", "."))
+        self._rosout: Any = None
         if enable_rosout and self._context.arguments.has_rosout:
             state.unheard_loggers.discard(self._logger.name)
+            self._rosout = state.graph.advertise(
+                "/rosout",
+                "rcl_interfaces/Log",
+                node=self.get_fully_qualified_name(),
+                copy=lambda message: message,
+            )
+            state.rosouts[self._logger.name] = self._rosout
         else:
             state.unheard_loggers.add(self._logger.name)
         self._event_publisher = self.create_publisher(
@@ -196,12 +204,17 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             for each in list(kept):
                 each.destroy()
             kept.clear()
+        if self._rosout is not None:
+            self._rosout.close()
+            run().rosouts.pop(self._logger.name, None)
         self._handle.destroy_when_not_in_use()
         nodes = run().nodes
         if self in nodes:
             nodes.remove(self)
 
     def _publish_event(self, event: Any) -> None:
+        with self._event_publisher.handle:
+            self._event_publisher._check_context("Failed to publish")
         if self._event_publisher._publication.subscriptions:
             event.node = self.get_fully_qualified_name()
             self._event_publisher.publish(event)

@@ -9,12 +9,11 @@ from typing import Any
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._endpoint_events import EndpointEvents
-from ._handle import GONE, Handle
+from ._handle import OF_PUBLISHER, Handle, check_context
 from ._run import run
 from .callback_groups import CallbackGroup
 from .duration import Duration
 from .event_handler import PublisherEventCallbacks
-from .exceptions import InvalidHandle
 from .qos import QoSProfile, misfit_of
 
 
@@ -54,18 +53,25 @@ class Publisher:
         )
         self._events.watch(topic, lambda: list(self._publication.subscriptions))
 
-    topic = topic_name = property(attrgetter("_publication.topic"), doc="The topic's name.")
+    topic = property(attrgetter("_publication.topic"), doc="The topic's name.")
+
+    @property
+    def topic_name(self) -> str:
+        """The topic's name, while the publisher is not destroyed."""
+        with self.handle:
+            name: str = self._publication.topic
+        return name
 
     def publish(self, msg: Any) -> None:
         """Send a message, or the bytes of one.
 
         Raises:
             TypeError: it is of another class.
-            AssertionError: a field holds what does not fit.
             InvalidHandle: the publisher was destroyed.
+            RCLError: the context was shut down.
         """
-        if self._publication.closed:
-            raise InvalidHandle(GONE)
+        with self.handle:
+            self._check_context("Failed to publish")
         if isinstance(msg, bytes):
             from .serialization import deserialize_message
 
@@ -79,15 +85,24 @@ class Publisher:
 
     def get_subscription_count(self) -> int:
         """Return how many subscriptions it reaches."""
+        with self.handle:
+            self._check_context("failed to get subscription count")
         run().scheduler.touch()
         return len(self._publication.subscriptions)
 
     def assert_liveliness(self) -> None:
-        """Assert liveliness, which nothing checks."""
+        """Assert liveliness."""
+        with self.handle:
+            self._check_context("Failed to assert liveliness on the Publisher")
 
     def wait_for_all_acked(self, timeout: Duration | None = None) -> bool:
         """Return True: every message has arrived."""
+        with self.handle:
+            self._check_context("Failed to wait for all acknowledgements")
         return True
+
+    def _check_context(self, doing: str) -> None:
+        check_context(self._node.context, doing, OF_PUBLISHER)
 
     def destroy(self) -> None:
         """Leave the topic."""

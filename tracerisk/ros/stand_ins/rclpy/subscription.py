@@ -93,11 +93,18 @@ class Subscription(Entity):
             # A function of C has no signature to read; it takes the message.
             return
 
-    topic = topic_name = property(attrgetter("_topic"), doc="The topic's name.")
+    topic = property(attrgetter("_topic"), doc="The topic's name.")
+
+    @property
+    def topic_name(self) -> str:
+        """The topic's name, while the subscription is not destroyed."""
+        with self.handle:
+            return self._topic
 
     def get_publisher_count(self) -> int:
         """Return how many publishers it hears."""
-        run().scheduler.touch()
+        with self.handle:
+            run().scheduler.touch()
         return len(self._subscription.publications)
 
     def destroy(self) -> None:

@@ -136,9 +136,10 @@ class Timer(Entity):
         self._due_ns = following_ns
 
         async def call() -> None:
-            if self.callback is not None:
-                given = dict.fromkeys(self._info_names(), info)
-                await await_or_execute(partial(self.callback, **given))
+            given = dict.fromkeys(self._info_names(), info)
+            callback: Any = self.callback
+            # As in the real library, what is no function fails here, at the first tick.
+            await await_or_execute(partial(callback, **given) if given else callback)
 
         return call
 

@@ -15,8 +15,12 @@ from .context import Context
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that is used where none is given."""
-    return run().default_context
+    """Return the context that is used where none is given; `shutting_down` gives up that one."""
+    state = run()
+    context = state.default_context
+    if shutting_down:
+        state.default_context = Context()
+    return context
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
@@ -35,12 +39,18 @@ def shutdown(*, context: Context | None = None) -> None:
     Raises:
         RuntimeError: it has not begun, or has ended already.
     """
-    (get_default_context() if context is None else context).shutdown()
+    (get_default_context(shutting_down=True) if context is None else context).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
     """End a context that lives."""
-    (get_default_context() if context is None else context).try_shutdown()
+    if context is not None:
+        context.try_shutdown()
+        return
+    context = get_default_context()
+    context.try_shutdown()
+    if context.handle is not None:
+        get_default_context(shutting_down=True)
 
 
 def get_rmw_implementation_identifier() -> str:

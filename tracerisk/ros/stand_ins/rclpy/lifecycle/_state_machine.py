@@ -113,4 +113,7 @@ class StateMachine:
         for each in self.available:
             if getattr(each, field) == value:
                 return each
-        raise RCLError(f"no transition {text} from state '{self.label}'")
+        raise RCLError(
+            f"Failed to trigger lifecycle state machine transition: transition {text} is not "
+            f"registered in state '{self.label}'"
+        )

@@ -185,13 +185,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return _SUCCESS
 
     def _change_state(self, number: int) -> TransitionCallbackReturn:
-        try:
-            transition = self._state_machine.by_id(number)
-        except RCLError:
-            assert isinstance(self, Node)
-            now = (self._state_machine.state, self._state_machine.label)
-            self.get_logger().error(f"Unable to start transition {number} from current state {now}")
-            return TransitionCallbackReturn.ERROR
+        transition = self._state_machine.by_id(number)
         before = LifecycleState(self._state_machine.label, self._state_machine.state)
         self._enter(transition)
         answer = self._call_back(before)
