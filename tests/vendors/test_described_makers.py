@@ -198,7 +198,8 @@ other = ask(Tool, '/tools/tool_action', cmd_type=10)
 again = ask(Tool, '/niryo_robot_tools_commander/action_server', cmd_type=1)
 states = []
 node.create_subscription(DigitalIOState, '/niryo_robot_rpi/digital_io_state', states.append, 10)
-rclpy.spin_once(node, timeout_sec=1.0)
+while not states:
+    rclpy.spin_once(node, timeout_sec=1.0)
 inputs = [each.value for each in states[0].digital_inputs]
 """,
         ros=2,

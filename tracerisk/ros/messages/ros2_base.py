@@ -118,7 +118,7 @@ def copy_message(message: Any) -> Any:
         TypeError: a field that is a list holds what cannot be iterated.
         UnicodeEncodeError: a string holds what UTF-8 has not.
     """
-    kind = type(message)
+    kind: Any = type(message)
     made = kind.__new__(kind)
     for field in kind._ros_fields:
         kept = _copy(message, field, getattr(message, field.name))

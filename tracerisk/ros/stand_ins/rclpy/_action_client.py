@@ -20,6 +20,7 @@ from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.time.clock import EPOCH_NS
 
+from ._bare_action_server import BareActionServer
 from ._entity import Call, Entity
 from ._handle import OF_NODE, check_context
 from ._run import run
@@ -128,6 +129,7 @@ class ActionClient(Entity):
             node=node.get_fully_qualified_name(),
             copy=copy_message,
         )
+        self._bare: BareActionServer | None = None
         node.add_waitable(self)
 
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
@@ -155,6 +157,9 @@ class ActionClient(Entity):
             raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
         goal_id = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
         text = f"action server {self._action_name} ({self._action_type._ros_type})"
+        bare = self._bare_server()
+        if bare is not None:
+            return self._send_to_bare(bare, goal_id, goal, feedback_callback)
         sent = _Sent(
             goal_id, Future(waits_for=f"the answer of {text}", source=self), feedback_callback
         )
@@ -164,6 +169,30 @@ class ActionClient(Entity):
             on_change=lambda changed: self._on_change(sent, changed),
             on_feedback=lambda changed, feedback: self._on_feedback(sent, feedback),
         )
+        return sent.response
+
+    def _bare_server(self) -> BareActionServer | None:
+        """Return the server that the program makes of bare services, if it does."""
+        if self._bare is None and BareActionServer.is_there(self._action_type, self._action_name):
+            self._bare = BareActionServer(self._node, self._action_type, self._action_name)
+        return self._bare
+
+    def _send_to_bare(
+        self,
+        bare: BareActionServer,
+        goal_id: Any,
+        goal: Any,
+        feedback_callback: Callable[[Any], Any] | None,
+    ) -> Future:
+        text = f"the answer of action server {self._action_name}"
+        sent = _Sent(goal_id, Future(waits_for=text, source=self), feedback_callback)
+
+        def answered(future: Future) -> None:
+            handle = ClientGoalHandle(self, sent, future.result())
+            self._handles[bytes(goal_id.uuid)] = handle
+            sent.response.set_result(handle)
+
+        bare.send(goal_id, goal, feedback_callback).add_done_callback(answered)
         return sent.response
 
     def server_is_ready(self) -> bool:
@@ -176,12 +205,14 @@ class ActionClient(Entity):
         with self._node.handle, self.handle:
             check_context(self._node.context, "Failed to check if action server is available")
         run().scheduler.touch()
-        return self._end.is_served()
+        return self._end.is_served() or self._bare_server() is not None
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
         """Wait until somebody serves the action, and return whether somebody does."""
         timeout_ns = None if timeout_sec is None else max(0, round(timeout_sec * 1e9))
         context = self._node.context
+        if self._bare_server() is not None:
+            return self.server_is_ready()
         self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
         return self.server_is_ready()
 
@@ -193,6 +224,8 @@ class ActionClient(Entity):
         """Send no more goals."""
         super().destroy()
         self._end.close()
+        if self._bare is not None:
+            self._bare.destroy()
         self._node.remove_waitable(self)
 
     # What comes from the server
@@ -229,6 +262,8 @@ class ActionClient(Entity):
         return response
 
     def _result(self, sent: _Sent) -> Future:
+        if sent.goal is None and self._bare is not None:
+            return self._bare.result(sent.goal_id)
         text = f"the result of a goal of {self._action_name} ({self._action_type._ros_type})"
         future = Future(waits_for=text, source=self)
         goal = sent.goal
@@ -244,6 +279,8 @@ class ActionClient(Entity):
         return future
 
     def _cancel(self, sent: _Sent) -> Future:
+        if sent.goal is None and self._bare is not None:
+            return self._bare.cancel(sent.goal_id)
         future = Future(waits_for=f"the answer of action server {self._action_name} to a cancel")
         goal = sent.goal
         if goal is None or goal.state.is_terminal:

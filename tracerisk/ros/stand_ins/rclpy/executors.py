@@ -10,9 +10,10 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from tracerisk.ros.controller.needs import asking_place
-from tracerisk.ros.controller.thread import ControllerThread, WaitKind, spinning
+from tracerisk.ros.controller.thread import ControllerThread, spinning
 from tracerisk.ros.imports.exported import defined as _defined
 
+from ._executor_work import WorkFinding
 from ._handle import OF_CONTEXT, check_context
 from ._run import run
 from .context import Context
@@ -53,7 +54,7 @@ async def await_or_execute(callback: Any, *args: Any) -> Any:
     return callback(*args)
 
 
-class Executor:
+class Executor(WorkFinding):
     """Base of the executors; one of its own has to define `_spin_once_impl`."""
 
     def __init__(self, *, context: Context | None = None) -> None:
@@ -70,6 +71,7 @@ class Executor:
         self._n_working = 0
         self._waits: list[tuple[Any, ...]] = []
         self._is_shutdown = False
+        self._is_spinning = False
         self._spinners: list[ControllerThread | None] = []
         self._n_waiting = 0
 
@@ -161,9 +163,13 @@ class Executor:
     def spin(self) -> None:
         """Run callbacks until the context or the executor is shut down."""
         scheduler = self._run.scheduler
-        with spinning(scheduler.current, scheduler.now_ns), self._spun():
-            while self._context.is_valid and not self._is_shutdown:
-                self.spin_once()
+        self._is_spinning = True
+        try:
+            with spinning(scheduler.current, scheduler.now_ns), self._spun():
+                while self._context.is_valid and not self._is_shutdown:
+                    self.spin_once()
+        finally:
+            self._is_spinning = False
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is complete, or for `timeout_sec` seconds."""
@@ -305,135 +311,6 @@ class Executor:
         while True:
             yield self.wait_for_ready_callbacks(*args, **kwargs)
 
-    def _from_batch(self) -> Task | None:
-        while self._batch:
-            work = self._batch.popleft()
-            if isinstance(work, Task):
-                if work.is_ready:
-                    return work
-            elif self._can_run(work):
-                return self._task_of(work)
-        return None
-
-    def _ready(self) -> list[Any]:
-        """Return tasks that go on, else entities that have work, in the order of rclpy.
-
-        After tasks entities come first: tasks that others have made wait for their next turn.
-        """
-        found: list[Any] = []
-        if not self._has_looked_at_tasks:
-            found = self._ready_tasks()
-        if not found:
-            found = self._ready_entities()
-        elif not self._has_looked_at_tasks:
-            self._has_looked_at_tasks = True
-            return found
-        self._has_looked_at_tasks = False
-        return found or self._ready_tasks()
-
-    def _ready_tasks(self) -> list[Any]:
-        """Return the tasks that go on, the newest first."""
-        self._tasks = [task for task in self._tasks if not task._done and not task._cancelled]
-        return [task for task in reversed(self._tasks) if self._goes_on_with(task)]
-
-    def _ready_entities(self) -> list[Any]:
-        found: list[Any] = []
-        for node in self._nodes:
-            found.extend(each for each in node._waitables if self._can_run(each))
-        for node in self._nodes:
-            found.extend(each for each in node._entities() if self._can_run(each))
-        return found
-
-    def _goes_on_with(self, task: Task) -> bool:
-        # A coroutine of a node that has left is not resumed.
-        return task.is_ready and (task._node is None or task._node in self._nodes)
-
-    def _can_run(self, entity: Any) -> bool:
-        return (
-            not entity._is_taken
-            and not entity._is_destroyed
-            and entity._is_ready()
-            and entity.callback_group.can_execute(entity)
-        )
-
-    def _has_work(self) -> bool:
-        if any(self._goes_on_with(task) for task in self._tasks):
-            return True
-        return any(
-            self._can_run(entity)
-            for node in self._nodes
-            for entity in (*node._waitables, *node._entities())
-        )
-
-    def _wait(self, timeout_ns: int | None, future: Future | None) -> bool:
-        """Wait until there is work; False after the timeout."""
-        scheduler = self._run.scheduler
-        kind, reason = _what_is_waited_for(future)
-        due = [
-            entity._due_ns
-            for node in self._nodes
-            for entity in node._timers
-            if entity._due_ns is not None
-            and not entity._is_taken
-            and entity.callback_group.can_execute(entity)
-        ]
-        alarm = scheduler.call_at(min(due), _nothing) if due else None
-        # A node, a timer or a task that is made meanwhile has to be looked at.
-        known = self._work_known()
-        self._n_waiting += 1
-        try:
-            return scheduler.wait_until(
-                lambda: (
-                    self._is_shutdown
-                    or not self._context.is_valid
-                    or (future is not None and future._done)
-                    or self._work_known() != known
-                    or self._has_work()
-                ),
-                timeout_ns=timeout_ns,
-                reason=reason,
-                kind=kind,
-            )
-        finally:
-            self._n_waiting -= 1
-            if alarm is not None:
-                alarm.cancel()
-
-    def _work_known(self) -> tuple[Any, ...]:
-        return (
-            len(self._tasks),
-            *(
-                timer._due_ns
-                for node in self._nodes
-                for timer in node._timers
-                if timer.callback_group.can_execute(timer)
-            ),
-        )
-
-    def _task_of(self, entity: Any) -> Task:
-        entity._is_taken = True
-        tracer = self._run.tracer
-        stack = None if tracer is None else tracer.root(entity._root_kind)
-        task = Task(self._handle, (entity,), executor=self, stack=stack)
-        task._entity, task._node = entity, entity._node
-        self._tasks.append(task)
-        return task
-
-    async def _handle(self, entity: Any) -> None:
-        group = entity.callback_group
-        if self._is_shutdown or entity._is_destroyed or not group.beginning_execution(entity):
-            entity._is_taken = False
-            return
-        self._n_working += 1
-        try:
-            call = entity._take(self)
-            entity._is_taken = False
-            if call is not None:
-                await call()
-        finally:
-            self._n_working -= 1
-            group.ending_execution(entity)
-
     def __enter__(self) -> Executor:
         return self
 
@@ -475,6 +352,8 @@ class MultiThreadedExecutor(Executor):
         self._n_running = 0
         self._submitted: deque[Task] = deque()
         self._futures: list[Task] = []
+        self._begun: Task | None = None
+        self._has_failed_at_once = False
         self._pool: list[ControllerThread] = []
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
@@ -487,6 +366,7 @@ class MultiThreadedExecutor(Executor):
             task._is_submitted = True
             self._submitted.append(task)
             self._futures.append(task)
+            self._begun = task
             if self._n_running < self._n_threads:
                 self._n_running += 1
                 self._pool = [thread for thread in self._pool if not thread.finished]
@@ -495,8 +375,6 @@ class MultiThreadedExecutor(Executor):
                         self._work, "executor thread", inherit=False, is_controllers=False
                     )
                 )
-            # The callback runs as far as it goes at once; a later error waits for other work.
-            self._run.scheduler.give_way()
             self._raise_what_failed()
 
     @property
@@ -504,7 +382,25 @@ class MultiThreadedExecutor(Executor):
         has_thread = self._n_running < self._n_threads or not self._submitted
         return super()._takes_work and has_thread
 
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback as far as it goes at once; what fails later waits for other work."""
+        self._begun = None
+        super().spin_once(timeout_sec)
+        if self._begun is not None and not self._is_spinning:
+            self._run.scheduler.give_way()
+            self._raise_what_failed()
+
+    def _has_work(self) -> bool:
+        return self._has_failed_at_once or super()._has_work()
+
+    def _wait(self, timeout_ns: int | None, future: Future | None) -> bool:
+        came = super()._wait(timeout_ns, future)
+        if self._has_failed_at_once:
+            self._raise_what_failed()
+        return came
+
     def _raise_what_failed(self) -> None:
+        self._has_failed_at_once = False
         for task in [each for each in self._futures if each._done]:
             self._futures.remove(task)
             task.result()
@@ -515,25 +411,18 @@ class MultiThreadedExecutor(Executor):
                 task = self._submitted.popleft()
                 task._is_submitted = False
                 # Who spins gets it from the task.
+                began_ns = self._run.scheduler.now_ns
                 with suppress(SystemExit, KeyboardInterrupt):
                     task()
+                failed = task._done and task._exception is not None
+                if failed and self._run.scheduler.now_ns == began_ns:
+                    self._has_failed_at_once = True
         finally:
             self._n_running -= 1
 
 
-def _what_is_waited_for(future: Future | None) -> tuple[WaitKind, str]:
-    if future is None:
-        return "idle", "callbacks"
-    awaited = future._awaited
-    return ("blocked", "a future") if awaited is None else ("unmet", awaited)
-
-
 def _nanoseconds(seconds: float | None) -> int | None:
     return None if seconds is None or seconds < 0 else round(seconds * 1e9)
-
-
-def _nothing() -> None:
-    """Mark a timer as due; the executor that waits sees it."""
 
 
 __all__ = _defined(globals())
