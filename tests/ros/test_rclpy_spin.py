@@ -518,3 +518,41 @@ def test_a_task_of_asyncio_awaits_a_future_beside_its_own_spinning(run_ros2):
         return asyncio.run(work())
 
     assert run_ros2(main) is True
+
+
+def test_humble_takes_no_timeout_of_a_call(run_ros2):
+    def main():
+        import rclpy
+        from std_srvs.srv import Trigger
+
+        rclpy.init()
+        client = rclpy.create_node("arm").create_client(Trigger, "absent")
+        for given in ({"timeout_sec": 0.1}, {"timeout_sec": None}):
+            with pytest.raises(TypeError, match="unexpected keyword argument"):
+                client.call(Trigger.Request(), **given)
+
+    run_ros2(main, distro="humble")
+
+
+@pytest.mark.parametrize(("distro", "turns"), [("humble", 3), ("jazzy", 5)])
+def test_a_call_leaves_fewer_tasks_behind_on_humble(run_ros2, distro, turns):
+    def main():
+        import rclpy
+        from std_msgs.msg import Int32
+        from std_srvs.srv import Trigger
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        node.create_service(Trigger, "s", lambda request, response: response)
+        client, seen = node.create_client(Trigger, "s"), []
+        node.create_subscription(Int32, "x", seen.append, 10)
+        publisher = node.create_publisher(Int32, "x", 10)
+        rclpy.spin_until_future_complete(node, client.call_async(Trigger.Request()))
+        publisher.publish(Int32())
+        used = 0
+        while not seen:
+            rclpy.spin_once(node, timeout_sec=0.1)
+            used += 1
+        return used
+
+    assert run_ros2(main, distro=distro) == turns
