@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ._endpoint_times import Watchdog, span_ns
 from ._run import run
 from .event_handler import (
     EventHandler,
+    QoSLivelinessChangedInfo,
+    QoSLivelinessLostInfo,
+    QoSOfferedDeadlineMissedInfo,
     QoSPublisherEventType,
     QoSRequestedIncompatibleQoSInfo,
     QoSSubscriptionEventType,
     QoSSubscriptionMatchedInfo,
 )
-from .qos import QoSPolicyKind
+from .qos import QoSPolicyKind, QoSProfile
 
 _MISFITS = (
     QoSPublisherEventType.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS,
@@ -25,18 +29,43 @@ _MATCHES = (
 )
 
 
-class EndpointEvents:
-    """Notifies the handlers of one endpoint of what happens to it; `node` runs their callbacks."""
+_DEADLINES = (
+    QoSPublisherEventType.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED,
+    QoSSubscriptionEventType.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED,
+)
+_CHANGES = (QoSSubscriptionEventType.RCL_SUBSCRIPTION_LIVELINESS_CHANGED,)
+_LOSSES = (QoSPublisherEventType.RCL_PUBLISHER_LIVELINESS_LOST,)
 
-    def __init__(self, node: Any, handlers: list[EventHandler]) -> None:
+
+class EndpointEvents:
+    """Notifies the handlers of one endpoint of what happens to it; `node` runs their callbacks.
+
+    `peers` returns who fits now, `profile` has the deadline between two messages.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        handlers: list[EventHandler],
+        profile: QoSProfile,
+        peers: Callable[[], list[Any]],
+    ) -> None:
         self._node = node
         self._handlers = handlers
+        self._peers = peers
+        self._lives: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+        period_ns = span_ns(profile.deadline) if self._wants(_DEADLINES) else None
+        self._deadline = Watchdog(
+            period_ns,
+            lambda count: self._report(_DEADLINES, QoSOfferedDeadlineMissedInfo(count, 1)),
+        )
         self._misfits = 0
         self._matched: set[int] = set()
         self._total = 0
 
     def close(self) -> None:
         """Drop the handlers, for the endpoint is destroyed."""
+        self._deadline.close()
         for handler in self._handlers:
             handler.destroy()
             self._node.remove_waitable(handler)
@@ -48,19 +77,42 @@ class EndpointEvents:
         info = QoSRequestedIncompatibleQoSInfo(self._misfits, 1, policy)
         self._report(_MISFITS, info)
 
-    def watch(self, topic: str, peers: Callable[[], list[Any]]) -> None:
-        """Look whenever somebody comes to the topic or leaves it, where a handler wants to know.
+    def note_message(self) -> None:
+        """Note that a message was sent, or has come."""
+        self._deadline.sign()
 
-        `peers` returns who fits now.
-        """
-        if not any(each.event_type is kind for each in self._handlers for kind in _MATCHES):
+    def note_loss(self, count: int) -> None:
+        """Note that the publisher has shown no sign of life in time."""
+        self._report(_LOSSES, QoSLivelinessLostInfo(count, 1))
+
+    def watch(self, topic: str) -> None:
+        """Look whenever somebody comes to the topic or leaves it, where a handler wants to know."""
+        if not self._wants((*_MATCHES, *_CHANGES)):
             return
 
         def look(change: str, name: str, type_name: str) -> None:
             if name == topic:
-                self._note_peers({id(each) for each in peers()})
+                self._note_peers({id(each) for each in self._peers()})
+                self.note_lives()
 
         run().graph.watch(look)
+
+    def note_lives(self) -> None:
+        """Look which publishers live."""
+        if not self._wants(_CHANGES):
+            return
+        alive, dead = set(), set()
+        for publication in self._peers():
+            publisher = getattr(publication.on_connect, "__self__", None)
+            (alive if getattr(publisher, "_is_alive", True) else dead).add(id(publication))
+        before = self._lives
+        self._lives = frozenset(alive), frozenset(dead)
+        if self._lives != before:
+            changes = (len(now) - len(then) for now, then in zip(self._lives, before, strict=True))
+            self._report(_CHANGES, QoSLivelinessChangedInfo(len(alive), len(dead), *changes))
+
+    def _wants(self, kinds: tuple[Any, ...]) -> bool:
+        return any(each.event_type is kind for each in self._handlers for kind in kinds)
 
     def _note_peers(self, now: set[int]) -> None:
         come, gone = len(now - self._matched), len(self._matched - now)

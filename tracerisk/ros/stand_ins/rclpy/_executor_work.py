@@ -7,6 +7,7 @@ from typing import Any
 
 from tracerisk.ros.controller.thread import WaitKind
 
+from ._run import Run
 from .context import Context
 from .task import Future, Task
 
@@ -14,7 +15,7 @@ from .task import Future, Task
 class WorkFinding:
     """What finds the work of an executor, and waits for it; a part of `Executor`."""
 
-    _run: Any
+    _run: Run
     _context: Context
     _nodes: list[Any]
     _tasks: list[Task]

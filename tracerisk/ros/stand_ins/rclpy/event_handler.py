@@ -1,6 +1,6 @@
 """Callbacks for events of an endpoint: that others came or went, or do not fit.
 
-Deadlines, liveliness and losses are not simulated: no such event happens.
+Losses of messages are not simulated: no such event happens.
 """
 
 from __future__ import annotations

@@ -384,9 +384,9 @@ class MultiThreadedExecutor(Executor):
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Run one callback as far as it goes at once; what fails later waits for other work."""
-        self._begun = None
+        before = self._begun
         super().spin_once(timeout_sec)
-        if self._begun is not None and not self._is_spinning:
+        if self._begun is not before and not self._is_spinning:
             self._run.scheduler.give_way()
             self._raise_what_failed()
 

@@ -9,12 +9,13 @@ from typing import Any
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._endpoint_events import EndpointEvents
+from ._endpoint_times import Watchdog, span_ns
 from ._handle import OF_PUBLISHER, Handle, check_context
 from ._run import run
 from .callback_groups import CallbackGroup
 from .duration import Duration
 from .event_handler import PublisherEventCallbacks
-from .qos import QoSProfile, misfit_of
+from .qos import LivelinessPolicy, QoSProfile, misfit_of
 
 
 class Publisher:
@@ -41,8 +42,14 @@ class Publisher:
         self.event_handlers = event_callbacks.create_event_handlers(
             callback_group, self, given_name or topic
         )
-        self._events = EndpointEvents(node, self.event_handlers)
-        self._history: deque[Any] = deque(maxlen=qos_profile.kept)
+        self._events = EndpointEvents(
+            node, self.event_handlers, qos_profile, lambda: list(self._publication.subscriptions)
+        )
+        is_manual = qos_profile.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC
+        lease_ns = span_ns(qos_profile.liveliness_lease_duration) if is_manual else None
+        self._is_alive = True
+        self._life = Watchdog(lease_ns, self._lost, once=True)
+        self._history: deque[tuple[Any, int]] = deque(maxlen=qos_profile.kept)
         self._publication = run().graph.advertise(
             topic,
             msg_type._ros_type,
@@ -51,7 +58,8 @@ class Publisher:
             copy=lambda message: message,
             on_connect=self._send_history,
         )
-        self._events.watch(topic, lambda: list(self._publication.subscriptions))
+        self._events.watch(topic)
+        self._life.sign()
 
     topic = property(attrgetter("_publication.topic"), doc="The topic's name.")
 
@@ -80,8 +88,26 @@ class Publisher:
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         sent = copy_message(msg)
         if self.qos_profile.is_latching:
-            self._history.append(sent)
+            self._history.append((sent, run().scheduler.now_ns))
+        self._events.note_message()
+        self._live(is_alive=True)
         self._publication.publish(sent)
+
+    def _live(self, *, is_alive: bool) -> None:
+        """Show a sign of life, or none in time; who listens is told of a change."""
+        if is_alive:
+            self._life.sign()
+        if is_alive == self._is_alive:
+            return
+        self._is_alive = is_alive
+        for subscription in self._publication.subscriptions:
+            events = getattr(getattr(subscription.deliver, "__self__", None), "_events", None)
+            if events is not None:
+                events.note_lives()
+
+    def _lost(self, count: int) -> None:
+        self._events.note_loss(count)
+        self._live(is_alive=False)
 
     def get_subscription_count(self) -> int:
         """Return how many subscriptions it reaches."""
@@ -91,9 +117,11 @@ class Publisher:
         return len(self._publication.subscriptions)
 
     def assert_liveliness(self) -> None:
-        """Assert liveliness."""
+        """Show a sign of life; one that was lost comes back only with a message."""
         with self.handle:
             self._check_context("Failed to assert liveliness on the Publisher")
+        if self._is_alive:
+            self._life.sign()
 
     def wait_for_all_acked(self, timeout: Duration | None = None) -> bool:
         """Return True: every message has arrived."""
@@ -107,6 +135,7 @@ class Publisher:
     def destroy(self) -> None:
         """Leave the topic."""
         self._events.close()
+        self._life.close()
         self._publication.close()
         self.handle.destroy_when_not_in_use()
 
@@ -122,8 +151,10 @@ class Publisher:
                 return
             if not asked.is_latching:
                 return
-        for message in self._history:
-            subscription.deliver(message, self._publication)
+        lifespan_ns = span_ns(self.qos_profile.lifespan)
+        for message, sent_ns in self._history:
+            if lifespan_ns is None or run().scheduler.now_ns <= sent_ns + lifespan_ns:
+                subscription.deliver(message, self._publication)
 
     def __enter__(self) -> Publisher:
         return self

@@ -14,6 +14,7 @@ from tracerisk.ros.messages.ros2_wire import encode
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._endpoint_events import EndpointEvents
+from ._endpoint_times import span_ns
 from ._entity import Call, Entity
 from ._run import run
 from .callback_groups import CallbackGroup
@@ -52,7 +53,7 @@ class Subscription(Entity):
         self.raw = raw
         self.event_callbacks = event_callbacks
         self.callback = callback
-        self._queue: deque[tuple[Any, dict[str, Any]]] = deque(maxlen=qos_profile.kept)
+        self._queue: deque[tuple[Any, dict[str, Any], int | None]] = deque(maxlen=qos_profile.kept)
         self._received = 0
         self._topic = topic
         if event_callbacks is None:
@@ -60,14 +61,16 @@ class Subscription(Entity):
         self.event_handlers = event_callbacks.create_event_handlers(
             callback_group, self, given_name or topic
         )
-        self._events = EndpointEvents(node, self.event_handlers)
+        self._events = EndpointEvents(
+            node, self.event_handlers, qos_profile, lambda: list(self._subscription.publications)
+        )
         self._subscription = run().graph.subscribe(
             topic,
             msg_type._ros_type,
             self._deliver,
             node=node.get_fully_qualified_name(),
         )
-        self._events.watch(topic, lambda: list(self._subscription.publications))
+        self._events.watch(topic)
 
     @property
     def callback(self) -> Callable[..., Any]:
@@ -119,6 +122,8 @@ class Subscription(Entity):
         offered = getattr(sender, "qos_profile", None)
         if offered is not None and misfit_of(offered, self.qos_profile) is not None:
             return
+        lifespan_ns = None if offered is None else span_ns(offered.lifespan)
+        self._events.note_message()
         self._received += 1
         now_ns = EPOCH_NS + run().scheduler.now_ns
         info = {
@@ -127,15 +132,22 @@ class Subscription(Entity):
             "publication_sequence_number": publication.sent,
             "reception_sequence_number": self._received,
         }
-        self._queue.append((message, info))
+        expires_ns = None if lifespan_ns is None else run().scheduler.now_ns + lifespan_ns
+        self._queue.append((message, info, expires_ns))
 
     def _is_ready(self) -> bool:
-        return bool(self._queue)
+        return any(self._is_fresh(expires_ns) for _, _, expires_ns in self._queue)
+
+    @staticmethod
+    def _is_fresh(expires_ns: int | None) -> bool:
+        return expires_ns is None or run().scheduler.now_ns <= expires_ns
 
     def _take(self, executor: Any) -> Call | None:
+        while self._queue and not self._is_fresh(self._queue[0][2]):
+            self._queue.popleft()
         if not self._queue:
             return None
-        message, info = self._queue.popleft()
+        message, info, _ = self._queue.popleft()
         arguments: list[Any] = [encode(message) if self.raw else copy_message(message)]
         if self._callback_type is self.CallbackType.WithMessageInfo:
             arguments.append(info)
