@@ -101,7 +101,8 @@ class EndpointEvents:
         """Look which publishers live."""
         if not self._wants(_CHANGES):
             return
-        alive, dead = set(), set()
+        alive: set[int] = set()
+        dead: set[int] = set()
         for publication in self._peers():
             publisher = getattr(publication.on_connect, "__self__", None)
             (alive if getattr(publisher, "_is_alive", True) else dead).add(id(publication))
