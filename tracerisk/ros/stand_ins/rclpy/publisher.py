@@ -94,7 +94,7 @@ class Publisher:
         self._publication.publish(sent)
 
     def _live(self, *, is_alive: bool) -> None:
-        """Show a sign of life, or none in time; who listens is told of a change."""
+        """Show a sign of life, or none in time; its subscriptions look at a change."""
         if is_alive:
             self._life.sign()
         if is_alive == self._is_alive:
