@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from tests.ran import Ran
+from tracerisk.config import RosDistro
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
@@ -37,8 +38,13 @@ def run_traced(
     drivers: Sequence[Any] = (),
     packages: Mapping[str, Path] = MappingProxyType({}),
     has_topics: bool = True,
+    distro: RosDistro | None = None,
 ) -> tuple[Ran, RunOver | None]:
-    """What the script left, and how the run was over where the script did not end by itself."""
+    """What the script left, and how the run was over where the script did not end by itself.
+
+    Without `distro` it follows noetic or jazzy, by the ROS that `interfaces` is of.
+    """
+    follows = distro or ("noetic" if isinstance(interfaces, Interfaces) else "jazzy")
     twin = Twin.build(load_robot(robot), load_scene(scene))
     events = script.with_name("events.jsonl")
     over = None
@@ -55,7 +61,7 @@ def run_traced(
             recorder,
             argv=(str(script),),
             packages=packages,
-            distro=DistroRules("noetic" if isinstance(interfaces, Interfaces) else "jazzy"),
+            distro=DistroRules(follows),
         )
         if has_topics:
             TwinTopics(runtime, interfaces)

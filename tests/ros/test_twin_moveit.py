@@ -165,7 +165,7 @@ state = move.get_state()
     assert [command.end for command in result.recording.commands] == ["cancelled"]
 
 
-def test_stop_on_the_topic_of_events_ends_a_motion_preempted(ran):
+def test_stop_on_the_topic_of_events_fails_a_goal_of_move_group(ran):
     result = ran("""
 from std_msgs.msg import String
 events = rospy.Publisher("/trajectory_execution_event", String, queue_size=1)
@@ -181,4 +181,4 @@ events.publish(String(data="stop"))
 move.wait_for_result()
 state, code = move.get_state(), move.get_result().error_code.val
 """)
-    assert (result["before"], result["state"], result["code"]) == (1, 2, -7)
+    assert (result["before"], result["state"], result["code"]) == (1, 4, -4)

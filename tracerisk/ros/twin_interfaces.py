@@ -13,7 +13,7 @@ from tracerisk.ros.gazebo.services import GazeboServices
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
+from tracerisk.ros.moveit.actions.pick_place import PICKUP, PLACE, PickPlaceServer
 from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
@@ -52,8 +52,8 @@ class TwinInterfaces:
         if runtime.recorder is not None:
             moveit = MoveItInterfaces(runtime, messages)
             Servo(runtime, messages)
-            self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
-            self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
+            self._types[MOVE_GROUP] = (moveit.on_goal, moveit.on_cancel)
+            self._types[EXECUTE_TRAJECTORY] = (moveit.on_goal, moveit.on_cancel)
             if not messages.is_ros2:
                 # MoveIt 2 has neither.
                 picking = PickPlaceServer(runtime, messages)

@@ -10,6 +10,7 @@ import pytest
 from tests.ran import Ran
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
@@ -47,7 +48,8 @@ def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran
     events = tmp_path / "events.jsonl"
     with events.open("wb", buffering=0) as stream, StandInFinder():
         recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
-        runtime = Runtime(scheduler, Graph(scheduler, tracer), twin, tracer, recorder)
+        graph, rules = Graph(scheduler, tracer), DistroRules("noetic")
+        runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
 
         def run_program(program: str) -> Ran:
             source = PREAMBLE + textwrap.dedent(program)

@@ -217,7 +217,7 @@ done = panda.execute(planned, controllers=[])
     assert bool(ran["done"])
 
 
-def test_an_empty_trajectory_cannot_be_timed_or_executed(run):
+def test_an_empty_trajectory_cannot_be_timed_and_its_execution_moves_nothing(run):
     ran = run(
         """
 from moveit.core.robot_trajectory import RobotTrajectory
@@ -228,7 +228,8 @@ status = panda.execute(empty, controllers=[])
 sizes = (len(empty), empty.duration, empty.average_segment_duration, empty.get_waypoint_durations())
 """
     )
-    assert (ran["timed"], ran["smoothed"], bool(ran["status"])) == (False, False, False)
+    assert (ran["timed"], ran["smoothed"], bool(ran["status"])) == (False, False, True)
+    assert [each.end for each in ran.recording.refused] == ["ignored"]
     assert ran["sizes"] == (0, 0, 0.0, [])
     assert ran.findings[0] == "a trajectory cannot be timed anew: it has no waypoints"
 

@@ -43,6 +43,10 @@ class Rule:
         return self.humble != self.jazzy
 
 
+_MOVE_GROUP = "moveit_ros/move_group/src/default_capabilities"
+
+_EXECUTION = "moveit_ros/planning/trajectory_execution_manager/src/trajectory_execution_manager.cpp"
+
 RULES: tuple[Rule, ...] = (
     # Messages
     Rule(
@@ -103,6 +107,51 @@ RULES: tuple[Rule, ...] = (
         humble=False,
         jazzy=True,
         source="ros2/rclpy rclpy/rclpy/executors.py",
+    ),
+    # Goals of MoveIt
+    Rule(
+        name="execute-trajectory-goal",
+        subject="a goal of `execute_trajectory` comes while another is executed",
+        noetic="ends the one before",
+        humble="waits for its end",
+        jazzy="waits for its end",
+        source=f"moveit/moveit {_MOVE_GROUP}/execute_trajectory_action_capability.cpp, "
+        f"moveit/moveit2 {_MOVE_GROUP}/execute_trajectory_action_capability.cpp",
+    ),
+    Rule(
+        name="execute-trajectory-cancel",
+        subject="a goal of `execute_trajectory` is to be cancelled",
+        noetic="stops the motion",
+        humble="waits for its end",
+        jazzy="waits for its end",
+        source=f"moveit/moveit {_MOVE_GROUP}/execute_trajectory_action_capability.cpp, "
+        f"moveit/moveit2 {_MOVE_GROUP}/execute_trajectory_action_capability.cpp",
+    ),
+    Rule(
+        name="move-action-goal",
+        subject="a goal of `move_action` (`move_group`) comes while another is executed",
+        noetic="ends the one before",
+        humble="waits for its end",
+        jazzy="fails with CONTROL_FAILED",
+        source=f"moveit/moveit {_MOVE_GROUP}/move_action_capability.cpp, "
+        f"moveit/moveit2 {_MOVE_GROUP}/move_action_capability.cpp",
+    ),
+    Rule(
+        name="move-action-cancel",
+        subject="a goal of `move_action` (`move_group`) is to be cancelled",
+        noetic="stops the motion",
+        humble="waits for its end",
+        jazzy="stops the motion",
+        source=f"moveit/moveit {_MOVE_GROUP}/move_action_capability.cpp, "
+        f"moveit/moveit2 {_MOVE_GROUP}/move_action_capability.cpp",
+    ),
+    Rule(
+        name="zero-duration-trajectory",
+        subject="MoveIt skips a trajectory of no duration and answers SUCCESS",
+        noetic=True,
+        humble=False,
+        jazzy=False,
+        source=f"moveit/moveit {_EXECUTION}, moveit/moveit2 {_EXECUTION}",
     ),
 )
 """All rules that differ, grouped by subject."""

@@ -90,7 +90,8 @@ class ActionGoal:
     `message` is the goal as sent, `stack` that of the code which sent it, `sent_ns` when.
     `on_change` is called after each change of state, `on_feedback` with each feedback; a client
     library sets both. `data` is free for the server. `result` stays None until a terminal state.
-    `motion` is what the twin carries out for it.
+    `motion` is what the twin carries out for it. `is_cancel_unread` is set by a server that reads
+    the request to cancel it only after its end.
     """
 
     id: Any
@@ -105,6 +106,7 @@ class ActionGoal:
     text: str = ""
     result: Any = None
     is_cancel_asked: bool = False
+    is_cancel_unread: bool = False
     data: Any = None
     motion: Any = None
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tracerisk.errors import RobotError
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.messages.dialect import nanoseconds, set_time
+from tracerisk.ros.moveit.actions.goal_turns import GoalTurns
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.moveit.messages import (
     attached_messages,
@@ -19,7 +22,7 @@ from tracerisk.ros.moveit.messages import (
 )
 from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, valid_fraction
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution
+from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
 from tracerisk.ros.robot.twin_node import TwinNode
@@ -32,6 +35,10 @@ if TYPE_CHECKING:
 
 MOVE_GROUP = "moveit_msgs/MoveGroup"
 EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
+_ASKERS: Mapping[str, Asker] = {
+    MOVE_GROUP: "move_action",
+    EXECUTE_TRAJECTORY: "execute_trajectory",
+}
 EXECUTION_EVENTS = "/trajectory_execution_event"
 """The topic on which MoveIt takes `stop` for all that it executes."""
 # moveit_msgs/PlanningSceneComponents.
@@ -47,8 +54,12 @@ class MoveItInterfaces(TwinNode):
         super().__init__(runtime, messages)
         self._server = runtime.client(MoveGroupServer)
         self._goals = GoalReader(self._server)
-        self._executing: list[ActionGoal] = []
-        self._stopped: list[ActionGoal] = []
+        self._turns = {
+            MOVE_GROUP: GoalTurns(runtime, "move-action", self._move_group, self._stop),
+            EXECUTE_TRAJECTORY: GoalTurns(
+                runtime, "execute-trajectory", self._execute_trajectory, self._stop
+            ),
+        }
         changes = self._server.changes
         self._takers = {
             "moveit_msgs/CollisionObject": changes.apply,
@@ -71,7 +82,15 @@ class MoveItInterfaces(TwinNode):
 
     # Actions
 
-    def move_group(self, goal: ActionGoal) -> None:
+    def on_goal(self, goal: ActionGoal) -> None:
+        """Take a goal of either action."""
+        self._turns[goal.client.type_name].take(goal)
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Take a request to cancel a goal of either action."""
+        self._turns[goal.client.type_name].cancel(goal)
+
+    def _move_group(self, goal: ActionGoal) -> None:
         """Plan, and execute unless the goal asks for a plan alone."""
         goal.accept()
         asked = goal.message
@@ -81,16 +100,18 @@ class MoveItInterfaces(TwinNode):
         if plan.trajectory is None:
             if not asked.planning_options.plan_only:
                 self._commands.refuse("move_group", goal.stack)
+            self._give_way(goal)
             self._finish(goal, result, plan.code, plan.message)
             return
         result.planned_trajectory = self._trajectory(plan.trajectory)
         if asked.planning_options.plan_only:
+            self._give_way(goal)
             self._finish(goal, result, ErrorCode.SUCCESS)
             return
         result.executed_trajectory = self._trajectory(plan.trajectory)
         self._execute(goal, plan.trajectory, result)
 
-    def execute_trajectory(self, goal: ActionGoal) -> None:
+    def _execute_trajectory(self, goal: ActionGoal) -> None:
         """Execute the goal's trajectory."""
         goal.accept()
         result = self._messages.part(EXECUTE_TRAJECTORY, "Result")
@@ -99,37 +120,60 @@ class MoveItInterfaces(TwinNode):
         set_time(message.header.stamp, 0)
         scheduler = self._scheduler
         try:
-            trajectory = twin_trajectory(message, self._twin, scheduler.now_ns)
+            trajectory, first = NOTHING, {}
+            if message.points:
+                trajectory = twin_trajectory(message, self._twin, scheduler.now_ns)
+                given = list(map(float, message.points[0].positions))
+                first = dict(zip(message.joint_names, given, strict=True))
+                if not nanoseconds(message.points[-1].time_from_start):
+                    at_once = np.zeros(1)
+                    trajectory = JointTrajectory(
+                        tuple(first), at_once, np.array([given]), np.zeros((1, len(given)))
+                    )
         except TrajectoryRefusedError as error:
             self._server.execution.report("execution_failure", f"a trajectory is none: {error}")
             self._commands.refuse("move_group", goal.stack)
-            self._finish(goal, result, ErrorCode.INVALID_MOTION_PLAN, str(error))
+            self._give_way(goal)
+            self._finish(goal, result, ErrorCode.CONTROL_FAILED, str(error))
             return
-        self._execute(goal, trajectory, result)
+        self._execute(goal, trajectory, result, first)
 
-    def on_cancel(self, goal: ActionGoal) -> None:
-        """Stop what the goal moves; it ends with its motion."""
-        goal.accept_cancel()
+    def _stop(self, goal: ActionGoal) -> None:
+        """Stop what a goal moves; it ends with its motion."""
         execution = goal.data
         if isinstance(execution, Execution) and execution.motion.outcome == "active":
             self._twin.stop(execution.motion.joints)
 
     def _on_event(self, message: Any, publication: Publication) -> None:
-        """Stop what the goals move: MoveIt calls them preempted, MoveIt 2 aborts them as that."""
+        """Stop what is being executed, whoever asked for it."""
         del publication
         if message.data == "stop":
-            if self._messages.is_ros2:
-                self._stopped.extend(self._executing)
-            for goal in self._executing:
-                self._twin.stop(goal.data.motion.joints)
+            self._server.execution.stop()
 
-    def _execute(self, goal: ActionGoal, trajectory: JointTrajectory, result: Any) -> None:
-        execution = self._server.execution.start(trajectory, goal=goal)
+    def _give_way(self, goal: ActionGoal) -> None:
+        """End the goal before where a new one does so, for this one moves nothing."""
+        if self._turns[goal.client.type_name].preempts:
+            self._server.execution.give_way(_ASKERS[goal.client.type_name])
+
+    def _execute(
+        self,
+        goal: ActionGoal,
+        trajectory: JointTrajectory,
+        result: Any,
+        first: Mapping[str, float] | None = None,
+    ) -> None:
+        type_name = goal.client.type_name
+        execution = self._server.execution.start(
+            trajectory,
+            by=_ASKERS[type_name],
+            preempts=self._turns[type_name].preempts,
+            goal=goal,
+            first=first,
+        )
         if isinstance(execution, ErrorCode):
-            self._finish(goal, result, execution, "the trajectory was not executed")
+            self._finish(goal, result, execution, "nothing was executed")
             return
         goal.data = execution
-        self._executing.append(goal)
         self._scheduler.spawn(
             lambda: self._finish(goal, result, self._server.execution.wait(execution)),
             f"goal of {goal.client.name}",
@@ -139,14 +183,15 @@ class MoveItInterfaces(TwinNode):
 
     def _finish(self, goal: ActionGoal, result: Any, code: ErrorCode, message: str = "") -> None:
         result.error_code.val = int(code)
-        if goal in self._executing:
-            self._executing.remove(goal)
+        # MoveIt 2 aborts a goal of execute_trajectory that was stopped.
+        may_be_cancelled = goal.client.type_name == MOVE_GROUP or not self._messages.is_ros2
         if code is ErrorCode.SUCCESS:
             goal.succeed(result, message)
-        elif code is ErrorCode.PREEMPTED and goal not in self._stopped:
+        elif code is ErrorCode.PREEMPTED and may_be_cancelled:
             goal.cancel(result, message)
         else:
             goal.abort(result, message)
+        self._turns[goal.client.type_name].over(goal)
 
     # Services
 

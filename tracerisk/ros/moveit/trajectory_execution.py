@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, cast
+
+import numpy as np
 
 from tracerisk.errors import one_of
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
@@ -23,6 +26,43 @@ if TYPE_CHECKING:
 START_TOLERANCE = 0.01
 """How far a trajectory may start from where the joints are: MoveIt's default [rad or m]."""
 
+NOTHING = JointTrajectory((), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+"""The trajectory without a point."""
+
+Asker = Literal["move_action", "execute_trajectory", "pickup", "place", "program"]
+"""Who asks MoveIt to execute: one of its actions, or a program that holds the manager itself."""
+
+
+@dataclass(slots=True)
+class ExecutionRules:
+    """How MoveIt watches what it executes; the defaults are its own.
+
+    Source: moveit/moveit and moveit/moveit2, trajectory_execution_manager.cpp.
+    """
+
+    start_tolerance: float = START_TOLERANCE
+    """How far each joint may be from a trajectory's first point [rad or m]; 0: anywhere."""
+    joint_start_tolerance: Mapping[str, float] = field(default_factory=dict)
+    """The same of single joints, which goes before the one of all."""
+    watches_duration: bool = True
+    """Whether a motion is stopped that takes too long."""
+    duration_scaling: float = 1.1
+    """By which factor a motion may take longer than its trajectory."""
+    goal_margin_s: float = 0.5
+    """By how much more it may take longer [s]."""
+
+    def longest_s(self, trajectory: JointTrajectory) -> float:
+        """Return for how long a trajectory may be executed [s]."""
+        return float(trajectory.time[-1]) * self.duration_scaling + self.goal_margin_s
+
+    def tolerance(self, joint: str) -> float:
+        """Return how far a joint may be from the first point [rad or m]; 0: anywhere."""
+        return self.joint_start_tolerance.get(joint, self.start_tolerance)
+
+
+ANYWHERE = ExecutionRules(start_tolerance=0.0)
+"""The rules by which a trajectory may start anywhere."""
+
 
 _NOWHERE = frozenset({"planning_failure", "ik_failure", "path_cut"})
 
@@ -35,6 +75,7 @@ class ErrorCode(enum.IntEnum):
     PLANNING_FAILED = -1
     INVALID_MOTION_PLAN = -2
     CONTROL_FAILED = -4
+    TIMED_OUT = -6
     PREEMPTED = -7
     START_STATE_IN_COLLISION = -10
     GOAL_IN_COLLISION = -12
@@ -59,15 +100,18 @@ class Execution:
     """A motion in execution."""
 
     motion: Motion
+    by: Asker = "program"
+    """Who asked for it."""
     code: ErrorCode | None = None
-    """How it ended."""
+    """How it ended, or will end as soon as its motion is at rest."""
 
 
 class TrajectoryExecution:
-    """Execute one trajectory at a time: a new one stops the one before.
+    """Execute one trajectory at a time, as MoveIt's manager does.
 
-    A command is recorded when a motion begins, with the stack of the thread that asked, and its
-    end when the motion ends, whether or not anybody waits for it.
+    While one is executed, another is refused. Only a new goal of the same action of MoveIt 1 ends
+    the one before: `preempts`. A command is recorded when a motion begins, with the stack of the
+    thread that asked, and its end when the motion ends, whether or not anybody waits for it.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -77,30 +121,43 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
+        self.rules = ExecutionRules()
 
     def start(
         self,
         trajectory: JointTrajectory,
         *,
-        start_tolerance: float = START_TOLERANCE,
+        by: Asker = "program",
+        preempts: bool = False,
+        rules: ExecutionRules | None = None,
         goal: ActionGoal | None = None,
+        first: Mapping[str, float] | None = None,
     ) -> Execution | ErrorCode:
-        """Start a trajectory and return its execution, or the code with which it is refused.
+        """Start a trajectory and return its execution, or the code with which it is answered.
 
-        With a tolerance of 0 it may start anywhere [rad or m]. `goal` is the goal of an action
-        that asks for it.
+        With `preempts` it takes the place of what `by` asked for before. `goal` is the goal of an
+        action that asks for it. `first` is its first point where that is no longer in it
+        [rad or m].
         """
+        rules = self.rules if rules is None else rules
         stack = self._commands.stack()
-        refusal = self._refusal(trajectory, start_tolerance)
-        replaced: list[Motion] = []
+        before = [each for each in self._active() if preempts and each.by == by]
+        others = [each for each in self._active() if each not in before]
+        if not others and self._moves_nothing(trajectory, rules):
+            self.give_way(by if preempts else None)
+            return self._answer_empty()
+        refusal = _busy(others[0]) if others else self._refusal(trajectory, rules, first)
+        motion: Motion | None = None
         if refusal is None:
-            replaced = self._stop()
+            for each in before:
+                self._twin.stop(each.motion.joints)
             try:
                 motion = self._begin(trajectory)
             except PlanningError as error:
                 refusal = error.message
-        if refusal is not None:
+        if motion is None:
             self._commands.poll()
+            self.give_way(by if preempts else None)
             self._commands.refuse("move_group", stack)
             self.report(
                 "execution_failure",
@@ -108,14 +165,27 @@ class TrajectoryExecution:
                 target=trajectory.position[-1] if len(trajectory.time) else (),
             )
             return ErrorCode.CONTROL_FAILED
-        for other in replaced:
-            other.replaced_by = motion
-        execution = Execution(motion)
+        for each in before:
+            each.motion.replaced_by, each.code = motion, ErrorCode.PREEMPTED
+        execution = Execution(motion, by)
         self._commands.begin(
             "move_group", motion, stack, lambda _: self._ended(execution), goal=goal
         )
         self._live.append(execution)
+        if rules.watches_duration and not set(motion.elements) - set(motion.joints):
+            self._watch(execution, rules.longest_s(trajectory))
         return execution
+
+    def give_way(self, to: Asker | None) -> None:
+        """Stop what an action executes, for which a new goal came that moves nothing itself."""
+        for execution in self._active():
+            if execution.by == to:
+                self._break_off(
+                    execution,
+                    ErrorCode.PREEMPTED,
+                    f"a new goal of {to} ended it, which MoveIt does even for a plan alone or a "
+                    "goal that then fails; wait for its end first",
+                )
 
     def refuse(self) -> None:
         """Record that a motion was asked for where the controller stands, and none was found."""
@@ -129,21 +199,45 @@ class TrajectoryExecution:
         self._commands.poll()
         return execution.code if execution.code is not None else ErrorCode.FAILURE
 
-    def stop(self) -> None:
-        """Stop what is being executed."""
-        self._stop()
+    def stop(self, by: Asker | None = None) -> None:
+        """Stop what is being executed, of one asker alone or as the event `stop` does.
+
+        What that event stops of `move_action` has failed for it; all else was preempted.
+        """
+        for execution in self._active():
+            if by is None and execution.by == "move_action":
+                execution.code = ErrorCode.CONTROL_FAILED
+            if by in (None, execution.by):
+                self._twin.stop(execution.motion.joints)
         self._commands.poll()
 
-    def _stop(self) -> list[Motion]:
-        """Bring what is being executed to rest, and return it."""
-        active = [each.motion for each in self._live if each.motion.outcome == "active"]
-        for motion in active:
-            self._twin.stop(motion.joints)
-        return active
+    def _active(self) -> list[Execution]:
+        return [each for each in self._live if each.motion.outcome == "active"]
+
+    def _break_off(self, execution: Execution, code: ErrorCode, why: str) -> None:
+        """Bring a motion to rest that the controller did not ask to stop."""
+        execution.code = code
+        self._twin.abort(execution.motion, why)
+        self._commands.poll()
+
+    def _watch(self, execution: Execution, longest_s: float) -> None:
+        scheduler = self._runtime.scheduler
+
+        def check() -> None:
+            if execution.motion.outcome != "active":
+                return
+            why = f"MoveIt stopped it after {longest_s:.3g} s, the longest that it allows"
+            pressed = self._twin.pressed()
+            if pressed is not None:
+                why += f"; '{pressed[0]}' presses on '{pressed[1]}'"
+            self._break_off(execution, ErrorCode.TIMED_OUT, why)
+
+        scheduler.call_at(scheduler.now_ns + round(longest_s * 1e9), check, background=True)
 
     def _ended(self, execution: Execution) -> None:
         self._live.remove(execution)
-        execution.code = _CODE_OF_OUTCOME[execution.motion.outcome]
+        if execution.code is None:
+            execution.code = _CODE_OF_OUTCOME[execution.motion.outcome]
 
     def report(
         self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
@@ -176,29 +270,57 @@ class TrajectoryExecution:
         leader = gripper.leader(last, gripper.position(self._twin.joint_state().positions))
         return self._twin.move_gripper(gripper.name, gripper.sign(leader) * last[leader])
 
-    def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
-        if not trajectory.joints or not len(trajectory.time):
-            return "it is empty"
+    def _moves_nothing(self, trajectory: JointTrajectory, rules: ExecutionRules) -> bool:
+        """Return whether MoveIt skips a trajectory that is empty, or has no duration.
+
+        One that leads to where the joints are is not meant.
+        """
+        if not len(trajectory.time):
+            return True
+        if trajectory.time[-1] > 0.0 or not self._runtime.distro.value("zero-duration-trajectory"):
+            return False
         here = self._twin.joint_state().positions
-        for name, begin in zip(trajectory.joints, trajectory.position[0], strict=True):
+        last = zip(trajectory.joints, trajectory.position[-1], strict=True)
+        return any(
+            name in here and abs(here[name] - end) > (rules.tolerance(name) or START_TOLERANCE)
+            for name, end in last
+        )
+
+    def _answer_empty(self) -> ErrorCode:
+        """Report that nothing moves, which MoveIt itself takes for a success."""
+        self._commands.report(
+            "command_ignored",
+            "an execution moves nothing: the trajectory is empty or has no duration, and MoveIt "
+            "answers SUCCESS; look at what planning returned first",
+        )
+        return ErrorCode.SUCCESS
+
+    def _refusal(
+        self, trajectory: JointTrajectory, rules: ExecutionRules, first: Mapping[str, float] | None
+    ) -> str | None:
+        if not len(trajectory.time):
+            return None
+        here = self._twin.joint_state().positions
+        if first is None:
+            first = dict(zip(trajectory.joints, trajectory.position[0].tolist(), strict=True))
+        for name, begin in first.items():
             if name not in here:
                 return f"the robot has no joint '{name}'; {one_of(here, name)}"
-            # A single point is a goal, not a path; a first point after 0 is still to be reached.
-            if len(trajectory.time) == 1 or trajectory.time[0] > 0.0:
-                continue
-            if start_tolerance > 0.0 and abs(here[name] - begin) > start_tolerance:
-                if self._begins_at(trajectory):
+            tolerance, away = rules.tolerance(name), abs(here[name] - begin)
+            if self._twin.robot.joint(name).type == "continuous":
+                away = abs(math.remainder(away, math.tau))
+            if tolerance > 0.0 and away > tolerance:
+                if self._begins_at(first):
                     return None
                 return (
                     f"it starts with joint '{name}' at {begin:.4f}, which is now at "
-                    f"{here[name]:.4f}, more than {start_tolerance:g} away; plan from the "
+                    f"{here[name]:.4f}, more than {tolerance:g} away; plan from the "
                     "present state"
                 )
         return None
 
-    def _begins_at(self, trajectory: JointTrajectory) -> bool:
+    def _begins_at(self, begin: Mapping[str, float]) -> bool:
         """Put the arm where its first motion starts, for where it begins is nowhere said."""
-        begin = dict(zip(trajectory.joints, trajectory.position[0].tolist(), strict=True))
         if not self._twin.begin_at(begin):
             return False
         text = ", ".join(f"{name} {value:.4g}" for name, value in begin.items())
@@ -207,3 +329,10 @@ class TrajectoryExecution:
             f"the arm is assumed to begin where its first motion was planned from: {text}",
         )
         return True
+
+
+def _busy(other: Execution) -> str:
+    return (
+        f"MoveIt executes one trajectory at a time, and that of {other.by} still goes on with "
+        f"{', '.join(other.motion.elements)}; wait for its end first"
+    )

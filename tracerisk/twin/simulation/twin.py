@@ -61,6 +61,7 @@ class Twin:
         self.joint_state, self.posture = parts.joint_state, parts.posture
         self.wrench, self.load_on, self.touch_on = parts.wrench, parts.load_on, parts.touch_on
         self.object_pose, self.bearing = parts.object_pose, parts.bearing
+        self.pressed = parts.pressed
         self.planning_among, self.planning_under = self._clearance.among, self._clearance.keeping
         self.plan_joints, self.plan_pose = self._planner.joints, self._planner.pose
         self.plan_to_one_of = self._planner.to_one_of

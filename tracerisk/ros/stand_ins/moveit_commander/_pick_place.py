@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+from tracerisk.ros.moveit.trajectory_execution import ANYWHERE, Asker, ErrorCode, ExecutionRules
 from tracerisk.ros.transforms.poses import compose, inverse, rotate
 from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics import motion
@@ -40,6 +40,7 @@ class GroupPickPlace(GroupTargets):
     def __init__(self, name: str, robot_description: str = "robot_description") -> None:
         super().__init__(name, robot_description)
         self._detach_postures: dict[str, Any] = {}
+        self._by: Asker = "pickup"
 
     def pick(self, object_name: str, grasp: Any = (), plan_only: bool = False) -> int:
         """Pick an object by the best of the grasps that work; return a MoveItErrorCodes value.
@@ -53,6 +54,7 @@ class GroupPickPlace(GroupTargets):
             self._server.lack(object_name, text)
             return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text, object_name))
         code = ErrorCode.FAILURE
+        self._by = "pickup"
         link = self._link("", "pick with")
         if not grasps:
             grasps = [self._default_grasp(object_name, link)]
@@ -141,6 +143,7 @@ class GroupPickPlace(GroupTargets):
             if object_name not in self._server.scene.world:
                 self._server.lack(object_name, text, "attached")
             return False
+        self._by = "place"
         code = self._fail_without(
             locations, f"placing '{object_name}' failed: no location was given"
         )
@@ -202,9 +205,9 @@ class GroupPickPlace(GroupTargets):
         whole = conversions._twin_trajectory(message)
         # A posture is a goal of the fingers, whatever times it has.
         goal = JointTrajectory(
-            whole.joints, whole.time[-1:], whole.position[-1:], whole.velocity[-1:]
+            whole.joints, whole.time[-1:] + 1.0, whole.position[-1:], whole.velocity[-1:]
         )
-        return self._carry_out(goal)
+        return self._carry_out(goal, ANYWHERE)
 
     def _move_to(self, begin: _Joints) -> ErrorCode:
         plan = self._server.plan_joints(self._name, begin, self._scaling)
@@ -233,8 +236,10 @@ class GroupPickPlace(GroupTargets):
     def _retreat(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
         return self._straight(link, self._moved(pose, translation, link), translation)
 
-    def _carry_out(self, trajectory: JointTrajectory) -> ErrorCode:
-        execution = self._server.execution.start(trajectory)
+    def _carry_out(
+        self, trajectory: JointTrajectory, rules: ExecutionRules | None = None
+    ) -> ErrorCode:
+        execution = self._server.execution.start(trajectory, by=self._by, rules=rules)
         if isinstance(execution, ErrorCode):
             return execution
         return self._server.execution.wait(execution)

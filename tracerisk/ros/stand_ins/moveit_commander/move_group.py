@@ -16,7 +16,7 @@ from moveit_msgs.msg import (
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit import messages
 from tracerisk.ros.moveit.move_group import Plan, PoseGoal
-from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+from tracerisk.ros.moveit.trajectory_execution import Asker, ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Scaling
 
@@ -87,14 +87,17 @@ class MoveGroupCommander(GroupPickPlace):
         self._set_target(joints)
         plan = self._plan()
         if plan.trajectory is None:
+            self._server.execution.give_way("move_action")
             self._server.execution.refuse()
             return not wait
-        return self._execute(plan.trajectory, wait)
+        return self._execute(plan.trajectory, "move_action", wait)
 
     def plan(self, joints: Any = None) -> PlanResult:
         """Plan to a target, as go() takes it, without moving."""
         self._set_target(joints)
         plan = self._plan()
+        # It is a goal of the same action as that of go().
+        self._server.execution.give_way("move_action")
         message = RobotTrajectory()
         if plan.trajectory is not None:
             frame = self.get_planning_frame()
@@ -107,7 +110,7 @@ class MoveGroupCommander(GroupPickPlace):
         """Execute a RobotTrajectory or JointTrajectory; return whether it was carried out."""
         if not hasattr(trajectory, "joint_trajectory"):
             trajectory = RobotTrajectory(joint_trajectory=trajectory)
-        return self._execute(conversions._twin_trajectory(trajectory), wait)
+        return self._execute(conversions._twin_trajectory(trajectory), "execute_trajectory", wait)
 
     def stop(self) -> None:
         """Stop what move_group is executing."""
@@ -262,10 +265,12 @@ class MoveGroupCommander(GroupPickPlace):
             return plan
         return Plan(plan.code, self._within_speed(plan.trajectory), plan.message)
 
-    def _execute(self, trajectory: JointTrajectory, wait: bool) -> bool:
-        execution = self._server.execution.start(trajectory)
-        if isinstance(execution, ErrorCode) or not wait:
-            return not wait
+    def _execute(self, trajectory: JointTrajectory, by: Asker, wait: bool) -> bool:
+        execution = self._server.execution.start(trajectory, by=by, preempts=True)
+        if isinstance(execution, ErrorCode):
+            return not wait or execution is ErrorCode.SUCCESS
+        if not wait:
+            return True
         return self._server.execution.wait(execution) is ErrorCode.SUCCESS
 
     def _within_speed(self, trajectory: JointTrajectory) -> JointTrajectory:

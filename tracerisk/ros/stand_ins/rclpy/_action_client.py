@@ -292,13 +292,16 @@ class ActionClient(Entity):
         sent.cancels.append(future)
         goal.ask_cancel()
         served_by_twin = goal.server is not None and not goal.server.by_controller
-        if sent.cancels and (served_by_twin or goal.state in _CANCELING):
+        is_read = served_by_twin and not goal.is_cancel_unread
+        if sent.cancels and (is_read or goal.state in _CANCELING):
             self._answer_cancels(sent, goal)
         return future
 
     def _answer_cancels(self, sent: _Sent, goal: ActionGoal) -> None:
         response = CancelGoal.Response()
-        if goal.state in _CANCELING:
+        if goal.state.is_terminal and goal.is_cancel_unread:
+            response.return_code = CancelGoal.Response.ERROR_GOAL_TERMINATED
+        elif goal.state in _CANCELING:
             response.goals_canceling.append(GoalInfo(goal_id=sent.goal_id))
         else:
             # Servers of rclpy name no goal and no error; those in C++ say that they refuse.

@@ -8,7 +8,11 @@ from .._library import HandedOut
 
 __all__ = ["ExecutionStatus"]
 
-_STATUS_OF = {ErrorCode.SUCCESS: "SUCCEEDED", ErrorCode.PREEMPTED: "PREEMPTED"}
+_STATUS_OF = {
+    ErrorCode.SUCCESS: "SUCCEEDED",
+    ErrorCode.PREEMPTED: "PREEMPTED",
+    ErrorCode.TIMED_OUT: "TIMED_OUT",
+}
 
 
 class ExecutionStatus(HandedOut):

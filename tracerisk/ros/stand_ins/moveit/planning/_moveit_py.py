@@ -59,6 +59,7 @@ class MoveItPy:
         self._model = RobotModel._of_run()
         self._monitor = PlanningSceneMonitor._of_run()
         self._execution_manager = TrajectoryExecutionManager._of_run()
+        self._execution_manager._read(self._parameter)
 
     def execute(self, *args: Any, **kwargs: Any) -> ExecutionStatus:
         """Execute a trajectory: (robot_trajectory, controllers); return the status at the end.

@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.moveit.trajectory_execution import START_TOLERANCE, ErrorCode
+from tracerisk.ros.moveit.trajectory_execution import ErrorCode, ExecutionRules
 from tracerisk.twin.physics.motion import JointTrajectory
 
 from .._library import HandedOut, library, log_error, new
@@ -27,17 +27,14 @@ class TrajectoryExecutionManager(HandedOut):
     @classmethod
     def _of_run(cls) -> TrajectoryExecutionManager:
         status = ExecutionStatus._of(_status="UNKNOWN")
-        return cls._of(_library=library(), _pushed=[], _status=status)
+        return cls._of(_library=library(), _pushed=[], _status=status, _rules=ExecutionRules())
 
     _library: Any
     _pushed: list[JointTrajectory]
     _status: ExecutionStatus
     _running = 0
-    _watches_duration = True
-    _duration_scaling = 1.1
-    _goal_margin = 0.5
+    _rules: ExecutionRules
     _velocity_scaling = 1.0
-    _start_tolerance = START_TOLERANCE
     _waits_for_completion = True
 
     # Controllers
@@ -169,28 +166,28 @@ class TrajectoryExecutionManager(HandedOut):
     # Settings
 
     def enable_execution_duration_monitoring(self, flag: bool) -> None:
-        """Watch how long executions take, or not; the twin keeps its time."""
-        self._watches_duration = bool(flag)
+        """Stop executions that take too long, or not."""
+        self._rules.watches_duration = bool(flag)
 
     def execution_duration_monitoring(self) -> bool:
         """Return whether it is watched how long executions take."""
-        return self._watches_duration
+        return self._rules.watches_duration
 
     def set_allowed_execution_duration_scaling(self, scaling: float) -> None:
-        """Set by which factor an execution may take longer; the twin keeps its time."""
-        self._duration_scaling = float(scaling)
+        """Set by which factor an execution may take longer."""
+        self._rules.duration_scaling = float(scaling)
 
     def allowed_execution_duration_scaling(self) -> float:
         """Return by which factor an execution may take longer."""
-        return self._duration_scaling
+        return self._rules.duration_scaling
 
     def set_allowed_goal_duration_margin(self, margin: float) -> None:
-        """Set by how much more an execution may take longer [s]; the twin keeps its time."""
-        self._goal_margin = float(margin)
+        """Set by how much more an execution may take longer [s]."""
+        self._rules.goal_margin_s = float(margin)
 
     def allowed_goal_duration_margin(self) -> float:
         """Return by how much more an execution may take longer [s]."""
-        return self._goal_margin
+        return self._rules.goal_margin_s
 
     def set_execution_velocity_scaling(self, scaling: float) -> None:
         """Set the factor of the velocities sent; the times, which count, stay as they are."""
@@ -202,11 +199,11 @@ class TrajectoryExecutionManager(HandedOut):
 
     def set_allowed_start_tolerance(self, tolerance: float) -> None:
         """Set how far from the robot a trajectory may start [rad or m]; 0 is any distance."""
-        self._start_tolerance = float(tolerance)
+        self._rules.start_tolerance = float(tolerance)
 
     def allowed_start_tolerance(self) -> float:
         """Return how far from the robot a trajectory may start [rad or m]."""
-        return self._start_tolerance
+        return self._rules.start_tolerance
 
     def set_wait_for_trajectory_completion(self, flag: bool) -> None:
         """Wait for the robot to stand at the end, or not; the twin's motions end at rest."""
@@ -217,6 +214,18 @@ class TrajectoryExecutionManager(HandedOut):
         return self._waits_for_completion
 
     # How
+
+    def _read(self, parameter: Callable[[str, Any], Any]) -> None:
+        """Take the node's parameters below `trajectory_execution`, where it has them."""
+        rules = self._rules
+
+        def read(name: str, default: Any) -> Any:
+            return type(default)(parameter(f"trajectory_execution.{name}", default))
+
+        rules.watches_duration = read("execution_duration_monitoring", rules.watches_duration)
+        rules.duration_scaling = read("allowed_execution_duration_scaling", rules.duration_scaling)
+        rules.goal_margin_s = read("allowed_goal_duration_margin", rules.goal_margin_s)
+        rules.start_tolerance = read("allowed_start_tolerance", rules.start_tolerance)
 
     def _take(self, *, auto_clear: bool) -> list[JointTrajectory]:
         parts = list(self._pushed)
@@ -243,7 +252,7 @@ class TrajectoryExecutionManager(HandedOut):
 
     def _carry_out(self, part: JointTrajectory) -> ErrorCode:
         execution = self._library.server.execution
-        started = execution.start(part, start_tolerance=self._start_tolerance)
+        started = execution.start(part, rules=self._rules)
         if isinstance(started, ErrorCode):
             return started
         code: ErrorCode = execution.wait(started)

@@ -1,0 +1,465 @@
+"""Which goals MoveIt queues, ends or refuses, and which trajectories it executes."""
+
+from __future__ import annotations
+
+import textwrap
+
+import pytest
+
+from tests.traced_run import quiet_end, run_traced
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+
+ROS1 = """\
+import actionlib, rospy
+from moveit_commander import MoveGroupCommander
+from moveit_msgs.msg import (
+    Constraints, ExecuteTrajectoryAction, ExecuteTrajectoryGoal, JointConstraint, MoveGroupAction,
+    MoveGroupGoal)
+from std_msgs.msg import String
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+JOINTS = ["panda_joint%d" % i for i in range(1, 8)]
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+rospy.init_node("controller")
+arm, hand = MoveGroupCommander("panda_arm"), MoveGroupCommander("hand")
+
+def client(name, kind):
+    made = actionlib.SimpleActionClient(name, kind)
+    made.wait_for_server()
+    return made
+
+def move_goal(turn):
+    goal = MoveGroupGoal()
+    goal.request.group_name = "panda_arm"
+    goal.request.max_velocity_scaling_factor = 0.1
+    goal.request.goal_constraints = [Constraints(joint_constraints=[
+        JointConstraint(joint_name=name, position=value)
+        for name, value in zip(JOINTS, [turn, *READY[1:]])])]
+    return goal
+
+def trajectory_goal(*points, names=JOINTS):
+    goal = ExecuteTrajectoryGoal()
+    goal.trajectory.joint_trajectory.joint_names = names
+    goal.trajectory.joint_trajectory.points = [
+        JointTrajectoryPoint(positions=positions, time_from_start=rospy.Duration(seconds))
+        for positions, seconds in points]
+    return goal
+
+def turned(turn):
+    return [turn, *arm.get_current_joint_values()[1:]]
+
+def swing(turn=0.8, seconds=3.0):
+    here = arm.get_current_joint_values()
+    return trajectory_goal((here, 0.0), (turned(turn), seconds))
+
+move = client("/move_group", MoveGroupAction)
+execute = client("/execute_trajectory", ExecuteTrajectoryAction)
+arm.go(READY)
+"""
+ROS2 = """\
+import rclpy
+from moveit_msgs.action import ExecuteTrajectory, MoveGroup
+from moveit_msgs.msg import Constraints, JointConstraint
+from rclpy.action import ActionClient
+from std_msgs.msg import String
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+JOINTS = ["panda_joint%d" % i for i in range(1, 8)]
+START = [0.0, -0.7853981633974483, 0.0, -2.356194490192345, 0.0, 1.5707963267948966,
+         0.7853981633974483]
+rclpy.init()
+node = rclpy.create_node("controller")
+move = ActionClient(node, MoveGroup, "/move_action")
+execute = ActionClient(node, ExecuteTrajectory, "/execute_trajectory")
+events = node.create_publisher(String, "/trajectory_execution_event", 1)
+move.wait_for_server()
+execute.wait_for_server()
+
+def move_goal(turn):
+    goal = MoveGroup.Goal()
+    goal.request.group_name = "panda_arm"
+    goal.request.max_velocity_scaling_factor = 0.1
+    goal.request.goal_constraints = [Constraints(joint_constraints=[
+        JointConstraint(joint_name=name, position=value, tolerance_above=1e-3,
+                        tolerance_below=1e-3, weight=1.0)
+        for name, value in zip(JOINTS, [turn, *START[1:]])])]
+    return goal
+
+def trajectory_goal(*points, names=JOINTS):
+    goal = ExecuteTrajectory.Goal()
+    goal.trajectory.joint_trajectory.joint_names = names
+    for positions, seconds in points:
+        point = JointTrajectoryPoint(positions=positions, velocities=[0.0] * len(names))
+        point.time_from_start.sec = seconds
+        goal.trajectory.joint_trajectory.points.append(point)
+    return goal
+
+def swing(turn=1.2, seconds=3, begin=0.0):
+    return trajectory_goal(([begin, *START[1:]], 0), ([turn, *START[1:]], seconds))
+
+def opening():
+    return trajectory_goal(([0.0], 0), ([0.035], 1), names=["panda_finger_joint1"])
+
+def now():
+    return node.get_clock().now().nanoseconds / 1e9
+
+def wait(future, seconds=None):
+    rclpy.spin_until_future_complete(node, future, timeout_sec=seconds)
+    return future.result() if future.done() else None
+
+def pause(seconds):
+    wait(rclpy.task.Future(), seconds)
+
+def begun(client, goal, seconds=1.0):
+    handle = wait(client.send_goal_async(goal))
+    result = handle.get_result_async()
+    wait(result, seconds)
+    return handle, result
+
+def ended(result):
+    answer = wait(result)
+    return answer.status, answer.result.error_code.val
+"""
+
+
+@pytest.fixture
+def ros1(tmp_path):
+    return lambda program: _ran(tmp_path, Interfaces(), ROS1 + textwrap.dedent(program), "noetic")
+
+
+@pytest.fixture
+def ros2(tmp_path):
+    return lambda program, distro: _ran(
+        tmp_path, Interfaces2(), ROS2 + textwrap.dedent(program), distro
+    )
+
+
+def _ran(tmp_path, interfaces, program, distro):
+    script = tmp_path / "program.py"
+    script.write_text(program)
+    return quiet_end(*run_traced(script, interfaces, duration_s=60.0, distro=distro))
+
+
+def ends(ran):
+    return [command.end for command in ran.recording.commands]
+
+
+# Goals of MoveIt 2
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_a_second_goal_of_execute_trajectory_waits_for_the_first(ros2, distro):
+    ran = ros2(
+        """
+        _, swung = begun(execute, swing())
+        opened = wait(wait(execute.send_goal_async(opening())).get_result_async())
+        was_done = swung.done()
+        answers = ended(swung), (opened.status, opened.result.error_code.val)
+        """,
+        distro,
+    )
+    assert ran["answers"] == ((4, 1), (4, 1))
+    assert ran["was_done"]
+    assert ends(ran) == ["arrived", "arrived"]
+    first, second = ran.recording.commands
+    assert second.issue_ns >= first.end_ns
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_a_waiting_goal_of_execute_trajectory_is_not_answered_and_may_start_too_far_away(
+    ros2, distro
+):
+    ran = ros2(
+        """
+        _, swung = begun(execute, swing(turn=1.2))
+        second = execute.send_goal_async(swing(turn=-1.0, begin=0.0))
+        was_answered = wait(second, 0.5) is not None
+        answer = ended(wait(second).get_result_async())
+        """,
+        distro,
+    )
+    assert not ran["was_answered"]
+    assert ran["answer"] == (6, -4)
+    assert any("starts with joint 'panda_joint1' at 0.0000" in text for text in ran.findings)
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_three_goals_of_execute_trajectory_are_executed_in_their_order(ros2, distro):
+    ran = ros2(
+        """
+        sent = [execute.send_goal_async(swing(turn=to, seconds=1, begin=at))
+                for at, to in ((0.0, 0.3), (0.3, 0.6), (0.6, 0.2))]
+        answers = [ended(wait(one).get_result_async()) for one in sent]
+        """,
+        distro,
+    )
+    assert ran["answers"] == [(4, 1)] * 3
+    assert [command.goal[0] for command in ran.recording.commands] == [0.3, 0.6, 0.2]
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_a_goal_of_execute_trajectory_cannot_be_cancelled_and_the_run_says_so(ros2, distro):
+    ran = ros2(
+        """
+        handle, swung = begun(execute, swing())
+        before = now()
+        answer = wait(handle.cancel_goal_async())
+        waited, code, cancelled = now() - before, answer.return_code, len(answer.goals_canceling)
+        result = ended(swung)
+        """,
+        distro,
+    )
+    assert (ran["code"], ran["cancelled"], ran["result"]) == (3, 0, (4, 1))
+    assert ran["waited"] > 1.0
+    assert ends(ran) == ["arrived"]
+    assert [one.end for one in ran.recording.refused] == ["ignored"]
+    assert any("stops nothing" in text for text in ran.findings)
+
+
+def test_a_second_goal_of_move_action_waits_in_humble(ros2):
+    ran = ros2(
+        """
+        _, first = begun(move, move_goal(0.3))
+        second = move.send_goal_async(move_goal(-0.1))
+        was_answered = wait(second, 0.3) is not None
+        answers = ended(wait(second).get_result_async()), ended(first)
+        """,
+        "humble",
+    )
+    assert not ran["was_answered"]
+    assert ran["answers"] == ((4, 1), (4, 1))
+    assert ends(ran) == ["arrived", "arrived"]
+
+
+def test_a_second_goal_of_move_action_fails_in_jazzy_and_the_first_goes_on(ros2):
+    ran = ros2(
+        """
+        _, first = begun(move, move_goal(0.3))
+        _, second = begun(move, move_goal(-0.1))
+        answers = ended(second), ended(first)
+        """,
+        "jazzy",
+    )
+    assert ran["answers"] == ((6, -4), (4, 1))
+    assert ends(ran) == ["arrived"]
+    assert [one.end for one in ran.recording.refused] == ["refused"]
+
+
+@pytest.mark.parametrize(("distro", "code", "status"), [("humble", 3, 4), ("jazzy", 0, 5)])
+def test_a_goal_of_move_action_is_cancelled_in_jazzy_alone(ros2, distro, code, status):
+    ran = ros2(
+        """
+        handle, result = begun(move, move_goal(0.4))
+        answer = wait(handle.cancel_goal_async()).return_code
+        status, error = ended(result)
+        """,
+        distro,
+    )
+    assert (ran["answer"], ran["status"]) == (code, status)
+    assert ran["error"] == (1 if status == 4 else -7)
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("execute, swing()", "move, move_goal(0.2)"), ("move, move_goal(0.4)", "execute, opening()")],
+)
+def test_the_other_action_of_moveit_2_is_refused_while_one_executes(ros2, distro, first, second):
+    ran = ros2(
+        f"""
+        _, one = begun({first})
+        _, other = begun({second})
+        answers = ended(other), ended(one)
+        """,
+        distro,
+    )
+    assert ran["answers"] == ((6, -4), (4, 1))
+    assert ends(ran) == ["arrived"]
+    assert [each.end for each in ran.recording.refused] == ["refused"]
+    assert any("executes one trajectory at a time" in text for text in ran.findings)
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+@pytest.mark.parametrize(("goal", "code"), [("execute, swing()", -7), ("move, move_goal(0.4)", -4)])
+def test_the_event_stop_aborts_the_goals_of_moveit_2(ros2, distro, goal, code):
+    ran = ros2(
+        f"""
+        _, result = begun({goal})
+        events.publish(String(data="stop"))
+        answer = ended(result)
+        """,
+        distro,
+    )
+    assert ran["answer"] == (6, code)
+    assert ends(ran) == ["cancelled"]
+
+
+# Goals of MoveIt 1
+
+
+@pytest.mark.parametrize(
+    ("client", "first", "second"),
+    [
+        ("move", "move_goal(0.5)", "move_goal(-0.3)"),
+        ("execute", "swing(0.8)", "swing(-0.8)"),
+    ],
+)
+def test_a_new_goal_of_the_same_action_of_moveit_1_ends_the_one_before(ros1, client, first, second):
+    ran = ros1(
+        f"""
+        other = client({client}.action_client.ns, {client}.action_client.ActionSpec)
+        other.send_goal({first})
+        rospy.sleep(1.0)
+        {client}.send_goal_and_wait({second})
+        other.wait_for_result()
+        before = other.get_state(), other.get_result().error_code.val
+        after = {client}.get_state(), {client}.get_result().error_code.val
+        """
+    )
+    assert (ran["before"], ran["after"]) == ((2, -7), (3, 1))
+    assert ends(ran)[-2:] == ["replaced", "arrived"]
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("execute.send_goal(swing())", "hand.go([0.02, 0.02])"),
+        ("arm.go([0.6, *READY[1:]], wait=False)", "execute.send_goal_and_wait(swing()) == 3"),
+        ("arm.execute(swing().trajectory, wait=False)", "arm.go(READY)"),
+        ("arm.go([0.6, *READY[1:]], wait=False)", "arm.execute(swing().trajectory)"),
+    ],
+)
+def test_the_other_action_of_moveit_1_is_refused_while_one_executes(ros1, first, second):
+    ran = ros1(
+        f"""
+        arm.set_max_velocity_scaling_factor(0.1)
+        {first}
+        rospy.sleep(0.5)
+        done = {second}
+        rospy.sleep(10.0)
+        """
+    )
+    assert ran["done"] is False
+    assert ends(ran)[-1] == "arrived"
+    assert [each.end for each in ran.recording.refused] == ["refused"]
+    assert any("executes one trajectory at a time" in text for text in ran.findings)
+
+
+@pytest.mark.parametrize(
+    "asked", ["hand.plan([0.02, 0.02])", "hand.set_random_target(); arm.plan()"]
+)
+def test_a_plan_ends_the_motion_of_go_and_the_run_says_so(ros1, asked):
+    ran = ros1(
+        f"""
+        arm.set_max_velocity_scaling_factor(0.1)
+        arm.go([0.6, *READY[1:]], wait=False)
+        rospy.sleep(0.5)
+        {asked}
+        rospy.sleep(5.0)
+        """
+    )
+    assert ends(ran)[-1] == "aborted"
+    assert any("a new goal of move_action ended it" in text for text in ran.findings)
+
+
+def test_a_plan_does_not_end_what_execute_began(ros1):
+    ran = ros1(
+        """
+        arm.execute(swing().trajectory, wait=False)
+        rospy.sleep(0.5)
+        hand.plan([0.02, 0.02])
+        rospy.sleep(5.0)
+        """
+    )
+    assert ends(ran)[-1] == "arrived"
+
+
+@pytest.mark.parametrize(
+    ("client", "goal", "answer"),
+    [("move", "move_goal(0.5)", (4, -4)), ("execute", "swing()", (2, -7))],
+)
+def test_stop_fails_a_goal_of_move_group_and_preempts_one_of_execute_trajectory(
+    ros1, client, goal, answer
+):
+    ran = ros1(
+        f"""
+        {client}.send_goal({goal})
+        rospy.sleep(0.5)
+        arm.stop()
+        {client}.wait_for_result()
+        answer = {client}.get_state(), {client}.get_result().error_code.val
+        """
+    )
+    assert ran["answer"] == answer
+    assert ends(ran)[-1] == "cancelled"
+
+
+# What is executed
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+@pytest.mark.parametrize(
+    ("points", "answer"),
+    [
+        ("([0.005, *START[1:]], 0), ([0.5, *START[1:]], 2)", (4, 1)),
+        ("([0.02, *START[1:]], 0), ([0.5, *START[1:]], 2)", (6, -4)),
+        ("([0.5, *START[1:]], 2),", (6, -4)),
+        ("([0.5, *START[1:]], 0),", (6, -4)),
+        ("([0.3, *START[1:]], 1), ([0.5, *START[1:]], 2)", (6, -4)),
+        ("(START[:6], 0), ([0.5, *START[1:]], 2)", (6, -4)),
+        ("", (4, 1)),
+    ],
+)
+def test_a_trajectory_of_moveit_2_must_start_where_the_robot_is(ros2, distro, points, answer):
+    ran = ros2(
+        f"""
+        first = ended(wait(execute.send_goal_async(
+            trajectory_goal((START, 0), ([0.0, *START[1:]], 1)))).get_result_async())
+        answer = ended(wait(execute.send_goal_async(trajectory_goal({points})))
+                       .get_result_async())
+        """,
+        distro,
+    )
+    assert (ran["first"], ran["answer"]) == ((4, 1), answer)
+    if points == "":
+        assert [each.end for each in ran.recording.refused] == ["ignored"]
+
+
+@pytest.mark.parametrize(
+    ("points", "answer"),
+    [
+        ("(turned(0.005), 0.0), (turned(0.5), 2.0)", (3, 1)),
+        ("(turned(0.02), 0.0), (turned(0.5), 2.0)", (4, -4)),
+        ("(turned(0.5), 2.0)", (4, -4)),
+        ("(turned(0.0)[:6], 0.0), (turned(0.5), 2.0)", (4, -4)),
+    ],
+)
+def test_a_trajectory_of_moveit_1_must_start_where_the_robot_is(ros1, points, answer):
+    ran = ros1(
+        f"""
+        arm.go([0.0, *READY[1:]])
+        execute.send_goal_and_wait(trajectory_goal({points}))
+        answer = execute.get_state(), execute.get_result().error_code.val
+        """
+    )
+    assert ran["answer"] == answer
+
+
+@pytest.mark.parametrize("points", ["", "(turned(0.5), 0.0)"])
+@pytest.mark.parametrize(
+    "ask",
+    ["execute.send_goal_and_wait(goal) == 3", "arm.execute(goal.trajectory)"],
+)
+def test_an_empty_trajectory_or_one_of_no_duration_succeeds_and_moves_nothing(ros1, points, ask):
+    ran = ros1(
+        f"""
+        goal = trajectory_goal({points})
+        before = arm.get_current_joint_values()
+        done = {ask}
+        moved = max(abs(a - b) for a, b in zip(before, arm.get_current_joint_values()))
+        """
+    )
+    assert ran["done"] is True
+    assert ran["moved"] < 1e-4
+    assert [each.end for each in ran.recording.refused] == ["ignored"]
