@@ -16,6 +16,7 @@ from tracerisk.ros.transforms.poses import (
     Quaternion,
     Vector,
     compose,
+    goal_quaternion,
     multiply,
     quaternion_from_rpy,
     rotate,
@@ -104,7 +105,7 @@ class LinkRegion:
             return unit_quaternion((x, y, z, w))
         one, frame = self._turn()
         q = one.orientation
-        middle = multiply(frame.orientation, unit_quaternion((q.x, q.y, q.z, q.w)))
+        middle = multiply(frame.orientation, goal_quaternion((q.x, q.y, q.z, q.w)))
         if is_first:
             return middle
         limits = [min(tolerance, math.pi) for tolerance in _tolerances(one)]

@@ -15,6 +15,7 @@ from tracerisk.ros.transforms.poses import (
     Quaternion,
     compose,
     conjugate,
+    goal_quaternion,
     multiply,
     rpy_from_quaternion,
     unit_quaternion,
@@ -108,7 +109,7 @@ class PathRule:
         base = self._frame(frame)
         if base is None:
             return None
-        return conjugate(multiply(base.orientation, unit_quaternion(turn)))
+        return conjugate(multiply(base.orientation, goal_quaternion(turn)))
 
     def _position_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
         base = self._frame(one.header.frame_id)

@@ -14,6 +14,7 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
+_UNIT_LENGTH = 1e-3  # how far the length of a unit quaternion may be from 1
 ORIGIN = Pose((0.0, 0.0, 0.0), IDENTITY)
 
 
@@ -24,6 +25,16 @@ def unit_quaternion(values: Sequence[float]) -> Quaternion:
     if length < 1e-9:
         return IDENTITY
     return (x / length, y / length, z / length, w / length)
+
+
+def goal_quaternion(values: Sequence[float]) -> Quaternion:
+    """Return the quaternion that MoveIt takes of an orientation goal or constraint.
+
+    One whose length is not 1 within 0.001 is no turn, whatever it means. Source: moveit/moveit and
+    moveit/moveit2, moveit_core/kinematic_constraints/src/kinematic_constraint.cpp.
+    """
+    length = math.sqrt(sum(float(value) ** 2 for value in values))
+    return unit_quaternion(values) if abs(length - 1.0) <= _UNIT_LENGTH else IDENTITY
 
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:

@@ -14,6 +14,7 @@ from tracerisk.errors import one_of
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.twin.robots.robot import Scaling
 
+from ._binding import check_arguments
 from ._server import server
 from .exception import MoveItCommanderException
 
@@ -61,6 +62,7 @@ class GroupSettings:
 
     def set_pose_reference_frame(self, reference_frame: str) -> None:
         """Set the frame that poses without one are given in."""
+        check_arguments("set_pose_reference_frame", (reference_frame, "std::string"))
         self._reference_frame = reference_frame
 
     # Tolerances
@@ -83,26 +85,31 @@ class GroupSettings:
 
     def set_goal_tolerance(self, value: float) -> None:
         """Set all three tolerances."""
+        check_arguments("set_goal_tolerance", (value, "double"))
         self.set_goal_joint_tolerance(value)
         self.set_goal_position_tolerance(value)
         self.set_goal_orientation_tolerance(value)
 
     def set_goal_joint_tolerance(self, value: float) -> None:
         """Set the tolerance of joint goals [rad or m]."""
+        check_arguments("set_goal_joint_tolerance", (value, "double"))
         self._joint_tolerance = float(value)
 
     def set_goal_position_tolerance(self, value: float) -> None:
         """Set the tolerance of a pose goal's position [m]."""
+        check_arguments("set_goal_position_tolerance", (value, "double"))
         self._position_tolerance = float(value)
 
     def set_goal_orientation_tolerance(self, value: float) -> None:
         """Set the tolerance of a pose goal's orientation [rad]."""
+        check_arguments("set_goal_orientation_tolerance", (value, "double"))
         self._orientation_tolerance = float(value)
 
     # The planner
 
     def set_planning_time(self, seconds: float) -> None:
         """Set the time that planning may take [s]; the twin's planner needs none of it."""
+        check_arguments("set_planning_time", (seconds, "double"))
         if seconds > 0.0:
             self._planning_time = float(seconds)
 
@@ -112,6 +119,7 @@ class GroupSettings:
 
     def set_planning_pipeline_id(self, planning_pipeline: str) -> None:
         """Name the planning pipeline; there is one, whatever its name."""
+        check_arguments("set_planning_pipeline_id", (planning_pipeline, "std::string"))
         self._pipeline_id = planning_pipeline
 
     def get_planning_pipeline_id(self) -> str:
@@ -120,6 +128,7 @@ class GroupSettings:
 
     def set_planner_id(self, planner_id: str) -> None:
         """Name the planner; there is one, whatever its name."""
+        check_arguments("set_planner_id", (planner_id, "std::string"))
         self._planner_id = planner_id
 
     def get_planner_id(self) -> str:
@@ -128,6 +137,7 @@ class GroupSettings:
 
     def set_num_planning_attempts(self, num_planning_attempts: int) -> None:
         """Set how often planning is tried; the twin's planner gives the same plan each time."""
+        check_arguments("set_num_planning_attempts", (num_planning_attempts, "unsigned int"))
         self._planning_attempts = int(num_planning_attempts)
 
     def get_interface_description(self) -> Any:
@@ -136,9 +146,11 @@ class GroupSettings:
 
     def allow_looking(self, value: bool) -> None:
         """Allow sensors to look around first; there are none."""
+        check_arguments("allow_looking", (value, "bool"))
 
     def allow_replanning(self, value: bool) -> None:
         """Allow planning anew when the scene changes; it changes under no plan of the twin."""
+        check_arguments("allow_replanning", (value, "bool"))
 
     def set_workspace(self, ws: Sequence[float]) -> None:
         """Set the workspace as [], [minX, minY, maxX, maxY] or with Z; it binds mobile bases.
@@ -233,9 +245,10 @@ class GroupSettings:
 
     def set_support_surface_name(self, value: str) -> None:
         """Name the object that a placed object stands on."""
+        check_arguments("set_support_surface_name", (value, "std::string"))
 
 
 def _fraction(value: float) -> float:
-    if not 0.0 < value <= 1.0:
+    if not (value > 0 and value <= 1):
         raise MoveItCommanderException("Expected value in the range from 0 to 1 for scaling factor")
     return float(value)

@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from moveit_msgs.msg import RobotState
 
 from tracerisk.errors import one_of
 from tracerisk.ros.transforms.poses import conjugate, multiply, rotate, rpy_from_quaternion
 from tracerisk.twin.physics import motion
 
 from . import conversions
+from ._binding import received
 from ._group_settings import GroupSettings
 from .exception import MoveItCommanderException
 
@@ -84,7 +86,7 @@ class GroupState(GroupSettings):
 
     def enforce_bounds(self, robot_state_msg: Any) -> Any:
         """Return a RobotState with every joint within its limits."""
-        given = robot_state_msg.joint_state
+        given = received(RobotState, robot_state_msg).joint_state
         positions = {}
         for name, value in zip(given.name, given.position, strict=True):
             joint = self._server.robot.joint(name)
@@ -137,7 +139,7 @@ class GroupState(GroupSettings):
         Raises:
             MoveItCommanderException: the robot has no joint of a name in it.
         """
-        self._start_state = self._state_positions(msg) or None
+        self._start_state = self._state_positions(received(RobotState, msg)) or None
 
     def _state_positions(self, state: Any) -> dict[str, float]:
         given = state.joint_state

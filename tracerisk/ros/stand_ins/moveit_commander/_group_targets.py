@@ -1,6 +1,6 @@
 """The targets of a planning group: joint positions, and poses of links."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -11,7 +11,9 @@ from sensor_msgs.msg import JointState
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit.move_group import GoalKind, PoseGoal
 from tracerisk.ros.transforms.poses import (
+    Quaternion,
     compose,
+    goal_quaternion,
     quaternion_from_rpy,
     rpy_from_quaternion,
     unit_quaternion,
@@ -21,6 +23,7 @@ from tracerisk.twin.physics import motion
 from tracerisk.twin.physics.motion import PlanningError
 
 from . import conversions
+from ._binding import check_arguments, doubles
 from ._group_state import GroupState
 from .exception import MoveItCommanderException
 
@@ -69,7 +72,11 @@ class GroupTargets(GroupState):
                 raise MoveItCommanderException("Joint value expected when joint name specified")
             if arg3 is not None:
                 raise MoveItCommanderException("Too many arguments specified")
-            values = list(arg2) if isinstance(arg2, Iterable) else [arg2]
+            if isinstance(arg2, list):
+                values = doubles(arg2)
+            else:
+                check_arguments("set_joint_value_target", (arg1, "std::string"), (arg2, "double"))
+                values = [arg2]
             if len(values) != 1:
                 raise MoveItCommanderException(f"{_OUT_OF_BOUNDS} '{arg1}' has one value")
             self._set_joints({arg1: values[0]})
@@ -85,9 +92,9 @@ class GroupTargets(GroupState):
             state = self._state_positions(arg1)
             self._set_joints({n: v for n, v in state.items() if n in self._joint_target})
         elif isinstance(arg1, Mapping):
-            self._set_joints(arg1)
+            self._set_joints(dict(zip(arg1, doubles(arg1.values()), strict=True)))
         elif isinstance(arg1, Iterable):
-            self._set_joints(self._named_values(list(arg1)))
+            self._set_joints(self._named_values(doubles(arg1)))
         else:
             raise MoveItCommanderException(f"Unsupported argument of type {type(arg1)}")
 
@@ -199,21 +206,51 @@ class GroupTargets(GroupState):
     # Poses
 
     def set_pose_target(self, pose: Any, end_effector_link: str = "") -> None:
-        """Set a pose of a link as the target: a Pose, a PoseStamped or 6 or 7 numbers."""
-        self.set_pose_targets([pose], end_effector_link)
+        """Set a pose of a link as the target: a Pose, a PoseStamped or a list of 6 or 7 numbers.
+
+        Raises:
+            ArgumentError: it is of another type, a tuple or an array.
+            MoveItCommanderException: it has another number of values, or there is no link.
+        """
+        link = self._link(end_effector_link, "set the pose for")
+        if not isinstance(pose, Pose | PoseStamped):
+            check_arguments("set_pose_target", (pose, "boost::python::list"))
+            if len(doubles(pose)) not in (6, 7):
+                raise MoveItCommanderException(
+                    "Unable to set target pose: Pose description expected to consist of either 6 "
+                    "or 7 values"
+                )
+        self._set_poses([pose], link)
 
     def set_pose_targets(self, poses: Sequence[Any], end_effector_link: str = "") -> None:
-        """Set several poses, of which any will do, as the target."""
-        link = self._link(end_effector_link, "set the pose for")
-        if not len(poses):
-            raise MoveItCommanderException("Unable to set target poses: the list is empty")
+        """Set several poses, of which any will do, as the target.
+
+        Each is a Pose or a list of 6 or 7 numbers; one of another length is left out.
+
+        Raises:
+            TypeError: one of them is of another type, a PoseStamped.
+            MoveItCommanderException: none is left, or there is no link.
+        """
+        link = self._link(end_effector_link, "set poses for")
+        for pose in poses:
+            if not isinstance(pose, Pose | list):
+                raise TypeError(
+                    "Expecting an object of type list; got an object of type "
+                    f"{type(pose).__name__} instead"
+                )
+        kept = [one for one in poses if isinstance(one, Pose) or len(doubles(one)) in (6, 7)]
+        if not kept:
+            raise MoveItCommanderException("Unable to set target poses: no pose is in the list")
+        self._set_poses(kept, link)
+
+    def _set_poses(self, poses: Sequence[Any], link: str) -> None:
         self._target_kind = "pose"
-        self._pose_targets[link] = [self._framed(pose) for pose in poses]
+        self._pose_targets[link] = [self._framed(pose, goal_quaternion) for pose in poses]
 
     def set_position_target(self, xyz: Sequence[float], end_effector_link: str = "") -> None:
         """Set a position of a link [m] as the target; any orientation will do."""
         old = self._known_pose(end_effector_link)
-        x, y, z = (float(value) for value in xyz)
+        x, y, z = doubles([xyz[0], xyz[1], xyz[2]])
         self._set_part("position", motion.Pose((x, y, z), old.orientation), end_effector_link)
 
     def set_orientation_target(self, q: Sequence[float], end_effector_link: str = "") -> None:
@@ -221,7 +258,7 @@ class GroupTargets(GroupState):
         old = self._known_pose(end_effector_link)
         if len(q) != 4:
             raise MoveItCommanderException("Expected [qx, qy, qz, qw]")
-        pose = motion.Pose(old.position, unit_quaternion(q))
+        pose = motion.Pose(old.position, goal_quaternion(doubles(q)))
         self._set_part("orientation", pose, end_effector_link)
 
     def set_rpy_target(self, rpy: Sequence[float], end_effector_link: str = "") -> None:
@@ -229,7 +266,7 @@ class GroupTargets(GroupState):
         old = self._known_pose(end_effector_link)
         if len(rpy) != 3:
             raise MoveItCommanderException("Expected [roll, pitch, yaw]")
-        pose = motion.Pose(old.position, quaternion_from_rpy(*map(float, rpy)))
+        pose = motion.Pose(old.position, quaternion_from_rpy(*doubles(rpy)))
         self._set_part("orientation", pose, end_effector_link)
 
     def shift_pose_target(self, axis: int, value: float, end_effector_link: str = "") -> None:
@@ -260,12 +297,14 @@ class GroupTargets(GroupState):
         self._target_kind = kind
         self._pose_targets[link] = [_FramedPose(self._reference_frame, pose)]
 
-    def _framed(self, pose: Any) -> _FramedPose:
+    def _framed(
+        self, pose: Any, turned: Callable[[Sequence[float]], Quaternion] = unit_quaternion
+    ) -> _FramedPose:
         if isinstance(pose, PoseStamped):
             values = conversions.pose_to_list(pose.pose)
-            return _FramedPose(pose.header.frame_id, conversions._twin_pose(values))
+            return _FramedPose(pose.header.frame_id, conversions._twin_pose(values, turned))
         values = conversions.pose_to_list(pose) if isinstance(pose, Pose) else pose
-        return _FramedPose(self._reference_frame, conversions._twin_pose(values))
+        return _FramedPose(self._reference_frame, conversions._twin_pose(values, turned))
 
     def _pose_goal(self, link: str, framed: _FramedPose, kind: GoalKind) -> PoseGoal:
         return self._goal(link, compose(self._frame(framed.frame), framed.pose), kind)

@@ -1,6 +1,6 @@
 """Poses as messages and as lists of numbers, messages as bytes, and the twin's data as messages."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
 from typing import Any
 
@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 
 from tracerisk.ros.moveit.messages import new_message, state_message
 from tracerisk.ros.time.clock import EPOCH_NS
-from tracerisk.ros.transforms.poses import quaternion_from_rpy, unit_quaternion
+from tracerisk.ros.transforms.poses import Quaternion, quaternion_from_rpy, unit_quaternion
 from tracerisk.twin.physics import motion
 
 from ._server import server
@@ -77,14 +77,16 @@ def list_to_transform(trf_list: Sequence[float]) -> Any:
     return transform
 
 
-def _twin_pose(values: Sequence[float]) -> motion.Pose:
-    """Return a list of 7 or 6 numbers as the twin's pose; a turn of all zeros is no turn."""
+def _twin_pose(
+    values: Sequence[float], turned: Callable[[Sequence[float]], Quaternion] = unit_quaternion
+) -> motion.Pose:
+    """Return a list of 7 or 6 numbers as the twin's pose; `turned` makes the turn of the last 4."""
     if len(values) not in (6, 7):
         raise MoveItCommanderException(
             "Pose description expected to consist of either 6 or 7 values"
         )
     x, y, z, *turn = (float(value) for value in values)
-    whole = quaternion_from_rpy(*turn) if len(turn) == 3 else unit_quaternion(turn)
+    whole = quaternion_from_rpy(*turn) if len(turn) == 3 else turned(turn)
     return motion.Pose((x, y, z), whole)
 
 

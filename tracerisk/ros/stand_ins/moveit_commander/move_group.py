@@ -21,8 +21,9 @@ from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Scaling
 
 from . import conversions
+from ._binding import check_arguments, received
 from ._pick_place import GroupPickPlace
-from ._server import report_unknown
+from ._server import report_unknown, server
 from .exception import MoveItCommanderException
 
 _RETIMING = (
@@ -42,12 +43,30 @@ class PlanResult(tuple[bool, Any, float, Any]):
     @property
     def joint_trajectory(self) -> Any:
         """The planned joint trajectory."""
+        _note_older_plan()
         return self[1].joint_trajectory
 
     @property
     def multi_dof_joint_trajectory(self) -> Any:
         """The planned trajectory of joints with several degrees of freedom; empty."""
         return self[1].multi_dof_joint_trajectory
+
+
+def _note_older_plan() -> None:
+    """Report that a plan was read as before Noetic."""
+    server().execution.report(
+        "distro_assumed",
+        "plan() is taken for what it returned up to ROS Melodic, the trajectory; in Noetic it "
+        "returns (success, trajectory, planning_time, error_code), and this raises "
+        "AttributeError: use plan()[1]",
+        object_name="plan",
+    )
+
+
+def _check_is_message(trajectory: Any) -> None:
+    """Raise AttributeError for what cannot be written as a JointTrajectory."""
+    for field in ("header", "joint_names", "points"):
+        getattr(trajectory, field)
 
 
 class MoveGroupCommander(GroupPickPlace):
@@ -84,6 +103,8 @@ class MoveGroupCommander(GroupPickPlace):
         """
         if isinstance(joints, bool):
             wait, joints = joints, None
+        if isinstance(joints, str) and joints in self._remembered:
+            joints = self._remembered[joints]
         self._set_target(joints)
         plan = self._plan()
         if plan.trajectory is None:
@@ -93,8 +114,12 @@ class MoveGroupCommander(GroupPickPlace):
         return self._execute(plan.trajectory, "move_action", wait)
 
     def plan(self, joints: Any = None) -> PlanResult:
-        """Plan to a target, as go() takes it, without moving."""
-        self._set_target(joints)
+        """Plan to a target, as go() takes it, without moving.
+
+        Raises:
+            KeyError: no joint values are remembered under a name.
+        """
+        self._set_target(self._remembered[joints] if isinstance(joints, str) else joints)
         plan = self._plan()
         # It is a goal of the same action as that of go().
         self._server.execution.give_way("move_action")
@@ -107,9 +132,18 @@ class MoveGroupCommander(GroupPickPlace):
         return PlanResult((plan.code is ErrorCode.SUCCESS, message, 0.0, code))
 
     def execute(self, trajectory: Any, wait: bool = True) -> bool:
-        """Execute a RobotTrajectory or JointTrajectory; return whether it was carried out."""
-        if not hasattr(trajectory, "joint_trajectory"):
+        """Execute a RobotTrajectory or JointTrajectory; return whether it was carried out.
+
+        Raises:
+            AttributeError: it is neither.
+            RuntimeError: it has a trajectory, but is a message of another type.
+        """
+        if isinstance(trajectory, PlanResult):
+            trajectory = RobotTrajectory(joint_trajectory=trajectory.joint_trajectory)
+        elif not hasattr(trajectory, "joint_trajectory"):
+            _check_is_message(trajectory)
             trajectory = RobotTrajectory(joint_trajectory=trajectory)
+        trajectory = received(RobotTrajectory, trajectory)
         return self._execute(conversions._twin_trajectory(trajectory), "execute_trajectory", wait)
 
     def stop(self) -> None:
@@ -135,13 +169,14 @@ class MoveGroupCommander(GroupPickPlace):
             if path_constraints is None and not isinstance(avoid_collisions, bool):
                 path_constraints = avoid_collisions
             avoid_collisions = jump_threshold
+        check_arguments("compute_cartesian_path", (eef_step, "double"))
         if path_constraints and not isinstance(path_constraints, Constraints):
             raise MoveItCommanderException(
                 f"Unable to set path constraints, unknown constraint type {type(path_constraints)}"
             )
         link = self._link("", "plan a path for")
         poses = []
-        for waypoint in waypoints:
+        for waypoint in [conversions.pose_to_list(one) for one in waypoints]:
             goal = self._pose_goal_or_none(link, waypoint)
             if goal is None:
                 return RobotTrajectory(), -1.0
@@ -171,7 +206,23 @@ class MoveGroupCommander(GroupPickPlace):
         """Return a RobotTrajectory timed anew for fractions of the rated speeds.
 
         The twin has one way to do it, whichever of MoveIt's three `algorithm` names.
+
+        Raises:
+            AttributeError: an argument that is to be a message is none.
+            RuntimeError: it is a message of another type.
+            ArgumentError: another argument is of another type.
+            DeserializationError: the state names no joint.
         """
+        state, traj_in = received(RobotState, ref_state_in), received(RobotTrajectory, traj_in)
+        check_arguments(
+            "retime_trajectory",
+            (velocity_scaling_factor, "double"),
+            (acceleration_scaling_factor, "double"),
+            (algorithm, "std::string"),
+        )
+        if not state.is_diff and not state.joint_state.name:
+            # The binding answers nothing for a state that it cannot take.
+            return RobotTrajectory().deserialize(b"")
         if algorithm not in _RETIMING:
             message = f"Unknown time parameterization algorithm: {algorithm}; {one_of(_RETIMING)}"
             self._server.execution.report("planning_failure", message)
@@ -237,13 +288,9 @@ class MoveGroupCommander(GroupPickPlace):
     # How
 
     def _set_target(self, joints: Any) -> None:
-        if joints is None:
-            return
-        if isinstance(joints, str) and joints in self._remembered:
-            self.set_joint_value_target(self._remembered[joints])
-        elif isinstance(joints, Pose):
+        if isinstance(joints, Pose):
             self.set_pose_target(joints)
-        else:
+        elif joints is not None:
             self.set_joint_value_target(joints)
 
     def _plan(self) -> Plan:

@@ -1,0 +1,152 @@
+"""What moveit_commander's compiled binding refuses, and with what; what it takes all the same."""
+
+from __future__ import annotations
+
+import pytest
+
+START = """\
+import rospy
+arm, hand = MoveGroupCommander("panda_arm"), MoveGroupCommander("hand")
+robot = moveit_commander.RobotCommander()
+state = robot.get_current_state()
+pose = arm.get_current_pose()
+POSE = [0.4, 0.0, 0.5, 3.14, 0.0, 0.0]
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+arm.set_joint_value_target(READY)
+path = arm.plan()[1]
+
+def caught(call):
+    try:
+        call()
+    except Exception as error:
+        return f"{type(error).__module__}.{type(error).__name__}: {error}"
+    return ""
+"""
+NOT_A_NUMBER = "of type double from this Python object of type str"
+NO_SUCH = "moveit_commander.exception.MoveItCommanderException"
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        # Messages travel as bytes; those of another type are too short, or are none.
+        ("arm.retime_trajectory(pose.pose, path, 0.2, 0.2)", "builtins.RuntimeError: Buffer"),
+        ("arm.retime_trajectory(state, path.joint_trajectory)", "builtins.RuntimeError: Buffer"),
+        ("arm.retime_trajectory(state, (True, path))", "AttributeError: 'tuple' object has no"),
+        ("arm.retime_trajectory(None, path)", "AttributeError: 'NoneType' object has no"),
+        ("arm.retime_trajectory(path, path)", "builtins.RuntimeError: Buffer Overrun"),
+        ("arm.retime_trajectory(READY, path)", "AttributeError: 'list' object has no"),
+        ("arm.retime_trajectory(moveit_msgs.msg.RobotState(), path)", "DeserializationError"),
+        ("arm.retime_trajectory(state, path, '0.2')", "Boost.Python.ArgumentError: Python"),
+        ("arm.set_start_state(pose)", "builtins.RuntimeError: Buffer Overrun"),
+        ("arm.set_start_state(READY)", "AttributeError: 'list' object has no"),
+        ("arm.enforce_bounds(pose.pose)", "builtins.RuntimeError: Buffer Overrun"),
+        ("arm.execute((path, 1.0))", "AttributeError: 'tuple' object has no attribute 'header'"),
+        ("arm.execute(None)", "AttributeError: 'NoneType' object has no attribute 'header'"),
+        ("arm.execute(pose)", "AttributeError: 'PoseStamped' object has no attribute 'joint"),
+        # Poses are lists, and nothing else.
+        ("arm.set_pose_target(tuple(POSE))", "Boost.Python.ArgumentError: Python argument"),
+        ("arm.set_pose_target(arm.get_current_state())", "Boost.Python.ArgumentError"),
+        ("arm.set_pose_target(POSE[:5])", f"{NO_SUCH}: Unable to set target pose"),
+        ("arm.set_pose_target(['a', *POSE[1:]])", NOT_A_NUMBER),
+        ("hand.set_pose_target(POSE)", f"{NO_SUCH}: There is no end effector to set the pose"),
+        ("arm.set_pose_targets([pose])", "TypeError: Expecting an object of type list; got an"),
+        ("arm.set_pose_targets([POSE[:5]])", f"{NO_SUCH}: Unable to set target poses"),
+        ("arm.set_position_target(pose)", "TypeError: 'PoseStamped' object is not subscriptable"),
+        ("arm.set_rpy_target([0, 0])", f"{NO_SUCH}: Expected [roll, pitch, yaw]"),
+        ("arm.compute_cartesian_path([pose], 0.01)", "'PoseStamped' object has no attribute"),
+        ("arm.compute_cartesian_path([POSE], 0.01)", "'list' object has no attribute 'position'"),
+        ("arm.compute_cartesian_path([pose.pose], '0.01')", "Boost.Python.ArgumentError"),
+        # Joint values: as many as variables, and numbers.
+        ("arm.go(READY[:6])", f"{NO_SUCH}: Error setting joint target. Is the target within"),
+        ("arm.go([*READY, 0.0])", f"{NO_SUCH}: Error setting joint target"),
+        ("hand.go([0.02])", f"{NO_SUCH}: Error setting joint target"),
+        ("arm.go('ready')", f"{NO_SUCH}: Joint value expected when joint name specified"),
+        ("arm.plan('ready')", "builtins.KeyError: 'ready'"),
+        ("arm.go(['0.0', *READY[1:]])", NOT_A_NUMBER),
+        ("arm.go({'panda_joint1': '0.1'})", NOT_A_NUMBER),
+        ("arm.go({'joint_1': 0.1})", f"{NO_SUCH}: Error setting joint target"),
+        ("arm.set_joint_value_target('panda_joint1', '0.1')", "Boost.Python.ArgumentError"),
+        ("arm.set_joint_value_target(3.0)", f"{NO_SUCH}: Unsupported argument of type"),
+        ("arm.set_named_target('Ready')", f"{NO_SUCH}: Unable to set target Ready. Is the"),
+        # Settings.
+        ("arm.set_goal_tolerance('0.01')", "set_goal_tolerance(MoveGroupInterface, str)"),
+        ("arm.set_goal_joint_tolerance([0.01])", "Boost.Python.ArgumentError"),
+        ("arm.set_planning_time('5')", "set_planning_time(MoveGroupInterface {lvalue}, double)"),
+        ("arm.set_num_planning_attempts(10.0)", "{lvalue}, unsigned int)"),
+        ("arm.set_num_planning_attempts(-1)", "builtins.OverflowError"),
+        ("arm.set_planner_id(None)", "{lvalue}, std::string)"),
+        ("arm.allow_replanning('yes')", "{lvalue}, bool)"),
+        ("arm.set_max_velocity_scaling_factor(0.0)", f"{NO_SUCH}: Expected value in the range"),
+        ("arm.set_max_velocity_scaling_factor(1.5)", f"{NO_SUCH}: Expected value in the range"),
+        ("arm.set_max_acceleration_scaling_factor(100)", f"{NO_SUCH}: Expected value in the"),
+        ("arm.set_max_velocity_scaling_factor('0.5')", "builtins.TypeError: '>' not supported"),
+    ],
+)
+def test_the_binding_refuses(run, call, error):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n")
+    assert error in ran["error"]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "arm.retime_trajectory(state, path, 1, True)",
+        "arm.retime_trajectory(moveit_msgs.msg.RobotState(is_diff=True), path, 0.2)",
+        "arm.execute(path.joint_trajectory)",
+        "arm.set_pose_target([0, 0, 1, 0, 0, 0])",
+        "arm.set_pose_targets([pose.pose, POSE, POSE[:5]])",
+        "arm.set_position_target((0.4, 0.0, 0.5, 9.0))",
+        "arm.compute_cartesian_path((pose.pose,), 1)",
+        "arm.compute_cartesian_path([pose.pose], 0.01, 0.0)",
+        "arm.compute_cartesian_path([pose.pose], 0.01, True)",
+        "arm.go(tuple(READY))",
+        "hand.go([0.02, 0.02])",
+        "arm.set_joint_value_target('panda_joint1', [0.1])",
+        "arm.set_planning_time(-1)",
+        "arm.set_goal_tolerance(1)",
+        "arm.allow_replanning(None)",
+    ],
+)
+def test_the_binding_takes(run, call):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n")
+    assert ran["error"] == ""
+
+
+@pytest.mark.parametrize(
+    "turn",
+    ["[0.0, 0.0, 0.0, 0.0]", "[0.0, 1.4, 0.0, 1.4]", "[0.7, 0.0, 0.7, 0.0]"],
+)
+@pytest.mark.parametrize("way", ["set_pose_target([0.4, 0.1, 0.5, *turn])", "go(stated)"])
+def test_an_orientation_that_is_no_unit_quaternion_is_taken_for_none(run, turn, way):
+    ran = run(
+        f"""{START}
+arm.set_max_velocity_scaling_factor(1.0)
+turn = {turn}
+stated = moveit_commander.conversions.list_to_pose([0.4, 0.1, 0.5, *turn])
+with_it = caught(lambda: arm.{way})
+request = arm.construct_motion_plan_request()
+q = request.goal_constraints[0].orientation_constraints[0].orientation
+found = q.x, q.y, q.z, q.w
+"""
+    )
+    assert ran["with_it"] == ""
+    assert ran["found"] == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_an_orientation_within_a_thousandth_of_unit_length_is_kept(run):
+    ran = run(
+        f"""{START}
+arm.set_pose_target([0.4, 0.1, 0.5, 0.7071, 0.0, 0.7071, 0.0])
+q = arm.construct_motion_plan_request().goal_constraints[0].orientation_constraints[0].orientation
+found = q.x, q.z
+"""
+    )
+    assert ran["found"] == pytest.approx((0.7071, 0.7071), abs=1e-3)
+
+
+@pytest.mark.parametrize("use", ["arm.execute(plan)", "plan.joint_trajectory"])
+def test_a_plan_read_as_before_noetic_is_taken_and_reported(run, use):
+    ran = run(f"{START}\narm.set_joint_value_target(READY)\nplan = arm.plan()\n{use}\n")
+    assert [each.kind for each in ran.recording.findings] == ["distro_assumed"]
+    assert "use plan()[1]" in ran.findings[0]
