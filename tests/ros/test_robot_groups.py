@@ -22,3 +22,19 @@ def test_a_list_for_an_arm_has_a_value_for_each_joint():
     groups = RobotGroups(load_robot("panda"), 0)
     assert groups.values_by_name("panda_arm", [0.0] * 6) is None
     assert len(groups.values_by_name("panda_arm", [0.0] * 7) or ()) == 7
+
+
+def test_a_group_whose_members_are_known_takes_as_many_values_as_it_has_variables():
+    panda = load_robot("panda")
+    hand = Group((FIRST,), None, members=("panda_hand_joint", FIRST, SECOND))
+    groups = RobotGroups(replace(panda, groups={**panda.groups, "fingers": hand}), 0)
+    assert groups.variables("fingers") == (FIRST, SECOND)
+    assert groups.values_by_name("fingers", [0.01]) is None
+    assert groups.values_by_name("fingers", [0.01, 0.02]) == {FIRST: 0.01}
+
+
+def test_active_joints_follow_no_other_one_and_all_joints_have_the_fixed_ones():
+    groups = RobotGroups(load_robot("panda"), 0)
+    assert groups.active_joints("hand") == (FIRST,)
+    assert groups.active_joints("panda_arm")[-1] == "panda_joint7"
+    assert groups.group_joints("panda_arm")[-1] == "panda_joint8"

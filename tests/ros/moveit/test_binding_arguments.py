@@ -150,3 +150,19 @@ def test_a_plan_read_as_before_noetic_is_taken_and_reported(run, use):
     ran = run(f"{START}\narm.set_joint_value_target(READY)\nplan = arm.plan()\n{use}\n")
     assert [each.kind for each in ran.recording.findings] == ["distro_assumed"]
     assert "use plan()[1]" in ran.findings[0]
+
+
+def test_a_value_of_a_joint_that_follows_another_leads_nowhere(run):
+    ran = run(
+        f"""{START}
+hand.go([0.01, 0.01])
+hand.set_joint_value_target("panda_finger_joint2", 0.03)
+alone = hand.get_joint_value_target()
+hand.set_joint_value_target([0.02, 0.035])
+both, active, values = hand.get_joint_value_target(), hand.get_active_joints(), hand.get_current_joint_values()
+"""
+    )
+    assert ran["alone"] == [0.01, 0.01]
+    assert ran["both"] == [0.02, 0.02]
+    assert ran["active"] == ["panda_finger_joint1"]
+    assert len(ran["values"]) == 2

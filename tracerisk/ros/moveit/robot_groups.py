@@ -39,20 +39,45 @@ class RobotGroups:
         joints = set(self.group(name).joints)
         return next((one for one in self.robot.grippers if joints <= set(one.joints)), None)
 
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Return the joints of a group that have a value, with those that follow another."""
+        group = self.group(name)
+        moving = {joint.name for joint in self.robot.joints}
+        return tuple(one for one in group.members if one in moving) or group.joints
+
+    def group_joints(self, name: str) -> tuple[str, ...]:
+        """Return all joints of a group, with those that are fixed or follow another."""
+        group, links = self.group(name), self.group_links(name)
+        return group.members or tuple(
+            one.name for one in self.robot.attachments if one.child in links
+        )
+
+    def active_joints(self, name: str) -> tuple[str, ...]:
+        """Return the joints of a group that follow no other one in it."""
+        group = self.group(name)
+        follows = {
+            one
+            for gripper in self.robot.grippers
+            for one in gripper.joints[1:]
+            if gripper.joints[0] in group.joints
+        }
+        return tuple(one for one in group.joints if one not in follows)
+
     def values_by_name(self, name: str, values: Sequence[float]) -> dict[str, float] | None:
         """Return a list of values by the joints of a group, `None` where it is of another length.
 
-        A list for a gripper may have a value for each finger that follows too, which is not used.
+        It has a value for each joint that follows another, too, which is not used. Where nobody
+        says which of a gripper's fingers are in its group, it may be that of all or of the first.
         """
-        joints = self.group(name).joints
+        group = self.group(name)
         gripper = self.gripper_of(name)
-        listed = joints
-        if gripper is not None and len(values) != len(joints):
+        listed = self.variables(name)
+        if gripper is not None and not group.members and len(values) != len(listed):
             listed = tuple(one.name for one in self.robot.joints if one.name in gripper.joints)
         if len(values) != len(listed):
             return None
         given = dict(zip(listed, values, strict=True))
-        return {joint: given[joint] for joint in joints}
+        return {joint: given[joint] for joint in group.joints}
 
     def end_effector_link(self, name: str) -> str:
         """Return the tip of a group that is an arm, else the empty string."""

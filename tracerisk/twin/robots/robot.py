@@ -102,11 +102,14 @@ class Group:
     """A planning group: its joints in order, and the link whose pose a goal speaks of.
 
     `turns_freely` says that its solver brings the link to positions, turned as near as it may be.
+    `members` are all its joints in order, with those that are fixed, passive or follow another;
+    empty where nobody says which those are.
     """
 
     joints: tuple[str, ...]
     tip_link: str | None
     turns_freely: bool = False
+    members: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

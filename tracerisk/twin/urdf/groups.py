@@ -34,7 +34,8 @@ def groups_of(tree: Tree, srdf: Srdf | None) -> dict[str, Group]:
         # Fingers that follow another one are in the group if it is theirs alone.
         names = driven or sorted(joints & moving, key=lambda each: order[each])
         if names:
-            found[name] = Group(tuple(names), _tip(group, names, tree))
+            members = tuple(sorted(joints & order.keys(), key=lambda each: order[each]))
+            found[name] = Group(tuple(names), _tip(group, names, tree), members=members)
     return found
 
 

@@ -26,16 +26,16 @@ class GroupState(GroupSettings):
     # Names
 
     def get_joints(self) -> list[str]:
-        """Return the names of the group's joints."""
-        return list(self._server.group(self._name).joints)
+        """Return the names of the group's joints, with those that are fixed or follow another."""
+        return list(self._server.group_joints(self._name))
 
     def get_active_joints(self) -> list[str]:
-        """Return the names of the group's joints that can be commanded."""
-        return self.get_joints()
+        """Return the names of the group's joints that are not fixed and follow no other one."""
+        return list(self._server.active_joints(self._name))
 
     def get_variable_count(self) -> int:
-        """Return how many values a joint target has."""
-        return len(self.get_joints())
+        """Return how many values a joint target has, one of each that follows another, too."""
+        return len(self._server.variables(self._name))
 
     def has_end_effector_link(self) -> bool:
         """Return whether poses can be asked for without naming a link."""
@@ -61,9 +61,9 @@ class GroupState(GroupSettings):
     # Values
 
     def get_current_joint_values(self) -> list[float]:
-        """Return the positions of the group's joints [rad or m]."""
+        """Return the positions of the group's joints, with those that follow [rad or m]."""
         positions = self._server.positions()
-        return [positions[name] for name in self.get_joints()]
+        return [positions[name] for name in self._server.variables(self._name)]
 
     def get_current_pose(self, end_effector_link: str = "") -> Any:
         """Return the pose of the end effector in the planning frame, as a PoseStamped."""
@@ -115,7 +115,7 @@ class GroupState(GroupSettings):
         point = (0.0, 0.0, 0.0) if reference_point is None else reference_point
         if len(point) != 3:
             raise ValueError(f"reference point needs to have 3 elements, got {len(point)}")
-        names = self.get_joints()
+        names = list(self._server.variables(self._name))
         step = 1e-5
         columns = []
         for index in range(len(names)):

@@ -51,8 +51,9 @@ class GroupTargets(GroupState):
     # Joint positions
 
     def get_joint_value_target(self) -> list[float]:
-        """Return the joint target, in the order of the joints [rad or m]."""
-        return list(self._joint_target.values())
+        """Return the joint target, with the joints that follow another [rad or m]."""
+        led = self._server.robot.with_followers(self._joint_target)
+        return [led.get(name, 0.0) for name in self._server.variables(self._name)]
 
     def set_joint_value_target(self, arg1: Any, arg2: Any = None, arg3: Any = None) -> None:
         """Set joint positions as the target.
@@ -105,7 +106,7 @@ class GroupTargets(GroupState):
     def _named_values(self, values: Sequence[float]) -> dict[str, float]:
         named = self._server.values_by_name(self._name, values)
         if named is None:
-            names = self.get_joints()
+            names = self._server.variables(self._name)
             raise MoveItCommanderException(
                 f"{_OUT_OF_BOUNDS} {len(values)} values given, group '{self._name}' has "
                 f"{len(names)} joints: {', '.join(names)}"
@@ -113,18 +114,21 @@ class GroupTargets(GroupState):
         return named
 
     def _set_joints(self, values: Mapping[str, Any]) -> None:
+        known = {*self._joint_target, *self._server.variables(self._name)}
         for name in values:
-            if name not in self._joint_target:
+            if name not in known:
                 raise MoveItCommanderException(
                     f"{_OUT_OF_BOUNDS} joint '{name}' is not part of group '{self._name}'; "
                     f"{one_of(self._joint_target, name)}"
                 )
         # As in MoveIt the target is taken over even where it is then refused.
         self._target_kind = "joint"
-        given = {name: float(value) for name, value in values.items()}
+        # A value of a joint that follows another one leads nowhere.
+        active = self._server.active_joints(self._name)
+        given = {name: float(value) for name, value in values.items() if name in active}
         led = self._server.robot.with_followers(given)
         self._joint_target.update({n: value for n, value in led.items() if n in self._joint_target})
-        for name in values:
+        for name in given:
             joint, value = self._server.robot.joint(name), self._joint_target[name]
             slack = self._joint_tolerance
             if not joint.lower - slack <= value <= joint.upper + slack:

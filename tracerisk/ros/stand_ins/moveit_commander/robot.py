@@ -30,7 +30,8 @@ class RobotCommander:
 
         def variable_count(self) -> int:
             """Return how many values the joint has; 0 where it is fixed."""
-            return 1 if self._name in self._robot.get_active_joint_names() else 0
+            known = self._robot._server.robot.joints
+            return 1 if any(joint.name == self._name for joint in known) else 0
 
         def bounds(self) -> list[float]:
             """Return the lower and upper limit [rad or m]."""
@@ -96,15 +97,19 @@ class RobotCommander:
         return self._server.robot.base_link
 
     def get_active_joint_names(self, group: str | None = None) -> list[str]:
-        """Return the joints that can be commanded, of a group or of the robot."""
+        """Return the joints that follow no other one and are not fixed, of a group or all."""
         if group is not None:
-            return list(self._group(group).joints)
-        return [joint.name for joint in self._server.robot.joints]
+            self._group(group)
+            return list(self._server.active_joints(group))
+        robot = self._server.robot
+        follow = {name for gripper in robot.grippers for name in gripper.joints[1:]}
+        return [joint.name for joint in robot.joints if joint.name not in follow]
 
     def get_joint_names(self, group: str | None = None) -> list[str]:
-        """Return the joints of a group, or of the robot with the fixed ones."""
+        """Return the joints of a group or of the robot, with the fixed ones."""
         if group is not None:
-            return list(self._group(group).joints)
+            self._group(group)
+            return list(self._server.group_joints(group))
         return [joint.name for joint in self._server.robot.attachments]
 
     def get_link_names(self, group: str | None = None) -> list[str]:

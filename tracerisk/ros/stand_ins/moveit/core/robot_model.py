@@ -75,9 +75,7 @@ class JointModelGroup(HandedOut):
     @property
     def joint_model_names(self) -> list[str]:
         """The joints of the group's links, the fixed ones included."""
-        links = set(self.link_model_names)
-        attachments = self._server.robot.attachments
-        return [one.name for one in attachments if one.child in links]
+        return list(self._server.group_joints(self._name))
 
     @property
     def active_joint_model_names(self) -> list[str]:
