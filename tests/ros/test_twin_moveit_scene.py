@@ -41,11 +41,14 @@ def diff(*objects):
 told = [diff(box("a"), box("b"))]
 objects = rospy.Publisher("/collision_object", CollisionObject, queue_size=1)
 objects.publish(box("b", 0.8, CollisionObject.MOVE))
+at_once = known()
+rospy.sleep(0.1)
 first = known()
 carried = AttachedCollisionObject(link_name="panda_hand", touch_links=["panda_hand"])
 carried.object = CollisionObject(id="a", operation=CollisionObject.ADD)
 rospy.Publisher("/attached_collision_object", AttachedCollisionObject, queue_size=1).publish(
     carried)
+rospy.sleep(0.1)
 second = known()
 told.append(diff(box("c", operation=CollisionObject.REMOVE)))
 told.append(diff(box("a", operation=CollisionObject.REMOVE)))
@@ -58,6 +61,7 @@ third = known()
 def test_objects_are_added_moved_attached_and_cleared(run_on_twin):
     ran = run_on_twin(PROGRAM)
     assert ran["told"] == [True, False, False, False, True]
+    assert ran["at_once"][0] == {"a": pytest.approx(0.6), "b": pytest.approx(0.6)}
     assert ran["first"] == ({"a": pytest.approx(0.6), "b": pytest.approx(0.8)}, {})
     assert ran["second"] == ({"b": pytest.approx(0.8)}, {"a": "panda_hand"})
     assert ran["third"] == ({}, {})

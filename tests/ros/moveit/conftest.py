@@ -21,7 +21,7 @@ from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 PREAMBLE = """\
-import copy, math, sys
+import copy, math, rospy, sys
 import geometry_msgs.msg, moveit_commander, moveit_msgs.msg, sensor_msgs.msg
 from moveit_commander import MoveGroupCommander, MoveItCommanderException
 """

@@ -62,10 +62,12 @@ def test_an_attached_object_moves_with_its_link_and_stays_where_it_is_left(run):
 arm.set_named_target("ready"); arm.go()
 scene.add_box("box", arm.get_current_pose(), size=(0.02, 0.02, 0.1))
 arm.attach_object("box", "panda_hand", ["panda_leftfinger", "panda_rightfinger"])
+rospy.sleep(0.1)
 world, attached = scene.get_known_object_names(), scene.get_attached_objects()
 arm.shift_pose_target(2, -0.1); arm.go()
 hand = arm.get_current_pose().pose
 arm.detach_object("box")
+rospy.sleep(0.1)
 pose = scene.get_object_poses(["box"])["box"]
 """
     )
@@ -433,3 +435,66 @@ names = scene.get_known_object_names()
     )
     assert ran["names"] == ["sheet"]
     assert "a mesh of scene object 'sheet' has no volume" in ran.findings[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "seen"),
+    [
+        ("late.add_box('cube', place, (0.02, 0.02, 0.02))", "scene.get_known_object_names()"),
+        ("arm.attach_object('box', 'panda_hand')", "list(scene.get_attached_objects())"),
+        ("late.attach_box('panda_hand', 'box')", "list(scene.get_attached_objects(['box']))"),
+        ("late.remove_world_object('box')", "list(scene.get_objects())"),
+    ],
+)
+def test_what_is_changed_by_topic_is_not_seen_at_once(run, change, seen):
+    ran = run(
+        SCENE
+        + f"""
+late = moveit_commander.PlanningSceneInterface(synchronous=False)
+scene.add_box("box", place, (0.02, 0.02, 0.02))
+before = {seen}
+{change}
+at_once = {seen}
+rospy.sleep(0.1)
+after = {seen}
+"""
+    )
+    assert ran["at_once"] == ran["before"] != ran["after"]
+
+
+@pytest.mark.parametrize(
+    ("change", "seen"),
+    [
+        ("scene.add_box('cube', place)", "scene.get_known_object_names()"),
+        ("scene.attach_box('panda_hand', 'box')", "list(scene.get_attached_objects())"),
+        (
+            "arm.attach_object('box', 'panda_hand'); scene.add_box('cube', place)",
+            "list(scene.get_attached_objects())",
+        ),
+    ],
+)
+def test_what_is_changed_by_the_service_is_seen_at_once(run, change, seen):
+    ran = run(
+        SCENE
+        + f"""
+scene.add_box("box", place, (0.02, 0.02, 0.02))
+before = {seen}
+{change}
+at_once = {seen}
+"""
+    )
+    assert len(ran["at_once"]) == len(ran["before"]) + 1
+
+
+def test_a_plan_right_after_knows_what_was_changed_by_topic(run):
+    ran = run(
+        SCENE
+        + """
+arm.set_named_target("ready"); arm.go()
+scene.add_box("box", arm.get_current_pose(), size=(0.02, 0.02, 0.1))
+arm.attach_object("box", "panda_hand", ["panda_leftfinger", "panda_rightfinger"])
+arm.shift_pose_target(2, -0.1)
+done = arm.go()
+"""
+    )
+    assert ran["done"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.moveit.planning_scene import SHAPES, PlanningScene, SceneObject
+from tracerisk.ros.moveit.planning_scene import SHAPES, PlanningScene, SceneObject, SeenScene
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 
@@ -120,7 +120,7 @@ def fill_poses(message: Any, new_pose: Callable[[], Any]) -> None:
         setattr(message, poses, given)
 
 
-def attached_messages(new: New, scene: PlanningScene) -> list[Any]:
+def attached_messages(new: New, scene: PlanningScene | SeenScene) -> list[Any]:
     """Return the attached objects of a scene as AttachedCollisionObjects, sorted by name."""
     found = []
     for _, one in sorted(scene.attached.items()):

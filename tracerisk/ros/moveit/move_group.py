@@ -17,7 +17,7 @@ from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift, Vector, reachable_shift
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.path_constraints import PathRule
-from tracerisk.ros.moveit.planning_scene import PlanningScene
+from tracerisk.ros.moveit.planning_scene import PlanningScene, SeenScene
 from tracerisk.ros.moveit.robot_groups import RobotGroups
 from tracerisk.ros.moveit.scene_changes import SceneChanges
 from tracerisk.ros.moveit.scene_shapes import scene_body
@@ -42,6 +42,7 @@ _FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
 _FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
 
 _MOST_SOUGHT = 200  # goals that are kept
+_TOPIC_NS = 10_000_000  # until a message that changes the scene has arrived and is applied [ns]
 _SAME_PLACE = 0.02  # seen from above: what was made of one pose [m]
 
 GoalKind = Literal["pose", "position", "orientation"]
@@ -109,6 +110,7 @@ class MoveGroupServer(RobotGroups):
         self._runtime = runtime
         self._twin: Twin = runtime.twin
         self.scene = PlanningScene(self.declare)
+        self._unseen: tuple[int, SeenScene | None] = (0, None)
         self.models: dict[str, SceneBody] = {}
         self.changes = SceneChanges(
             self.scene, self.robot, runtime.twin.link_pose, self._report_scene, self._note_attached
@@ -179,6 +181,28 @@ class MoveGroupServer(RobotGroups):
         """Note that a command fails for want of an object of the planning scene."""
         self.seek(name, how)
         self._runtime.scheduler.needs.note_error(message)
+
+    @contextmanager
+    def by_topic(self) -> Iterator[None]:
+        """Change the scene by a message on a topic within the block.
+
+        Nobody waits for its arrival: who asks at once does not see it yet. Plans do, for
+        move_group first waits for the next joint states.
+        """
+        before, now_ns = self._seen(), self._runtime.scheduler.now_ns
+        yield
+        self._unseen = (now_ns + _TOPIC_NS, before)
+
+    def seen(self) -> SeenScene:
+        """Return the objects as whoever asks for them now is told."""
+        self._runtime.scheduler.touch()
+        return self._seen()
+
+    def _seen(self) -> SeenScene:
+        until_ns, before = self._unseen
+        if self._runtime.scheduler.now_ns < until_ns and before is not None:
+            return before
+        return SeenScene(dict(self.scene.world), dict(self.scene.attached))
 
     def now_ns(self) -> int:
         """Return the time as the controller reads it [ns]."""
@@ -468,6 +492,8 @@ class MoveGroupServer(RobotGroups):
 
     def declare(self) -> None:
         """Make the objects of the scene, and the models, bodies of the twin."""
+        # A change for which its sender waits comes after the messages before it.
+        self._unseen = (0, None)
         try:
             bodies = [*self.bodies(self.scene), *self.models.values()]
             unknown = {frozenset((name,)) for name in self.models}

@@ -5,7 +5,7 @@ Whoever keeps it is notified of each change, to make the objects bodies of the t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,6 +35,16 @@ class AttachedObject:
     object: SceneObject
     link: str
     touch_links: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SeenScene:
+    """The objects that somebody sees who asks."""
+
+    world: Mapping[str, SceneObject]
+    """Those of the world, by name."""
+    attached: Mapping[str, AttachedObject]
+    """Those attached to the robot, by name."""
 
 
 class PlanningScene:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -290,7 +290,11 @@ class MoveItInterfaces(TwinNode):
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "advertised" and type_name in self._takers:
             take = self._takers[type_name]
-            self._hear(name, type_name, lambda message, _: take(message))
+            self._hear(name, type_name, lambda message, _: self._take(take, message))
+
+    def _take(self, take: Callable[[Any], bool], message: Any) -> None:
+        with self._server.by_topic():
+            take(message)
 
     def _apply(self, request: Any, answer: Any) -> None:
         answer.success = self._server.changes.apply_scene(request.scene)
@@ -298,7 +302,7 @@ class MoveItInterfaces(TwinNode):
     def _get(self, request: Any, answer: Any) -> None:
         # No bits ask for everything.
         wanted = request.components.components or 0xFFFF
-        scene, kept = answer.scene, self._server.scene
+        scene, kept = answer.scene, self._server.seen()
         scene.name, scene.robot_model_name = "(noname)", self._server.robot.name
         frame = self._server.planning_frame
         if wanted & (_STATE | _ATTACHED):

@@ -270,7 +270,9 @@ class MoveGroupCommander(GroupPickPlace):
         link = link_name or self._end_effector_link or (links[0] if links else "")
         if not link:
             return False
-        if not self._server.attach(object_name, link, touch_links or [link]):
+        with self._server.by_topic():
+            is_attached = self._server.attach(object_name, link, touch_links or [link])
+        if not is_attached:
             text = report_unknown(object_name, "attached")
             if object_name not in self._server.scene.attached:
                 self._server.lack(object_name, text)
@@ -280,9 +282,10 @@ class MoveGroupCommander(GroupPickPlace):
         """Detach an object, or all those attached to a link, or to any link of the group."""
         attached = dict(self._server.scene.attached)
         links = self._server.group_links(self._name)
-        for object_name, item in attached.items():
-            if name in (object_name, item.link) or (not name and item.link in links):
-                self._server.detach(object_name)
+        with self._server.by_topic():
+            for object_name, item in attached.items():
+                if name in (object_name, item.link) or (not name and item.link in links):
+                    self._server.detach(object_name)
         return True
 
     # How

@@ -1,6 +1,7 @@
 """PlanningSceneInterface: the objects of the planning scene."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,13 @@ class PlanningSceneInterface:
     """Add, remove, attach and ask for objects; every client sees the same scene.
 
     The objects are bodies of the twin, which planning avoids.
-    `ns` is taken and changes nothing; a change is in force at once, `synchronous` or not.
+    `ns` is taken and changes nothing. A change is in force when the call returns; if not
+    `synchronous`, it is a message on a topic, which who asks at once does not see yet.
     """
 
     def __init__(self, ns: str = "", synchronous: bool = True) -> None:
         self._server = server()
+        self._changing = nullcontext if synchronous else self._server.by_topic
 
     # Add
 
@@ -204,7 +207,7 @@ class PlanningSceneInterface:
                 object=self._described(item.object, item.link),
                 touch_links=list(item.touch_links),
             )
-            for name, item in sorted(self._server.scene.attached.items())
+            for name, item in sorted(self._server.seen().attached.items())
             if not object_ids or name in object_ids
         }
 
@@ -298,7 +301,7 @@ class PlanningSceneInterface:
     # How
 
     def _world(self) -> list[SceneObject]:
-        return [item for _, item in sorted(self._server.scene.world.items())]
+        return [item for _, item in sorted(self._server.seen().world.items())]
 
     def _seek(self, names: Sequence[str], known: Mapping[str, Any], how: str = "") -> None:
         """Note the objects that are looked for by name and not there."""
@@ -316,6 +319,10 @@ class PlanningSceneInterface:
         return described
 
     def _apply(self, message: Any) -> None:
+        with self._changing():
+            self._change(message)
+
+    def _change(self, message: Any) -> None:
         scene = self._server.scene
         if message.operation == CollisionObject.REMOVE:
             refusal = scene.cannot_remove(message.id)
@@ -331,6 +338,10 @@ class PlanningSceneInterface:
             scene.add(SceneObject(message.id, self._placed(message), message))
 
     def _apply_attached(self, message: Any) -> None:
+        with self._changing():
+            self._change_attached(message)
+
+    def _change_attached(self, message: Any) -> None:
         item, scene = message.object, self._server.scene
         if item.operation == CollisionObject.REMOVE:
             for name, attached in list(scene.attached.items()):
@@ -338,7 +349,7 @@ class PlanningSceneInterface:
                     self._server.detach(name)
             return
         if item.primitives or item.meshes or item.planes:
-            self._apply(item)
+            self._change(item)
         elif item.id in scene.attached:
             self._server.detach(item.id)
         if not self._server.attach(item.id, message.link_name, message.touch_links):
