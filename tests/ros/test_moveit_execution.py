@@ -463,3 +463,85 @@ def test_an_empty_trajectory_or_one_of_no_duration_succeeds_and_moves_nothing(ro
     assert ran["done"] is True
     assert ran["moved"] < 1e-4
     assert [each.end for each in ran.recording.refused] == ["ignored"]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "answer"),
+    [
+        ({}, (3, 1)),
+        ({"allowed_execution_duration_scaling": 0.2, "allowed_goal_duration_margin": 0.1}, (4, -6)),
+        (
+            {"allowed_execution_duration_scaling": 0.2, "execution_duration_monitoring": False},
+            (3, 1),
+        ),
+    ],
+)
+def test_a_motion_that_takes_too_long_is_stopped_as_timed_out(ros1, parameters, answer):
+    ran = ros1(
+        f"""
+        for name, value in {parameters}.items():
+            rospy.set_param("/move_group/trajectory_execution/" + name, value)
+        move.send_goal_and_wait(move_goal(0.4))
+        answer = move.get_state(), move.get_result().error_code.val
+        """
+    )
+    assert ran["answer"] == answer
+    assert ends(ran)[-1] == ("arrived" if answer[1] == 1 else "aborted")
+    assert any("the longest that it allows" in text for text in ran.findings) == (answer[1] == -6)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "is_executed"),
+    [
+        ({}, False),
+        ({"allowed_start_tolerance": 0.1}, True),
+        ({"allowed_start_tolerance": 0.0}, True),
+        ({"joints_allowed_start_tolerance": {"panda_joint1": 0.1}}, True),
+        ({"joints_allowed_start_tolerance": {"panda_joint1": 0.0}}, True),
+        ({"joints_allowed_start_tolerance": {"panda_joint1": -1.0}}, False),
+        ({"joints_allowed_start_tolerance": {"panda_joint2": 0.1}}, False),
+        (
+            {
+                "allowed_start_tolerance": 0.0,
+                "joints_allowed_start_tolerance": {"panda_joint1": 0.01},
+            },
+            False,
+        ),
+    ],
+)
+def test_the_start_tolerance_is_move_groups_or_that_of_the_joint(ros1, parameters, is_executed):
+    ran = ros1(
+        f"""
+        for name, value in {parameters}.items():
+            rospy.set_param("/move_group/trajectory_execution/" + name, value)
+        done = arm.execute(trajectory_goal((turned(0.05), 0.0), (turned(0.5), 2.0)).trajectory)
+        """
+    )
+    assert ran["done"] is is_executed
+
+
+def test_a_second_pickup_ends_the_first_which_is_preempted(ros1):
+    ran = ros1(
+        """
+        from geometry_msgs.msg import PoseStamped
+        from moveit_commander import PlanningSceneInterface
+        from moveit_msgs.msg import Grasp, PickupAction, PickupGoal
+        place = PoseStamped()
+        place.header.frame_id = "panda_link0"
+        place.pose.position.x, place.pose.position.z = 0.45, 0.5
+        place.pose.orientation.w = 1.0
+        PlanningSceneInterface().add_box("box", place, (0.02, 0.02, 0.02))
+        grasp = Grasp(grasp_pose=arm.get_current_pose())
+        grasp.grasp_pose.pose.position.z -= 0.2
+        goal = PickupGoal(target_name="box", group_name="panda_arm", possible_grasps=[grasp])
+        first, second = client("/pickup", PickupAction), client("/pickup", PickupAction)
+        first.send_goal(goal)
+        rospy.sleep(0.3)
+        second.send_goal(goal)
+        second.wait_for_result()
+        first.wait_for_result()
+        answers = first.get_state(), first.get_result().error_code.val, second.get_state()
+        """
+    )
+    assert ran["answers"][:2] == (2, -7)
+    assert any("a new goal of pickup ended it" in text for text in ran.findings)

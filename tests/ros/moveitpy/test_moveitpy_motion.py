@@ -356,3 +356,59 @@ go("ready")
     one, two = run(program), run(program)
     assert one["drawn"] == two["drawn"]
     assert one.recording.commands == two.recording.commands
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [
+        ("pass", "SUCCEEDED"),
+        ("manager.set_allowed_execution_duration_scaling(0.1)", "TIMED_OUT"),
+        ("manager.enable_execution_duration_monitoring(False)", "SUCCEEDED"),
+    ],
+)
+def test_the_manager_stops_what_takes_longer_than_it_allows(run, change, status):
+    ran = run(
+        f"""
+manager = panda.get_trajectory_execution_manager()
+manager.set_allowed_goal_duration_margin(0.05)
+if {change == "manager.enable_execution_duration_monitoring(False)"}:
+    manager.set_allowed_execution_duration_scaling(0.1)
+if {change == "pass"}:
+    manager.set_allowed_goal_duration_margin(0.5)
+{change}
+arm.set_start_state_to_current_state()
+arm.set_goal_state(configuration_name="extended")
+status = panda.execute(arm.plan().trajectory, controllers=[]).status
+"""
+    )
+    assert ran["status"] == status
+
+
+def test_the_node_has_the_parameters_of_the_execution_manager(run):
+    ran = run(
+        """
+named = {"allowed_start_tolerance": 0.2, "allowed_goal_duration_margin": 2.0}
+other = MoveItPy("other", config_dict={"trajectory_execution": named})
+manager = other.get_trajectory_execution_manager()
+found = manager.allowed_start_tolerance(), manager.allowed_goal_duration_margin()
+"""
+    )
+    assert ran["found"] == (0.2, 2.0)
+
+
+def test_only_the_first_of_the_pushed_trajectories_is_checked_for_its_start(run):
+    ran = run(
+        """
+manager = panda.get_trajectory_execution_manager()
+arm.set_start_state_to_current_state()
+arm.set_goal_state(configuration_name="ready")
+first = arm.plan().trajectory.get_robot_trajectory_msg()
+arm.set_start_state(configuration_name="extended")
+second = arm.plan().trajectory.get_robot_trajectory_msg()
+manager.push(first)
+manager.push(second)
+status = manager.execute_and_wait().status
+"""
+    )
+    assert ran["status"] == "SUCCEEDED"
+    assert len(ran.recording.commands) == 2

@@ -6,7 +6,7 @@ import enum
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
@@ -121,7 +121,6 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
-        self.rules = ExecutionRules()
 
     def start(
         self,
@@ -139,7 +138,7 @@ class TrajectoryExecution:
         action that asks for it. `first` is its first point where that is no longer in it
         [rad or m].
         """
-        rules = self.rules if rules is None else rules
+        rules = self._rules() if rules is None else rules
         stack = self._commands.stack()
         before = [each for each in self._active() if preempts and each.by == by]
         others = [each for each in self._active() if each not in before]
@@ -210,6 +209,23 @@ class TrajectoryExecution:
             if by in (None, execution.by):
                 self._twin.stop(execution.motion.joints)
         self._commands.poll()
+
+    def _rules(self) -> ExecutionRules:
+        """Return the rules of move_group: its private parameters, else MoveIt's defaults."""
+        parameters = self._runtime.graph.parameters
+
+        def read(name: str, default: Any) -> Any:
+            full_name = f"/move_group/trajectory_execution/{name}"
+            return parameters.get(full_name) if parameters.has(full_name) else default
+
+        of_joints = read("joints_allowed_start_tolerance", {})
+        return ExecutionRules(
+            start_tolerance=float(read("allowed_start_tolerance", START_TOLERANCE)),
+            joint_start_tolerance={name: value for name, value in of_joints.items() if value >= 0},
+            watches_duration=bool(read("execution_duration_monitoring", True)),
+            duration_scaling=float(read("allowed_execution_duration_scaling", 1.1)),
+            goal_margin_s=float(read("allowed_goal_duration_margin", 0.5)),
+        )
 
     def _active(self) -> list[Execution]:
         return [each for each in self._live if each.motion.outcome == "active"]

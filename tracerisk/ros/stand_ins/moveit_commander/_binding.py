@@ -76,5 +76,5 @@ def received(kind: type, message: Any) -> Any:
         return message
     try:
         return kind().deserialize(data)
-    except (DeserializationError, MemoryError, OverflowError, ValueError) as error:
-        raise RuntimeError("Buffer Overrun") from error
+    except (DeserializationError, MemoryError, OverflowError, ValueError):
+        raise RuntimeError("Buffer Overrun") from None

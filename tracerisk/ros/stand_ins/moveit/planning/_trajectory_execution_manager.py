@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.moveit.trajectory_execution import ErrorCode, ExecutionRules
+from tracerisk.ros.moveit.trajectory_execution import ANYWHERE, ErrorCode, ExecutionRules
 from tracerisk.twin.physics.motion import JointTrajectory
 
 from .._library import HandedOut, library, log_error, new
@@ -239,7 +239,8 @@ class TrajectoryExecutionManager(HandedOut):
         """Execute trajectories one after the other, up to the first that does not succeed."""
         status = ExecutionStatus._of(_status="SUCCEEDED")
         for number, part in enumerate(parts):
-            code = self._carry_out(part)
+            # Where the first one starts is checked, no other.
+            code = self._carry_out(part, self._rules if number == 0 else ANYWHERE)
             if code is not ErrorCode.SUCCESS:
                 status = ExecutionStatus._of_code(code)
                 break
@@ -250,9 +251,9 @@ class TrajectoryExecutionManager(HandedOut):
         self._status = status
         return status
 
-    def _carry_out(self, part: JointTrajectory) -> ErrorCode:
+    def _carry_out(self, part: JointTrajectory, rules: ExecutionRules) -> ErrorCode:
         execution = self._library.server.execution
-        started = execution.start(part, rules=self._rules)
+        started = execution.start(part, rules=rules)
         if isinstance(started, ErrorCode):
             return started
         code: ErrorCode = execution.wait(started)
