@@ -347,12 +347,23 @@ def test_the_other_action_of_moveit_1_is_refused_while_one_executes(ros1, first,
 
 
 @pytest.mark.parametrize(
-    "asked", ["hand.plan([0.02, 0.02])", "hand.set_random_target(); arm.plan()"]
+    "asked",
+    [
+        "hand.plan([0.02, 0.02])",
+        "hand.set_random_target(); arm.plan()",
+        "move.send_goal_and_wait(plan_only())",
+        "move.send_goal_and_wait(MoveGroupGoal())",
+    ],
 )
 def test_a_plan_ends_the_motion_of_go_and_the_run_says_so(ros1, asked):
     ran = ros1(
         f"""
         arm.set_max_velocity_scaling_factor(0.1)
+        def plan_only():
+            goal = move_goal(0.2)
+            goal.planning_options.plan_only = True
+            return goal
+
         arm.go([0.6, *READY[1:]], wait=False)
         rospy.sleep(0.5)
         {asked}

@@ -30,6 +30,9 @@ def test_a_group_whose_members_are_known_takes_as_many_values_as_it_has_variable
     groups = RobotGroups(replace(panda, groups={**panda.groups, "fingers": hand}), 0)
     assert groups.variables("fingers") == (FIRST, SECOND)
     assert groups.values_by_name("fingers", [0.01]) is None
+    alone = Group((FIRST,), None, members=(FIRST,))
+    groups_alone = RobotGroups(replace(panda, groups={**panda.groups, "fingers": alone}), 0)
+    assert groups_alone.values_by_name("fingers", [0.01, 0.02]) is None
     assert groups.values_by_name("fingers", [0.01, 0.02]) == {FIRST: 0.01}
 
 
