@@ -194,7 +194,7 @@ class MoveGroupServer(RobotGroups):
         self._unseen = (now_ns + _TOPIC_NS, before)
 
     def seen(self) -> SeenScene:
-        """Return the objects as whoever asks for them now is told."""
+        """Return the objects that whoever asks for them now gets."""
         self._runtime.scheduler.touch()
         return self._seen()
 
