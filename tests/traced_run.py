@@ -42,7 +42,7 @@ def run_traced(
 ) -> tuple[Ran, RunOver | None]:
     """What the script left, and how the run was over where the script did not end by itself.
 
-    Without `distro` it follows noetic or jazzy, by the ROS that `interfaces` is of.
+    Without `distro` it is assumed to follow noetic or jazzy, by the ROS that `interfaces` is of.
     """
     follows = distro or ("noetic" if isinstance(interfaces, Interfaces) else "jazzy")
     twin = Twin.build(load_robot(robot), load_scene(scene))
@@ -61,7 +61,7 @@ def run_traced(
             recorder,
             argv=(str(script),),
             packages=packages,
-            distro=DistroRules(follows),
+            distro=DistroRules(follows, None if distro else lambda *_: None),
         )
         if has_topics:
             TwinTopics(runtime, interfaces)

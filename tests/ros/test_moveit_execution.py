@@ -125,7 +125,9 @@ def ended(result):
 
 @pytest.fixture
 def ros1(tmp_path):
-    return lambda program: _ran(tmp_path, Interfaces(), ROS1 + textwrap.dedent(program), "noetic")
+    return lambda program, distro="noetic": _ran(
+        tmp_path, Interfaces(), ROS1 + textwrap.dedent(program), distro
+    )
 
 
 @pytest.fixture
@@ -556,3 +558,19 @@ def test_a_second_pickup_ends_the_first_which_is_preempted(ros1):
     )
     assert ran["answers"][:2] == (2, -7)
     assert any("a new goal of pickup ended it" in text for text in ran.findings)
+
+
+@pytest.mark.parametrize("distro", ["noetic", "humble"])
+def test_a_plan_is_no_trajectory_where_the_controller_is_known_to_be_for_noetic(ros1, distro):
+    ran = ros1(
+        """
+        try:
+            raised = ""
+            arm.execute(arm.plan([0.2, *READY[1:]]))
+        except AttributeError as error:
+            raised = str(error)
+        """,
+        distro=distro,
+    )
+    expected = "'tuple' object has no attribute 'serialize'" if distro == "noetic" else ""
+    assert ran["raised"] == expected

@@ -32,6 +32,11 @@ class DistroRules:
         self._report = report
         self._reported: set[tuple[str, Location | None]] = set()
 
+    @property
+    def is_assumed(self) -> bool:
+        """Whether nothing says that the run follows this distribution."""
+        return self._report is not None
+
     def value(self, rule: str) -> RuleValue:
         """Return what the distribution does by a rule of the table.
 

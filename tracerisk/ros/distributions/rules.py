@@ -110,6 +110,14 @@ RULES: tuple[Rule, ...] = (
     ),
     # Goals of MoveIt
     Rule(
+        name="plan-is-tuple",
+        subject="`plan()` of moveit_commander returns a tuple, which is no trajectory",
+        noetic=True,
+        humble=None,
+        jazzy=None,
+        source="moveit/moveit moveit_commander/src/moveit_commander/move_group.py",
+    ),
+    Rule(
         name="execute-trajectory-goal",
         subject="a goal of `execute_trajectory` comes while another is executed",
         noetic="ends the one before",

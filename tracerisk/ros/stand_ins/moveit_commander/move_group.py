@@ -14,6 +14,7 @@ from moveit_msgs.msg import (
 )
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit import messages
 from tracerisk.ros.moveit.move_group import Plan, PoseGoal
 from tracerisk.ros.moveit.trajectory_execution import Asker, ErrorCode
@@ -37,23 +38,32 @@ class PlanResult(tuple[bool, Any, float, Any]):
     """(success, RobotTrajectory, planning time [s], MoveItErrorCodes), as plan() returns.
 
     Up to ROS Melodic plan() returned the RobotTrajectory alone; programs written for that read
-    `joint_trajectory` of the result, so it has the trajectory's fields too.
+    `joint_trajectory` of the result, so it has the trajectory's fields too where nothing says that
+    they are for Noetic.
     """
 
     @property
     def joint_trajectory(self) -> Any:
         """The planned joint trajectory."""
-        _note_older_plan()
+        _take_as_older_plan("joint_trajectory")
         return self[1].joint_trajectory
 
     @property
     def multi_dof_joint_trajectory(self) -> Any:
         """The planned trajectory of joints with several degrees of freedom; empty."""
+        _take_as_older_plan("multi_dof_joint_trajectory")
         return self[1].multi_dof_joint_trajectory
 
 
-def _note_older_plan() -> None:
-    """Report that a plan was read as before Noetic."""
+def _take_as_older_plan(attribute: str) -> None:
+    """Report that a plan was read as before Noetic.
+
+    Raises:
+        AttributeError: the controller is known to be for Noetic.
+    """
+    distro = current().distro
+    if distro.value("plan-is-tuple") and not distro.is_assumed:
+        raise AttributeError(f"'tuple' object has no attribute '{attribute}'")
     server().execution.report(
         "distro_assumed",
         "plan() is taken for what it returned up to ROS Melodic, the trajectory; in Noetic it "
@@ -139,6 +149,7 @@ class MoveGroupCommander(GroupPickPlace):
             RuntimeError: it has a trajectory, but is a message of another type.
         """
         if isinstance(trajectory, PlanResult):
+            _take_as_older_plan("serialize")
             trajectory = RobotTrajectory(joint_trajectory=trajectory.joint_trajectory)
         elif not hasattr(trajectory, "joint_trajectory"):
             _check_is_message(trajectory)
