@@ -48,7 +48,7 @@ def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran
     events = tmp_path / "events.jsonl"
     with events.open("wb", buffering=0) as stream, StandInFinder():
         recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
-        graph, rules = Graph(scheduler, tracer), DistroRules("noetic")
+        graph, rules = Graph(scheduler, tracer), DistroRules("noetic", lambda *_: None)
         runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
 
         def run_program(program: str) -> Ran:
