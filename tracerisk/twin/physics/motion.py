@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -81,11 +81,41 @@ class JointTrajectory:
     """(n_points, n_joints) [rad/s or m/s]."""
     leads: Leads = "to_goal"
     """Where it leads."""
+    degree: NDArray[np.int8] | None = None
+    """(n_points,) of the polynomial that leads to each point: 0 waits at the point before, 1 is
+    straight, 3 has the velocities at both ends, 5 the accelerations, too; `None` is 3 throughout."""
+    acceleration: NDArray[np.float64] | None = None
+    """(n_points, n_joints) where a degree is 5 [rad/s^2 or m/s^2]; `None` is 0 throughout."""
 
     @property
     def duration_s(self) -> float:
         """The time from the first to the last point [s]."""
         return float(self.time[-1]) if len(self.time) else 0.0
+
+    def led_in(
+        self, position: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> JointTrajectory:
+        """Return it begun at time 0 from a position with a velocity, each (n_joints,).
+
+        One that begins at time 0 is left as it is.
+        """
+        if self.time[0] <= 0.0:
+            return self
+
+        def begun(first: NDArray[np.float64], rest: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.vstack((first, rest))
+
+        degree, acceleration = self.degree, self.acceleration
+        return replace(
+            self,
+            time=np.concatenate(([0.0], self.time)),
+            position=begun(position, self.position),
+            velocity=begun(velocity, self.velocity),
+            degree=None if degree is None else np.concatenate((degree[:1], degree)),
+            acceleration=None
+            if acceleration is None
+            else begun(np.zeros(len(position)), acceleration),
+        )
 
 
 class PlanningError(TraceRiskError, RuntimeError):

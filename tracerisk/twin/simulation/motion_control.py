@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,12 +114,14 @@ class MotionControl:
         if columns:
             names = [trajectory.joints[i] for i in columns]
             position, velocity = trajectory.position[:, columns], trajectory.velocity[:, columns]
+            bend = trajectory.acceleration
+            shape = (trajectory.degree, None if bend is None else bend[:, columns])
             track = ArmTrack(
                 motion,
                 [self._simulation.actuator[name] for name in names],
                 [self._simulation.joint_index[name] for name in names],
                 [self._robot.joint(name) for name in names],
-                *resample(trajectory.time, position, velocity, STEP_S),
+                *resample(trajectory.time, position, velocity, STEP_S, *shape),
                 self._simulation.position([self._simulation.joint_index[name] for name in names]),
                 goal_tolerance or GoalTolerance(),
             )
@@ -274,12 +275,7 @@ class MotionControl:
             return trajectory
         position, velocity = self.references()
         columns = [self._simulation.joint_index[name] for name in trajectory.joints]
-        return replace(
-            trajectory,
-            time=np.concatenate(([0.0], trajectory.time)),
-            position=np.vstack((position[columns], trajectory.position)),
-            velocity=np.vstack((velocity[columns], trajectory.velocity)),
-        )
+        return trajectory.led_in(position[columns], velocity[columns])
 
     def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:
         owner = {name: g.name for g in self._robot.grippers for name in g.joints}
