@@ -63,8 +63,8 @@ def test_a_trajectory_is_followed(robot):
     assert feedback[5].header.stamp.sec > 0
 
 
-def test_a_new_goal_cancels_the_one_before(robot):
-    """ros2_controllers, joint_trajectory_controller.cpp, `preempt_active_goal`: CANCELED."""
+def test_a_new_goal_aborts_the_one_before(robot):
+    """ros2_controllers, joint_trajectory_controller.cpp of Jazzy, `preempt_active_goal`."""
     runtime, interfaces, scheduler = robot
     name, kind = "/arm/fjt", "control_msgs/FollowJointTrajectory"
     goal = interfaces.action(kind).Goal(trajectory=trajectory(interfaces, seconds=3))
@@ -77,7 +77,7 @@ def test_a_new_goal_cancels_the_one_before(robot):
         scheduler.wait_until(lambda: second.state.is_terminal, reason="the result")
         return first.state.ros2_status, second.state.ros2_status
 
-    assert scheduler.run_main(main) == (5, 4)
+    assert scheduler.run_main(main) == (6, 4)
 
 
 def test_a_gripper_is_driven(robot):

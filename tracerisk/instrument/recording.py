@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import os
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -203,7 +204,7 @@ class Recorder:
             message=message,
             location=_location_data(location),
             object=object_name,
-            target=[float(each) for each in target],
+            target=_goal(target),
         )
 
     def failed(
@@ -222,7 +223,7 @@ class Recorder:
         figures in its message. Return whether it was recorded now.
         """
         key = (kind, asker, object_name, _FIGURE.sub("", message), location)
-        goal = tuple(map(float, target))
+        goal = _goal(target)
         if key in self._open and is_near(self._open[key][1], goal):
             return False
         self._open[key] = (self._findings, goal)
@@ -240,7 +241,7 @@ class Recorder:
         """Record that what failed before has now succeeded: same asker, object and goal."""
         if not self._open:
             return
-        goal = tuple(map(float, target))
+        goal = _goal(target)
         tried = (kind, asker, object_name)
         for key, (number, wanted) in list(self._open.items()):
             if key[:3] == tried and is_near(wanted, goal):
@@ -277,12 +278,34 @@ class Recorder:
     def _write(self, event: str, **data: Any) -> None:
         if self._stream.closed:
             return  # a controller's `__del__` runs when the interpreter ends, after the run
-        text = json.dumps({"event": event, "ns": self._clock(), **data}, separators=(",", ":"))
+        text = _json({"event": event, "ns": self._clock(), **data})
         line = memoryview(f"{text}\n".encode())
         while line:
             line = line[os.write(self._stream.fileno(), line) :]
         if self.on_event is not None:
             self.on_event(event, self._clock(), data)
+
+
+def _json(event: dict[str, Any]) -> str:
+    """Return an event as JSON; numbers that are not finite, which JSON has not, by their names."""
+    try:
+        return json.dumps(event, separators=(",", ":"), allow_nan=False)
+    except ValueError:
+        return json.dumps(_named(event), separators=(",", ":"), allow_nan=False)
+
+
+def _named(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _named(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_named(entry) for entry in value]
+    return str(float(value)) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _goal(target: Sequence[float]) -> tuple[float, ...]:
+    """Return the goal of what failed; none where a number of it is not finite: it is no place."""
+    goal = tuple(map(float, target))
+    return goal if all(map(math.isfinite, goal)) else ()
 
 
 def _further(frame: Frame) -> tuple[Any, ...]:

@@ -46,6 +46,8 @@ class Rule:
 _MOVE_GROUP = "moveit_ros/move_group/src/default_capabilities"
 
 _EXECUTION = "moveit_ros/planning/trajectory_execution_manager/src/trajectory_execution_manager.cpp"
+_JTC_1 = "ros-controls/ros_controllers joint_trajectory_controller"
+_JTC_2 = "ros-controls/ros2_controllers joint_trajectory_controller"
 
 RULES: tuple[Rule, ...] = (
     # Messages
@@ -160,6 +162,115 @@ RULES: tuple[Rule, ...] = (
         humble=False,
         jazzy=False,
         source=f"moveit/moveit {_EXECUTION}, moveit/moveit2 {_EXECUTION}",
+    ),
+    # Controllers of joint trajectories
+    Rule(
+        name="trajectory-end-velocity",
+        subject="the last point of a trajectory has a velocity, and no parameter allows it",
+        noetic="followed",
+        humble="followed",
+        jazzy="refused",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/init_joint_trajectory.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller_parameters.yaml",
+    ),
+    Rule(
+        name="trajectory-effort",
+        subject="points of a trajectory have effort",
+        noetic="ignored",
+        humble="refused",
+        jazzy="refused without an effort interface",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_msg_utils.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-past-points",
+        subject="points of a trajectory are not in the future, a time of 0 included",
+        noetic="dropped",
+        humble="refused if it ends before",
+        jazzy="refused if it ends before",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/init_joint_trajectory.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-start",
+        subject="the header of a trajectory has a time to come",
+        noetic="waits",
+        humble="leads to the first point at once",
+        jazzy="leads to the first point at once",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/init_joint_trajectory.h, "
+        f"{_JTC_2}/src/trajectory.cpp",
+    ),
+    Rule(
+        name="trajectory-lengths",
+        subject="fields of a point must have",
+        noetic="one value a position",
+        humble="one value a joint",
+        jazzy="one value a joint",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_msg_utils.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-wraparound",
+        subject="the shortest way is taken, whatever the turns, by",
+        noetic="continuous joints",
+        humble="joints with angle_wraparound",
+        jazzy="continuous joints",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-tolerances",
+        subject="a tolerance of a goal is negative, or that of an unknown joint",
+        noetic="negative ones take away",
+        humble="-1 takes away, others void",
+        jazzy="-1 takes away, others void",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/tolerances.h, "
+        f"{_JTC_2}/include/joint_trajectory_controller/tolerances.hpp",
+    ),
+    Rule(
+        name="trajectory-goal-time-0",
+        subject="a goal with tolerances and no time for them is not reached",
+        noetic="fails at its end",
+        humble="waits without end",
+        jazzy="waits without end",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-without-points",
+        subject="a trajectory without points",
+        noetic="stops the joints",
+        humble="is refused",
+        jazzy="is refused",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-goal-replaced",
+        subject="a goal that a new goal of the same controller replaces ends",
+        noetic="cancelled",
+        humble="cancelled as invalid",
+        jazzy="aborted",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-by-topic-during-goal",
+        subject="a trajectory comes by topic while a goal is pursued",
+        noetic="the goal is cancelled",
+        humble="the goal goes on by it",
+        jazzy="the goal goes on by it",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="trajectory-result-words",
+        subject="`error_string` of a result has the words",
+        noetic="of the joint",
+        humble="of the controller",
+        jazzy="of the controller",
+        source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
+        f"{_JTC_2}/src/joint_trajectory_controller.cpp",
     ),
 )
 """All rules that differ, grouped by subject."""

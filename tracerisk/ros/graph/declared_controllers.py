@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.graph.parameter_files import flat, read_parameters
+from tracerisk.ros.graph.parameter_files import Parameter, flat, read_parameters
 from tracerisk.ros.graph.runtime import Runtime
 
 _MOST_FILES = 200  # that may declare a controller
 _MOST_BYTES = 200_000
+_MOVEIT = "moveit_simple_controller_manager"
 _QUANTITIES = ("position", "velocity", "effort")
 
 
@@ -29,6 +30,9 @@ class DeclaredController:
     """What it is, `package/Class`; empty where no file says it."""
     interface: str = ""
     """The interface of joints that it forwards commands to: `position`, `velocity`, `effort`."""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """All its parameters by their dotted names; of several files the first that gives one counts.
+    Empty where only MoveIt's files name it: they say nothing of what it does."""
 
     @property
     def quantity(self) -> str:
@@ -48,20 +52,40 @@ class DeclaredControllers:
     @cached_property
     def all(self) -> Mapping[str, DeclaredController]:
         """The controllers by their names; of several files the first counts."""
-        found: dict[str, DeclaredController] = {}
+        joints: dict[str, tuple[str, ...]] = {}
         types: dict[str, str] = {}
-        interfaces: dict[str, str] = {}
-        for name, key, value in declared_settings(self._folders, b"joints"):
-            if key == "joints" and isinstance(value, list):
-                joints = tuple(str(joint) for joint in value)
-                found.setdefault(name, DeclaredController(joints))
-            elif key == "type" and isinstance(value, str):
-                types.setdefault(name, value)
-            elif key == "interface_name" and isinstance(value, str):
-                interfaces.setdefault(name, value)
+        grippers: set[str] = set()
+        settings: dict[str, dict[str, Any]] = {}
+        for path in islice(_files(self._folders, b"joint"), _MOST_FILES):
+            try:
+                parameters = read_parameters(path)
+            except ScenarioError:
+                continue
+            values = _by_path(parameters)
+            for place, value in values.items():
+                above, last = place[:-1], place[-1]
+                name = above[-1] if above else ""
+                if last == "type" and isinstance(value, str):
+                    # MoveIt's files call it by its action alone.
+                    if "/" in value or name not in types:
+                        types[name] = value
+                elif moved := _moved_joints(last, value):
+                    joints.setdefault(name, moved)
+                    grippers |= {name} if last == "joint" else set()
+                    if _MOVEIT not in above:
+                        own = settings.setdefault(name, {})
+                        for key, each in _below(values, above):
+                            own.setdefault(key, each)
         return {
-            name: replace(each, type=types.get(name, ""), interface=interfaces.get(name, ""))
-            for name, each in found.items()
+            name: DeclaredController(
+                moved,
+                types.get(name, ""),
+                str(settings.get(name, {}).get("interface_name", "")),
+                settings.get(name, {}),
+            )
+            for name, moved in joints.items()
+            # `joint` is said of much else than of grippers.
+            if len(moved) != 1 or name not in grippers or "ripper" in types.get(name, "")
         }
 
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
@@ -73,6 +97,30 @@ class DeclaredControllers:
         """Return the controller that takes a topic's commands, if a file declares it."""
         namespaces = [part for part in topic.split("/")[:-1] if part in self.all]
         return self.all[namespaces[-1]] if namespaces else None
+
+
+def _by_path(parameters: Iterable[Parameter]) -> dict[tuple[str, ...], Any]:
+    """Return the parameters of a file by the names on the way to each."""
+    return {
+        tuple(name.replace(".", "/").strip("/").split("/")): value
+        for parameter in parameters
+        for name, value in flat(f"{parameter.node or ''}/{parameter.name}", parameter.value)
+    }
+
+
+def _moved_joints(key: str, value: Any) -> tuple[str, ...]:
+    """Return the joints that a parameter names: `joints`, or `joint` of a gripper."""
+    if key == "joints" and isinstance(value, list):
+        return tuple(str(joint) for joint in value)
+    return (value,) if key == "joint" and isinstance(value, str) else ()
+
+
+def _below(
+    values: Mapping[tuple[str, ...], Any], above: tuple[str, ...]
+) -> Iterator[tuple[str, Any]]:
+    for place, value in values.items():
+        if place[: len(above)] == above and len(place) > len(above):
+            yield ".".join(place[len(above) :]), value
 
 
 def declared_settings(

@@ -29,6 +29,11 @@ class TrajectoryRules:
         self.stop_at_limits = False
         self.ignore_tolerances = False
 
+    @property
+    def has_own(self) -> bool:
+        """Whether a driver says what it does: then it is no controller of joint trajectories."""
+        return self.stop_at_limits or self.ignore_tolerances
+
 
 def within_limits(
     trajectory: JointTrajectory, robot: Robot

@@ -87,6 +87,7 @@ class TwinCommands:
         self._ignored_ns: dict[Hashable, int] = {}
         """When each stream that moves nothing last had a message [ns]."""
         self._is_watching = False
+        self._waited: list[tuple[Motion, Callable[[Motion], None]]] = []
         self.scheduler.when_alone.append(self._end_alone)
 
     def stack(self) -> tuple[Frame, ...]:
@@ -146,6 +147,10 @@ class TwinCommands:
             command.motion, command.has_led_on = motion, True
             self.poll()
 
+    def when_over(self, motion: Motion, call: Callable[[Motion], None]) -> None:
+        """Call with a motion when it is over, beside what its own command does then."""
+        self._waited.append((motion, call))
+
     def stop(self, joints: Sequence[str]) -> None:
         """Bring joints to rest for the code that asked for it, whose call led to that."""
         self.rest(joints)
@@ -172,6 +177,10 @@ class TwinCommands:
     def poll(self) -> None:
         """Note which commands are over, and how they ended."""
         self._close([command for command in self._live if self._is_over(command)])
+        over = [pair for pair in self._waited if pair[0].outcome != "active"]
+        self._waited = [pair for pair in self._waited if pair not in over]
+        for motion, call in over:
+            call(motion)
 
     def finish(self, cause: EndCause) -> None:
         """Note how the commands end that the end of the run cuts; nothing moves any more."""
@@ -339,7 +348,11 @@ class TwinCommands:
     def _watch(self) -> None:
         while True:
             self.scheduler.wait_until(
-                lambda: any(self._is_over(each) for each in self._live), reason="a motion to end"
+                lambda: (
+                    any(self._is_over(command) for command in self._live)
+                    or any(motion.outcome != "active" for motion, _ in self._waited)
+                ),
+                reason="a motion to end",
             )
             self.poll()
 

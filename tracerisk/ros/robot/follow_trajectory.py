@@ -3,48 +3,64 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.errors import Location
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.messages.dialect import nanoseconds, set_time
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.trajectories.controllers import (
+    TrajectoryController,
+    TrajectoryControllers,
+)
+from tracerisk.ros.robot.trajectories.limits import GoalLimits, goal_limits
+from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryCode,
     TrajectoryNode,
     TrajectoryRefusedError,
     twin_trajectory,
 )
-from tracerisk.ros.time.clock import EPOCH_NS
-from tracerisk.twin.motion.execution import GOAL_TOLERANCE, SETTLE_S, GoalTolerance, Motion
+from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.plausible_units import past_limits
+from tracerisk.twin.motion.timing import states_at
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
 
 TYPE = "control_msgs/FollowJointTrajectory"
 FEEDBACK_HZ = 20.0
 """How often feedback is sent and path tolerances are looked at: `action_monitor_rate`."""
 
-_NO_TOLERANCE = 1e9
-_ERASED_NS = -1_000_000_000
-# Where a goal gives a time only: what drivers commonly allow. `goal: 0.1` in
-# UniversalRobots/Universal_Robots_ROS2_Driver, ur_robot_driver/config/ur_controllers.yaml.
-_LATE = 0.1  # [rad or m]
+EMPTY = "trajectory-without-points"
+REPLACED = "trajectory-goal-replaced"
+BY_TOPIC = "trajectory-by-topic-during-goal"
+WORDS = "trajectory-result-words"
+_REPLACED = {
+    "cancelled": "",
+    "cancelled as invalid": "Current goal cancelled due to new incoming action.",
+    "aborted": "Current goal preempted by new incoming action.",
+}
+_SUCCESS = {"of the joint": "", "of the controller": "Goal successfully reached!"}
 Array = NDArray[np.float64]
 
 
 class FollowServer(TrajectoryNode):
-    """Carries out the goals of FollowJointTrajectory.
+    """Carries out the goals of FollowJointTrajectory as a controller of joint trajectories does.
 
-    A goal with joints that the robot lacks, or an ill-formed one, is rejected with the action's
-    error code; a new goal on the same joints preempts the one before.
+    A maker's driver whose description says what it does with trajectories has rules of its own.
     """
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._controllers = runtime.client(TrajectoryControllers)
 
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""
-        twin, now_ns = self._commands.twin, self._commands.scheduler.now_ns
         asked = self._names.goal(goal.message)
         what, names = f"a goal of action {goal.client.name}", goal.message.trajectory.joint_names
         if self._names.notes(names):
@@ -53,29 +69,75 @@ class FollowServer(TrajectoryNode):
                 goal.accept()
                 goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
                 return
+        controller = self._controllers.of(goal.client.name, asked.trajectory.joint_names)
         try:
-            trajectory = twin_trajectory(asked.trajectory, twin, now_ns)
+            trajectory = self._trajectory(goal, asked, controller)
         except TrajectoryRefusedError as error:
             self._refuse(goal, error.code, str(error))
             return
+        if trajectory is None:
+            self._stop(goal, controller)
+            return
         self._note_space(goal.client.name, trajectory.joints, goal.stack)
         trajectory = self._stopped(what, trajectory, goal.stack)
-        ignored = self._rules.ignore_tolerances
-        limit = _GoalLimit() if ignored else _GoalLimit.of(asked, trajectory.joints)
+        distro = self._runtime.distro
+        limits = (
+            GoalLimits()
+            if self._rules.ignore_tolerances
+            else goal_limits(asked, controller.settings, trajectory.joints, distro)
+        )
         goal.accept()
+        self._replace(controller, goal)
         try:
-            motion = twin.follow(trajectory, goal_tolerance=limit.tolerance)
+            motion = self._twin.follow(trajectory, goal_tolerance=limits.tolerance)
         except PlanningError as error:
             self._report_refused(goal, error.message)
             goal.abort(self._result(TrajectoryCode.INVALID_GOAL, error.message), error.message)
             return
-        _Pursuit(self, goal, asked, trajectory, motion, limit)
+        controller.pursuit = _Pursuit(self, goal, asked, trajectory, motion, limits, controller)
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Bring the joints to rest; the goal ends with their motion."""
         goal.accept_cancel()
         if isinstance(goal.data, _Pursuit):
             goal.data.cancel()
+
+    def _trajectory(
+        self, goal: ActionGoal, asked: Any, controller: TrajectoryController
+    ) -> JointTrajectory | None:
+        """Return what the twin follows for a goal, None for one that stops the joints."""
+        now_ns = self._commands.scheduler.now_ns
+        if self._rules.has_own:
+            return twin_trajectory(asked.trajectory, self._twin, now_ns)
+        sent = controller.asked(asked.trajectory, now_ns)
+        controller.check_joints(sent)
+        if not sent.points:
+            if self._runtime.distro.value(EMPTY) == "stops the joints":
+                return None
+            raise TrajectoryRefusedError("the trajectory has no points")
+        trajectory = controller.trajectory(sent, goal.stack)
+        if count := left_out(sent, self._twin):
+            self._commands.report(
+                "command_ignored",
+                f"{count} of {len(sent.points)} points of a goal of action {goal.client.name} "
+                "moved nothing: they lie in the past, and are dropped",
+                goal.stack,
+                object_name=goal.client.name,
+            )
+        return trajectory
+
+    def _stop(self, goal: ActionGoal, controller: TrajectoryController) -> None:
+        """Bring the joints to rest for a goal without points, which is reached with that."""
+        goal.accept()
+        self._replace(controller, goal)
+        self._commands.rest(controller.joints)
+        goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
+
+    def _replace(self, controller: TrajectoryController, goal: ActionGoal) -> None:
+        """End the goal that the controller pursues, for a new one."""
+        if isinstance(controller.pursuit, _Pursuit):
+            controller.pursuit.end_for(goal)
+        controller.pursuit = None
 
     def _refuse(self, goal: ActionGoal, code: TrajectoryCode, message: str) -> None:
         self._report_refused(goal, message)
@@ -98,43 +160,6 @@ class FollowServer(TrajectoryNode):
         return result
 
 
-@dataclass(frozen=True, slots=True)
-class _GoalLimit:
-    """How near its goal an arm must be [rad or m], and how long after the time asked for [s].
-
-    `None` is what the controller has by default.
-    """
-
-    position: float | None = None
-    time_s: float | None = None
-
-    @classmethod
-    def of(cls, asked: Any, joints: Sequence[str]) -> _GoalLimit:
-        """Return the limits in the message of a goal.
-
-        As in ros2_controllers, joint_trajectory_controller/tolerances.hpp: 0 leaves the default,
-        -1 takes the limit away, and another negative time leaves all of the goal's unused.
-        """
-        time_ns = nanoseconds(asked.goal_time_tolerance)
-        if time_ns < 0 and time_ns != _ERASED_NS:
-            return cls()
-        time_s = {0: None, _ERASED_NS: math.inf}.get(time_ns, time_ns * 1e-9)
-        positions = [
-            each.position if each.position > 0.0 else _NO_TOLERANCE
-            for each in asked.goal_tolerance
-            if each.name in joints and each.position != 0.0
-        ]
-        return cls(min(positions, default=None), time_s)
-
-    @property
-    def tolerance(self) -> GoalTolerance:
-        """What the twin waits for: it gives up no sooner than the controller does."""
-        return GoalTolerance(
-            GOAL_TOLERANCE if self.position is None else self.position,
-            max(self.time_s or 0.0, SETTLE_S),
-        )
-
-
 class _Pursuit:
     """One goal while its motion goes on."""
 
@@ -145,42 +170,75 @@ class _Pursuit:
         asked: Any,
         trajectory: JointTrajectory,
         motion: Motion,
-        limit: _GoalLimit,
+        limits: GoalLimits,
+        controller: TrajectoryController,
     ) -> None:
         self._server = server
         self._goal = goal
         self._names = list(goal.message.trajectory.joint_names)
         self._is_by_joints = asked is goal.message
-        self._trajectory = trajectory
         self._motion = motion
         self._commands = server._commands
-        self._began_ns = self._commands.scheduler.now_ns
+        self._distro = server._runtime.distro
         self._code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
-        self._limit = limit
-        self._limits = {
-            each.name: each.position
-            for each in (() if server._rules.ignore_tolerances else asked.path_tolerance)
-            if each.position > 0.0 and each.name in trajectory.joints
-        }
-        here = self._commands.twin.joint_state().positions
-        self._start = np.array([here[name] for name in trajectory.joints])
+        self._limits = limits
+        self._controller = controller
+        self._ends_s = 0.0
+        self._take(motion, trajectory)
         goal.data = self
         self._commands.begin("follow_joint_trajectory", motion, goal.stack, self._ended, goal=goal)
         self._schedule()
-        if limit.time_s is not None and math.isfinite(limit.time_s):
-            ends_ns = nanoseconds(asked.trajectory.points[-1].time_from_start)
-            stamp_ns = nanoseconds(asked.trajectory.header.stamp)
-            if stamp_ns:
-                ends_ns += stamp_ns - EPOCH_NS - self._began_ns
-            due_ns = self._began_ns + ends_ns + round(limit.time_s * 1e9)
+        if limits.time_s > 0.0 and math.isfinite(limits.time_s):
+            due_s = self._ends_s + limits.time_s
             scheduler = self._commands.scheduler
-            scheduler.call_at(max(due_ns, scheduler.now_ns), self._look_at_goal, background=True)
+            due_ns = scheduler.now_ns + round(due_s * 1e9)
+            scheduler.call_at(
+                due_ns, lambda: self._look_at_goal(motion, trajectory), background=True
+            )
+
+    def _take(self, motion: Motion, trajectory: JointTrajectory) -> None:
+        self._motion, self._began_ns = motion, self._commands.scheduler.now_ns
+        here = self._commands.twin.joint_state().positions
+        start = np.array([here[name] for name in trajectory.joints])
+        self._trajectory = trajectory.led_in(start, np.zeros(len(start)))
+        self._ends_s = float(trajectory.time[-1])
 
     def cancel(self) -> None:
         """Bring the joints to rest."""
         if self._motion.outcome == "active":
             self._commands.twin.stop(self._motion.joints)
         self._commands.poll()
+        if not self._goal.state.is_terminal and self._motion.outcome != "active":
+            self._ended(self._motion)
+
+    def end_for(self, other: ActionGoal) -> None:
+        """End the goal as a controller ends the one that another goal replaces."""
+        if self._goal.state.is_terminal:
+            return
+        line, column = other.stack[-1].site if other.stack else (0, 0)
+        if other.stack:
+            place = Location(other.stack[-1].function.file, line, column or None)
+            self._distro.decided(REPLACED, place)
+        state = str(self._distro.value(REPLACED))
+        words = _REPLACED[state]
+        code = TrajectoryCode.INVALID_GOAL if words else TrajectoryCode.SUCCESSFUL
+        end = self._goal.abort if state == "aborted" else self._goal.cancel
+        end(self._server._result(code, words), words)
+
+    def go_on_by(self, motion: Motion, trajectory: JointTrajectory) -> None:
+        """See to the goal when a trajectory of a topic takes its joints.
+
+        In ROS 2 the goal is reached where that trajectory ends.
+        """
+        if self._goal.state.is_terminal or self._motion.replaced_by is not motion:
+            return
+        if self._distro.value(BY_TOPIC) == "the goal is cancelled":
+            self._goal.cancel(self._server._result(TrajectoryCode.SUCCESSFUL))
+            return
+        self._take(motion, trajectory)
+        self._goal.motion = motion
+        self._commands.when_over(motion, self._ended)
+        self._schedule()
 
     def _schedule(self) -> None:
         scheduler = self._commands.scheduler
@@ -196,13 +254,17 @@ class _Pursuit:
         at = [state.names.index(name) for name in self._trajectory.joints]
         actual = np.array([state.position[i] for i in at])
         speed = np.array([state.velocity[i] for i in at])
-        for name, wanted, found in zip(self._trajectory.joints, desired, actual, strict=True):
-            limit = self._limits.get(name, math.inf)
-            if abs(wanted - found) > limit:
-                self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
-                off = f"{abs(wanted - found):.4f} off its path (tolerance {limit:g})"
-                twin.abort(self._motion, f"joint '{name}' is {off}")
-                return
+        for limits, wanted, found, what in (
+            (self._limits.path, desired, actual, "off its path"),
+            (self._limits.path_speed, rate, speed, "off the velocity of its path"),
+        ):
+            misses = np.abs(wanted - found)
+            for name, miss in zip(self._trajectory.joints, misses.tolist(), strict=True):
+                if miss > limits.get(name, math.inf):
+                    self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
+                    off = f"{miss:.4f} {what} (tolerance {limits[name]:g})"
+                    twin.abort(self._motion, f"joint '{name}' is {off}")
+                    return
         feedback = self._server._messages.part(TYPE, "Feedback")
         self._server._messages.stamp(feedback.header, self._commands.scheduler.now_ns)
         feedback.joint_names = self._names
@@ -226,21 +288,22 @@ class _Pursuit:
         of_joints = dict(zip(self._trajectory.joints, listed, strict=True))
         return [self._server._names.value(name, of_joints) for name in self._names]
 
-    def _look_at_goal(self) -> None:
+    def _look_at_goal(self, motion: Motion, trajectory: JointTrajectory) -> None:
         """End a goal that is not reached when its time is over."""
-        if self._motion.outcome != "active" or self._goal.state.is_terminal:
+        if motion is not self._motion or motion.outcome != "active":
             return
         twin = self._commands.twin
         here = twin.joint_state().positions
-        goals = zip(self._trajectory.joints, self._trajectory.position[-1], strict=True)
-        miss, joint, wanted = max(
-            (abs(here[name] - wanted), name, wanted) for name, wanted in goals
-        )
-        if miss <= (_LATE if self._limit.position is None else self._limit.position):
+        misses = [
+            (abs(here[name] - wanted), self._limits.of_joint(name), name, wanted)
+            for name, wanted in zip(trajectory.joints, trajectory.position[-1], strict=True)
+        ]
+        miss, limit, joint, wanted = max(misses, key=lambda found: found[0] / found[1])
+        if miss <= limit:
             return
         text = (
             f"joint '{joint}' is {miss:.4f} from its goal when goal_time_tolerance "
-            f"({self._limit.time_s:g} s) is over"
+            f"({self._limits.time_s:g} s) is over"
         )
         past = past_limits(twin.robot.joint(joint), float(wanted), 0.0)
         if past:
@@ -249,42 +312,31 @@ class _Pursuit:
 
     def _desired(self) -> tuple[Array, Array]:
         """Return the positions and velocities that the trajectory asks for now."""
-        time, position = self._trajectory.time, self._trajectory.position
-        velocity = self._trajectory.velocity
-        if time[0] > 0.0:
-            time = np.concatenate(([0.0], time))
-            position = np.vstack((self._start, position))
-            velocity = np.vstack((np.zeros(len(self._start)), velocity))
-        elapsed = (self._commands.scheduler.now_ns - self._began_ns) * 1e-9
-        after = int(np.searchsorted(time, elapsed, side="right"))
-        if after >= len(time):
-            return position[-1], np.zeros(position.shape[1])
-        if after == 0:
-            return position[0], velocity[0]
-        span = time[after] - time[after - 1]
-        u = (elapsed - time[after - 1]) / span
-        p0, p1 = position[after - 1], position[after]
-        m0, m1 = velocity[after - 1] * span, velocity[after] * span
-        # The cubic through both ends with their velocities (Hermite).
-        place = (
-            (2 * u**3 - 3 * u**2 + 1) * p0
-            + (u**3 - 2 * u**2 + u) * m0
-            + (3 * u**2 - 2 * u**3) * p1
-            + (u**3 - u**2) * m1
+        asked = self._trajectory
+        now = np.array([(self._commands.scheduler.now_ns - self._began_ns) * 1e-9])
+        position, velocity = states_at(
+            now, asked.time, asked.position, asked.velocity, asked.degree, asked.acceleration
         )
-        rate = (
-            (6 * u**2 - 6 * u) * (p0 - p1) + (3 * u**2 - 4 * u + 1) * m0 + (3 * u**2 - 2 * u) * m1
-        ) / span
-        return place, rate
+        return position[0], velocity[0]
 
     def _ended(self, motion: Motion) -> None:
         goal, result = self._goal, self._server._result
-        if goal.state.is_terminal:
+        if goal.state.is_terminal or motion is not self._motion:
             return
         if motion.outcome == "succeeded":
-            goal.succeed(result(TrajectoryCode.SUCCESSFUL, motion.message))
+            words = str(self._distro.value(WORDS))
+            goal.succeed(result(TrajectoryCode.SUCCESSFUL, _SUCCESS[words]))
         elif motion.outcome == "aborted":
-            goal.abort(result(self._code, motion.message), motion.message)
+            goal.abort(result(self._code, self._failure(motion)), motion.message)
         else:
             text = "" if goal.state is GoalState.PREEMPTING else "a new command took the joints"
             goal.cancel(result(TrajectoryCode.SUCCESSFUL, text), text)
+
+    def _failure(self, motion: Motion) -> str:
+        """Return the words of the result of a goal that was not reached, as the controller has."""
+        if self._distro.value(WORDS) == "of the joint":
+            return motion.message
+        if self._code is TrajectoryCode.PATH_TOLERANCE_VIOLATED:
+            return "Aborted due to path tolerance violation"
+        past_s = (self._commands.scheduler.now_ns - self._began_ns) * 1e-9 - self._ends_s
+        return f"Aborted due to goal_time_tolerance exceeding by {past_s:f} seconds"

@@ -31,10 +31,15 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand
+from tracerisk.ros.robot.follow_trajectory import EMPTY
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.trajectories.controllers import (
+    TrajectoryController,
+    TrajectoryControllers,
+)
+from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import (
-    TrajectoryCode,
     TrajectoryNode,
     TrajectoryRefusedError,
     fastest_s,
@@ -83,6 +88,7 @@ class SetPoints(TrajectoryNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._declared = runtime.client(DeclaredControllers)
+        self._controllers = runtime.client(TrajectoryControllers)
         self._streams: dict[str, _Stream] = {}
         self._velocity_streams = CommandStreams(self._commands)
         self._takers = {
@@ -123,31 +129,60 @@ class SetPoints(TrajectoryNode):
         return made if made is message or made.joint_names else None
 
     def _take_trajectory(self, topic: str, message: Any) -> None:
-        now_ns = self._scheduler.now_ns
-        if not message.points and message.joint_names:
-            # An empty trajectory stops the joints.
-            known = {joint.name for joint in self._twin.robot.joints}
-            self._commands.stop([name for name in message.joint_names if name in known])
+        controller = self._controllers.of(topic, message.joint_names)
+        stops = self._rules.has_own or self._runtime.distro.value(EMPTY) == "stops the joints"
+        if not message.points and stops:
+            self._commands.stop(controller.joints)
             return
         try:
-            trajectory = twin_trajectory(message, self._twin, now_ns)
+            trajectory = self._trajectory(topic, message, controller)
         except TrajectoryRefusedError as error:
-            is_late = error.code is TrajectoryCode.OLD_HEADER_TIMESTAMP
-            if not (is_late and self._is_there(message, _NEARLY)):
+            if not (error.is_late and self._is_there(message, _NEARLY)):
                 self._refuse(topic, str(error))
             return
         self._note_space(topic, trajectory.joints)
         trajectory = self._stopped(f"a message on {topic}", trajectory)
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
-            self.set_point(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
+            goal = trajectory.position[-1]
+            self.set_point(
+                topic, trajectory.joints, goal, "joint_trajectory", controller=controller
+            )
             return
         try:
-            motion = self._twin.follow(trajectory)
+            motion = self._follow(trajectory, controller)
         except PlanningError as error:
             self._refuse(topic, error.message)
             return
         self._streams.pop(topic, None)
         self._commands.begin("joint_trajectory", motion, self._commands.stack())
+
+    def _trajectory(
+        self, topic: str, message: Any, controller: TrajectoryController
+    ) -> JointTrajectory:
+        now_ns = self._scheduler.now_ns
+        if self._rules.has_own:
+            return twin_trajectory(message, self._twin, now_ns)
+        sent = controller.asked(message, now_ns)
+        if not sent.points:
+            raise TrajectoryRefusedError("the trajectory has no points")
+        trajectory = controller.trajectory(sent, self._commands.stack())
+        if count := left_out(sent, self._twin):
+            self._commands.report(
+                "command_ignored",
+                f"{count} of {len(sent.points)} points of a message on {topic} moved nothing: they "
+                "lie in the past, and are dropped",
+                object_name=topic,
+                may_stream=True,
+            )
+        return trajectory
+
+    def _follow(
+        self, trajectory: JointTrajectory, controller: TrajectoryController | None
+    ) -> Motion:
+        motion = self._twin.follow(trajectory)
+        if controller is not None:
+            controller.taken_over(motion, trajectory)
+        return motion
 
     def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:
         """Return whether the joints are where a trajectory ends; of other messages, False."""
@@ -283,10 +318,12 @@ class SetPoints(TrajectoryNode):
         kind: str,
         *,
         speed: float = 1.0,
+        controller: TrajectoryController | None = None,
     ) -> None:
         """Bring joints to positions as fast as they may, or along a stream as it comes.
 
-        `speed` is the fraction of what they may that a single set-point is gone to with.
+        `speed` is the fraction of what they may that a single set-point is gone to with;
+        `controller` is that whose goal has the joints until then.
         """
         if not np.isfinite(target).all():
             self._refuse(topic, "a position is not finite")
@@ -307,9 +344,9 @@ class SetPoints(TrajectoryNode):
         if stream is not None and stream.place == place:
             # In the place of the one before, whose end is not the command's.
             stream.target = target
-            self._keep(stream, now_ns, self._twin.follow(trajectory))
+            self._keep(stream, now_ns, self._follow(trajectory, controller))
             return
-        motion = self._twin.follow(trajectory)
+        motion = self._follow(trajectory, controller)
         command = self._commands.begin(kind, motion, stack, keep_until_ns=now_ns + DWELL_NS)
         stream = _Stream(command, place, joints, target, now_ns)
         self._streams[topic] = stream

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _S = 1e-9
-_START_TOLERANCE = 0.01
+START_TOLERANCE = 0.01
 """How far a trajectory may begin from where the set-points are [rad or m]."""
 
 
@@ -45,11 +45,18 @@ class TrajectoryCode(enum.IntEnum):
 
 
 class TrajectoryRefusedError(Exception):
-    """A trajectory that no controller would follow: the reason and its `code`."""
+    """A trajectory that no controller would follow: the reason, its `code`, and if it is past."""
 
-    def __init__(self, message: str, code: TrajectoryCode = TrajectoryCode.INVALID_GOAL) -> None:
+    def __init__(
+        self,
+        message: str,
+        code: TrajectoryCode = TrajectoryCode.INVALID_GOAL,
+        *,
+        is_late: bool = False,
+    ) -> None:
         super().__init__(message)
         self.code = code
+        self.is_late = is_late
 
 
 class TrajectoryNode(TwinNode):
@@ -155,9 +162,10 @@ def _from_now(
         raise TrajectoryRefusedError(
             f"all points lie in the past, the last by {-time[-1]:.3f} s",
             TrajectoryCode.OLD_HEADER_TIMESTAMP,
+            is_late=True,
         )
     begins_elsewhere = time[first] == 0.0 and (
-        np.abs(position[first] - start).max() > _START_TOLERANCE
+        np.abs(position[first] - start).max() > START_TOLERANCE
     )
     if begins_elsewhere and first + 1 < len(time):
         first += 1

@@ -7,7 +7,7 @@ with little force, and whatever comes to rest, decide every few steps from what 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -161,12 +161,19 @@ def servo_lead(joint: Joint) -> float:
 class GoalTolerance:
     """When a trajectory's goal is reached.
 
-    `position` [rad or m] is how far each joint may be from it; `settle_s` how long after the end
-    of the trajectory it is waited for, which may be infinite.
+    `position` [rad or m] is how far each joint may be from it, where `of_joints` gives it none of
+    its own; `settle_s` how long after the end of the trajectory it is waited for, which may be
+    infinite. `speed` [rad/s or m/s] is how fast a joint may still be; `None` is standing still.
     """
 
     position: float = GOAL_TOLERANCE
     settle_s: float = SETTLE_S
+    of_joints: Mapping[str, float] = field(default_factory=dict)
+    speed: float | None = None
+
+    def of(self, joint: str) -> float:
+        """Return how far a joint may be from the goal [rad or m]."""
+        return self.of_joints.get(joint, self.position)
 
 
 @dataclass
@@ -226,6 +233,14 @@ class ArmTrack:
             return self.position[-1], np.zeros(len(self.members))
         return self.position[at], self.velocity[at]
 
+    def ahead(self, n_steps: int) -> tuple[Array, Array]:
+        """Return the next set-points and their velocities, each (n_steps, n_joints)."""
+        at = np.arange(self._at, self._at + n_steps)
+        kept = np.minimum(at, len(self.position) - 1)
+        velocity = self.velocity[kept]
+        velocity[at >= len(self.position)] = 0.0
+        return self.position[kept], velocity
+
     def way(self, measured: Measured) -> Way:
         """Return the way of the joint that has the farthest to go along the set-points."""
         if self.motion is not None and self.motion.leads != "to_goal":
@@ -261,16 +276,17 @@ class ArmTrack:
             return True
         miss = np.abs(measured.position(self.joints) - self.position[-1])
         speed = np.abs(measured.velocity(self.joints))
-        tolerance = self.goal.position
-        if (miss <= tolerance).all() and (speed <= self._still).all():
+        tolerance = np.array([self.goal.of(joint.name) for joint in self.members])
+        still = self._still if self.goal.speed is None else self.goal.speed
+        if (miss <= tolerance).all() and (speed <= still).all():
             self.motion.end_part("succeeded", "", time_ns, self.way(measured))
             return True
         if self._waited * STEP_S < self.goal.settle_s:
             return False
-        worst = int(np.argmax(miss))
+        worst = int(np.argmax(miss / tolerance))
         text = (
             f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
-            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})"
+            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance[worst]:g})"
         )
         past = past_limits(self.members[worst], float(self.position[-1][worst]), 0.0)
         if past:

@@ -349,7 +349,7 @@ def resample(
     point the path rests there.
     """
     n_steps = max(1, math.ceil(round(float(time[-1]) / step_s, 6)))
-    at = np.arange(1, n_steps + 1) * step_s
+    at: Array = np.arange(1.0, n_steps + 1) * step_s
     return states_at(at, time, position, velocity, degree, acceleration)
 
 

@@ -83,7 +83,7 @@ class JointTrajectory:
     """Where it leads."""
     degree: NDArray[np.int8] | None = None
     """(n_points,) of the polynomial that leads to each point: 0 waits at the point before, 1 is
-    straight, 3 has the velocities at both ends, 5 the accelerations, too; `None` is 3 throughout."""
+    straight, 3 has the velocities of both ends, 5 the accelerations too; `None` is 3 throughout."""
     acceleration: NDArray[np.float64] | None = None
     """(n_points, n_joints) where a degree is 5 [rad/s^2 or m/s^2]; `None` is 0 throughout."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,6 +177,25 @@ class MotionControl:
             if isinstance(track, ArmTrack):
                 position[track.joints], velocity[track.joints] = track.reference()
         return position, velocity
+
+    def references_ahead(self, joints: Sequence[str], n_steps: int) -> tuple[Array, Array]:
+        """Return the set-points of joints in the next steps, if nothing else is commanded.
+
+        Positions and velocities, each (n_steps, n_joints).
+        """
+        position, _ = self.references()
+        places = [self._simulation.joint_index[name] for name in joints]
+        positions = np.repeat(position[places][None, :], n_steps, axis=0)
+        velocities = np.zeros_like(positions)
+        for track in self._tracks:
+            if isinstance(track, ArmTrack):
+                ahead = track.ahead(n_steps)
+                for own, place in enumerate(track.joints):
+                    if place in places:
+                        column = places.index(place)
+                        positions[:, column] = ahead[0][:, own]
+                        velocities[:, column] = ahead[1][:, own]
+        return positions, velocities
 
     def _hold(self, track: Track) -> None:
         """Take what is measured for the set-point: an arm that is blocked stops pressing."""

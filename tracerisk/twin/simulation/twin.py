@@ -68,6 +68,7 @@ class Twin:
         self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime
         self.follow, self.stop = self._motions.follow, self._motions.stop
         self.move_gripper, self.abort = self._motions.move_gripper, self._motions.abort
+        self.references_ahead = self._motions.references_ahead
 
     @classmethod
     def build(cls, robot: Robot, scene: Scene, *, samples: SampleWriter | None = None) -> Twin:

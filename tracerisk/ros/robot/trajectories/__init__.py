@@ -1,0 +1,1 @@
+"""Trajectories as controllers of joint trajectories take them, by distribution and parameters."""
