@@ -68,7 +68,7 @@ here = measured()
         ("goal_to(READY, joints=['elbow'] + JOINTS[1:])", -2, "has no joint 'elbow'"),
         ("goal_to(READY[:6])", -1, "6 positions for 7 joints"),
         ("FollowJointTrajectoryGoal()", -2, "has no joints"),
-        ("late()", -1, "dropped, as it comes"),
+        ("late()", -1, "comes 2.000 s before the present"),
         ("falling()", -1, "do not rise"),
     ],
 )

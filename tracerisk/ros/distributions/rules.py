@@ -166,8 +166,8 @@ RULES: tuple[Rule, ...] = (
     # Controllers of joint trajectories
     Rule(
         name="trajectory-end-velocity",
-        subject="the last point of a trajectory has a velocity, and no parameter allows it",
-        noetic="followed",
+        subject="the last point of a trajectory has a velocity, and no parameter allows or forbids it",
+        noetic="always followed",
         humble="followed",
         jazzy="refused",
         source=f"{_JTC_1}/include/joint_trajectory_controller/init_joint_trajectory.h, "

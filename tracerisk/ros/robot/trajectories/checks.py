@@ -102,8 +102,8 @@ def _end_velocity(asked: Asked) -> Reasons:
     moving = [at for at, speed in enumerate(speeds) if abs(speed) > _MOVING]
     if not moving:
         return
-    allowed = asked.settings.ends_moving
-    if allowed if allowed is not None else asked.rules.value(END_VELOCITY) == "followed":
+    allowed, rule = asked.settings.ends_moving, asked.rules.value(END_VELOCITY)
+    if allowed or rule == "always followed" or (allowed is None and rule == "followed"):
         return
     name = asked.names[moving[0]] if moving[0] < len(asked.names) else str(moving[0])
     yield (

@@ -73,12 +73,11 @@ def _first_point(asked: Asked) -> int:
     if asked.rules.value(PAST_POINTS) == "dropped":
         first = next((at for at, time in enumerate(times) if time > STEP_S), len(times))
         if first == len(times):
+            one = len(times) == 1
+            what = "its point is dropped: it" if one else "all its points are dropped: the last"
+            when = f"{-times[-1]:.3f} s before" if times[-1] < -STEP_S else "not after"
             raise TrajectoryRefusedError(
-                f"all {len(times)} of its points are dropped, as they come before the present, the "
-                f"last by {max(-times[-1], 0.0):.3f} s; give time_from_start a time after the start"
-                if len(times) > 1
-                else f"its point is dropped, as it comes {max(-times[-1], 0.0):.3f} s before the "
-                "present; give time_from_start a time after the start",
+                f"{what} comes {when} the present; give time_from_start a time after the start",
                 TrajectoryCode.INVALID_GOAL,
                 is_late=True,
             )
