@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.fields import service_parts
+from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.controllers import ControllerManager
 from tracerisk.ros.robot.messages import TwinMessages
@@ -30,6 +38,10 @@ unknown = switch(request).ok
 load = rospy.ServiceProxy("/arm/controller_manager/load_controller", LoadController)
 load("joint_impedance_controller")
 loaded = switch(request).ok
+request.start_controllers, request.stop_controllers = ["joint_impedance_controller"], []
+started = switch(request).ok
+request.start_controllers, request.stop_controllers = [], ["joint_impedance_controller"]
+switch(request)
 unload = rospy.ServiceProxy("/arm/controller_manager/unload_controller", UnloadController)
 unloaded = unload("joint_impedance_controller").ok, unload("panda_hand_controller").ok
 """
@@ -40,7 +52,8 @@ def test_controllers_are_listed_loaded_and_switched(run_on_twin):
     assert ran["first"]["panda_arm_controller"] == "running"
     assert ran["claimed"] == [f"panda_joint{i}" for i in range(1, 8)]
     assert ran["stopped"] == (True, "stopped")
-    assert (ran["unknown"], ran["loaded"]) == (False, True)
+    # One that does not run cannot be stopped strictly.
+    assert (ran["unknown"], ran["loaded"], ran["started"]) == (False, False, True)
     assert ran["unloaded"] == (True, False)
 
 
@@ -53,7 +66,8 @@ rospy.set_param("/arm/stiff_controller", {"type": "effort_controllers/Stiff", "g
 managers = utils.get_controller_managers("/arm"), utils.ControllerManagerLister()()
 is_one = utils.is_controller_manager("/arm/controller_manager")
 listed = utils.ControllerLister("/arm/controller_manager")()
-none = utils.filter_by_name(listed, "panda_arm") + utils.filter_by_state(listed, "stopped")
+none = utils.filter_by_name(listed, "panda_arm")
+stopped = [each.name for each in utils.filter_by_state(listed, "stopped")]
 names = lambda found: [each.name for each in found]
 by_name = names(utils.filter_by_name(listed, "panda_arm", match_substring=True))
 by_type = names(utils.filter_by_type(listed, "position_controllers/JointTrajectoryController"))
@@ -72,6 +86,9 @@ def test_managers_and_their_controllers_are_found_and_filtered(run_on_twin):
     assert ran["is_one"]
     assert ran["none"] == ran["of_effort"] == []
     arm = ["panda_arm_controller"]
+    # Of those for the same joints the first runs.
+    assert "position_joint_trajectory_controller" in ran["stopped"]
+    assert arm[0] not in ran["stopped"]
     assert arm[0] in ran["by_name"]
     assert set(arm) <= set(ran["by_type"])
     assert set(arm) <= set(ran["claims"]) == set(ran["any_of"])
@@ -80,8 +97,6 @@ def test_managers_and_their_controllers_are_found_and_filtered(run_on_twin):
 
 
 def test_in_ros_2_controllers_are_activated(world):
-    from types import SimpleNamespace
-
     scheduler = Scheduler(world, duration_ns=1_000_000_000)
     graph = Graph(scheduler)
     interfaces = Interfaces2()
@@ -94,3 +109,71 @@ def test_in_ros_2_controllers_are_activated(world):
     found = {each.name: each for each in listing.controller}
     assert found["panda_arm_controller"].state == "inactive"
     assert found["panda_hand_controller"].claimed_interfaces[0] == "panda_finger_joint1/position"
+
+
+DECLARED = """\
+controller_manager:
+  ros__parameters:
+    arm_controller: {type: joint_trajectory_controller/JointTrajectoryController}
+    arm_velocity_controller: {type: velocity_controllers/JointGroupVelocityController}
+    hand_controller: {type: position_controllers/GripperActionController}
+arm_controller:
+  ros__parameters: {joints: [panda_joint1, panda_joint2]}
+arm_velocity_controller:
+  ros__parameters: {joints: [panda_joint1, panda_joint2]}
+hand_controller:
+  ros__parameters: {joint: panda_finger_joint1}
+"""
+BEST_EFFORT, STRICT = 1, 2
+SWITCHES = {
+    # what: (start, stop, strictness, for each distribution whether it is done and what runs then)
+    "one for another": ("arm_velocity", "arm", STRICT, [(True, "arm_velocity hand")] * 3),
+    "one that claims the same joints": (
+        "arm_velocity", "", STRICT, [(False, "arm hand")] * 3),
+    "one that claims the same joints, at best": (
+        "arm_velocity", "hand", BEST_EFFORT, [(False, "arm hand"), *[(True, "arm")] * 2]),
+    "one that runs": ("arm", "", STRICT, [(False, "arm hand")] * 3),
+    "one that runs, at best": ("arm", "", BEST_EFFORT, [(True, "arm hand")] * 3),
+    "one that does not run": ("", "arm_velocity", STRICT, [(False, "arm hand")] * 3),
+    "an unknown one": ("laser", "arm", STRICT, [(False, "arm hand")] * 3),
+    "an unknown one, at best": (
+        "laser", "arm", BEST_EFFORT, [*[(True, "hand")] * 2, (False, "arm hand")]),
+    "an unknown one beside another, at best": (
+        "laser arm_velocity", "arm", BEST_EFFORT, [(True, "arm_velocity hand")] * 3),
+    "a restart": ("arm", "arm", STRICT, [(True, "arm hand")] * 3),
+    "no strictness": ("laser arm_velocity", "arm", 0, [(True, "arm_velocity hand")] * 3),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("distro", ["noetic", "humble", "jazzy"])
+@pytest.mark.parametrize("what", SWITCHES)
+def test_switch(what, distro, world, tmp_path):
+    start, stop, strictness, expected = SWITCHES[what]
+    (tmp_path / "controllers.yaml").write_text(DECLARED)
+    robot = replace(load_robot("panda"), controllers=())
+    scheduler = Scheduler(world, duration_ns=1_000_000_000)
+    graph = Graph(scheduler)
+    interfaces = Interfaces() if distro == "noetic" else Interfaces2()
+    runtime = Runtime(
+        scheduler,
+        graph,
+        SimpleNamespace(robot=robot),
+        packages={"cell": tmp_path},
+        distro=DistroRules(distro),
+    )
+    ControllerManager(runtime, TwinMessages(interfaces))
+    names = ("start", "stop") if distro == "noetic" else ("activate", "deactivate")
+    request = service_parts(interfaces, "controller_manager_msgs/SwitchController")[0]()
+    request.strictness = strictness
+    for name, asked in zip(names, (start, stop), strict=True):
+        setattr(request, f"{name}_controllers", [f"{each}_controller" for each in asked.split()])
+    ok = graph.service("/controller_manager/switch_controller").handle(request).ok
+    listing = graph.service("/controller_manager/list_controllers").handle(None)
+    runs = " ".join(
+        sorted(
+            each.name.removesuffix("_controller")
+            for each in listing.controller
+            if each.state in ("running", "active") and each.name != "joint_state_broadcaster"
+        )
+    )
+    assert (ok, runs) == expected[("noetic", "humble", "jazzy").index(distro)]

@@ -155,9 +155,7 @@ rospy.sleep(1.0)
     assert len(ran["seen"]) == ran["count"]
 
 
-def test_joint_states_come_in_the_order_of_the_robot_and_at_the_rate_of_a_driver(
-    scheduler, graph, run
-):
+def test_joint_states_come_in_the_order_and_at_the_rate_of_a_driver(scheduler, graph, run):
     from types import SimpleNamespace
 
     from tracerisk.ros.graph.runtime import Runtime
@@ -165,7 +163,7 @@ def test_joint_states_come_in_the_order_of_the_robot_and_at_the_rate_of_a_driver
     from tracerisk.ros.robot.state_topics import TwinTopics
     from tracerisk.twin.physics.motion import JointState
 
-    state = JointState(("a", "b", "c"), (1.0, 2.0, 3.0), (0.0,) * 3, (0.0,) * 3)
+    state = JointState(("c", "a", "b"), (3.0, 1.0, 2.0), (0.0,) * 3, (0.0,) * 3)
     twin = SimpleNamespace(joint_state=lambda: state)
     TwinTopics(Runtime(scheduler, graph, twin), Interfaces())
     seen = []

@@ -166,7 +166,7 @@ RULES: tuple[Rule, ...] = (
     # Controllers of joint trajectories
     Rule(
         name="trajectory-end-velocity",
-        subject="the last point of a trajectory has a velocity, and no parameter allows or forbids it",
+        subject="the last point of a trajectory has a velocity, and no parameter speaks of it",
         noetic="always followed",
         humble="followed",
         jazzy="refused",
@@ -271,6 +271,34 @@ RULES: tuple[Rule, ...] = (
         jazzy="of the controller",
         source=f"{_JTC_1}/include/joint_trajectory_controller/joint_trajectory_controller_impl.h, "
         f"{_JTC_2}/src/joint_trajectory_controller.cpp",
+    ),
+    Rule(
+        name="joint-states-order",
+        subject="joint states are listed, where no parameter gives their joints",
+        noetic="alphabetical",
+        humble="of an unordered map",
+        jazzy="alphabetical",
+        source="ros-controls/ros_controllers "
+        "joint_state_controller/src/joint_state_controller.cpp, ros-controls/ros2_controllers "
+        "joint_state_broadcaster/src/joint_state_broadcaster.cpp",
+    ),
+    Rule(
+        name="switch-of-unknown-alone",
+        subject="switching only unknown controllers, not strictly",
+        noetic="does nothing",
+        humble="does nothing",
+        jazzy="fails",
+        source="ros-controls/ros_control controller_manager/src/controller_manager.cpp, "
+        "ros-controls/ros2_control controller_manager/src/controller_manager.cpp",
+    ),
+    Rule(
+        name="switch-resource-conflict",
+        subject="a controller is started whose joints another one commands, not strictly",
+        noetic="nothing is switched",
+        humble="the others are switched",
+        jazzy="the others are switched",
+        source="ros-controls/ros_control controller_manager/src/controller_manager.cpp, "
+        "ros-controls/ros2_control controller_manager/src/controller_manager.cpp",
     ),
 )
 """All rules that differ, grouped by subject."""

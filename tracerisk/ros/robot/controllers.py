@@ -1,11 +1,13 @@
 """The services of a controller manager: its controllers can be listed, loaded and switched.
 
-Whatever is switched, the twin's joints can be commanded: one driver serves all its interfaces.
+Whatever is switched, the twin's joints can be commanded: nobody knows which of the controllers the
+bring-up of the robot has started.
 """
 
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +25,9 @@ _TYPES = {
     "gripper_command": "GripperActionController",
 }
 _BROADCASTS = DeclaredController((), "JointStateBroadcaster")
-_BEST_EFFORT = 1
+_STRICT = 2
+UNKNOWN_ALONE = "switch-of-unknown-alone"
+CONFLICT = "switch-resource-conflict"
 
 
 def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
@@ -39,9 +43,9 @@ def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
 class ControllerManager(TwinNode):
     """Answers for the controllers of the twin's robot, under any namespace.
 
-    All of the robot's controllers run from the beginning, and those of its joints that files of
-    the workspace declare. Starting one that is not known fails
-    where the request is strict; others are loaded as they are named.
+    The robot's controllers, and those of its joints that files of the workspace declare, are loaded
+    from the beginning. Of those that command the same joints the first runs. Others are loaded as
+    they are named.
     """
 
     node = "/controller_manager"
@@ -71,7 +75,16 @@ class ControllerManager(TwinNode):
 
     @cached_property
     def _running(self) -> set[str]:
-        return {*self._controllers}
+        running: list[str] = []
+        for name in self._controllers:
+            if not self._conflicts(name, running):
+                running.append(name)
+        return set(running)
+
+    def _conflicts(self, name: str, running: Iterable[str]) -> list[str]:
+        """Return the controllers of some that command joints which another one commands, too."""
+        own = set(self._controllers[name].joints)
+        return [other for other in running if own & set(self._controllers[other].joints)]
 
     def _list(self, request: Any, answer: Any) -> None:
         answer.controller = [self._state(name) for name in self._controllers]
@@ -117,14 +130,39 @@ class ControllerManager(TwinNode):
         return ok
 
     def _switch(self, request: Any, answer: Any) -> bool:
+        """Stop and start controllers: all of the request where it is strict, else what can be."""
         start = _names(request, "activate_controllers", "start_controllers")
         stop = _names(request, "deactivate_controllers", "stop_controllers")
-        unknown = [name for name in (*start, *stop) if name not in self._controllers]
-        ok = bool(not unknown or request.strictness <= _BEST_EFFORT)
-        if ok:
-            self._running -= set(stop)
-            self._running |= {name for name in start if name in self._controllers}
+        ok = self._switched(start, stop, is_strict=request.strictness == _STRICT)
+        if not ok:
+            self._commands.report(
+                "service_refused",
+                f"switch_controller switched nothing: start {', '.join(start) or 'none'}, stop "
+                f"{', '.join(stop) or 'none'}; running: {', '.join(sorted(self._running))}",
+                object_name="switch_controller",
+            )
         return ok
+
+    def _switched(self, start: list[str], stop: list[str], *, is_strict: bool) -> bool:
+        rules, known = self._runtime.distro, self._controllers
+        if rules.value(UNKNOWN_ALONE) == "fails" and any(
+            names and not any(name in known for name in names) for names in (stop, start)
+        ):
+            return False
+        stopped = [name for name in stop if name in self._running]
+        running = self._running - set(stopped)
+        idle = [name for name in dict.fromkeys(start) if name in known and name not in running]
+        started: list[str] = []
+        for name in idle:
+            if not self._conflicts(name, (*running, *started)):
+                started.append(name)
+        if len(started) < len(idle) and rules.value(CONFLICT) == "nothing is switched":
+            return False
+        if is_strict and (len(stopped) < len(stop) or len(started) < len(start)):
+            return False
+        self._running -= set(stopped)
+        self._running |= set(started)
+        return True
 
 
 def _names(request: Any, *fields: str) -> list[str]:

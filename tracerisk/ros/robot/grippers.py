@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.declared_controllers import DeclaredControllers
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointState, PlanningError
 from tracerisk.twin.robots.gripper_ends import gripper_ends, position_at, width_at
 from tracerisk.twin.robots.robot import Gripper, Robot
 
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
+
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
 PARALLEL_COMMAND = "control_msgs/ParallelGripperCommand"
+_CONTROLLER = "GripperActionController"
+_GOAL_TOLERANCE = 0.01  # of that controller by default, in all distributions [rad or m]
 _FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
@@ -62,6 +70,10 @@ class GripperServer(TwinNode):
     Fingers that stop on an object have reached their goal, with `stalled` set.
     """
 
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        super().__init__(runtime, messages)
+        self._declared = runtime.client(DeclaredControllers)
+
     @property
     def handlers(self) -> dict[str, Callable[[ActionGoal], None]]:
         """What is done with a goal of each type."""
@@ -86,8 +98,7 @@ class GripperServer(TwinNode):
         def end(motion: Motion, gripper: Gripper) -> None:
             result = self._messages.part(goal.client.type_name, "Result")
             result.position, result.effort = self._measured(gripper)
-            self._set_reached(result, motion)
-            goal.end(motion.outcome, result, motion.message)
+            self._end_grip(goal, result, motion, result.position - wanted)
 
         self._start(goal, lambda _: wanted, effort, end)
 
@@ -106,16 +117,30 @@ class GripperServer(TwinNode):
             position, pressed = self._measured(gripper)
             result.state.name = [gripper.joints[0]]
             result.state.position, result.state.effort = [position], [pressed]
-            self._set_reached(result, motion)
-            goal.end(motion.outcome, result, motion.message)
+            self._end_grip(goal, result, motion, position - wanted)
 
         wanted = float(command.position[0])
         self._start(goal, lambda _: wanted, effort if effort > 0.0 else None, end)
 
-    @staticmethod
-    def _set_reached(result: Any, motion: Motion) -> None:
-        result.stalled = motion.stalled
-        result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
+    def _end_grip(self, goal: ActionGoal, result: Any, motion: Motion, miss: float) -> None:
+        """End the goal of fingers that came to rest [rad or m] from where they were to be.
+
+        A gripper controller of the workspace says how near is enough (`goal_tolerance`), and fails
+        where they stop before, even on an object, unless it has `allow_stalling`. Of others the
+        fingers have reached their goal with that.
+        """
+        own = self._declared.of_topic(goal.client.name)
+        is_declared = own is not None and _CONTROLLER in own.type
+        settings = own.settings if own is not None and is_declared else {}
+        tolerance = abs(float(settings.get("goal_tolerance", _GOAL_TOLERANCE)))
+        is_near = abs(miss) < tolerance if is_declared else not motion.stalled
+        result.stalled = motion.stalled and not is_near
+        result.reached_goal = motion.outcome == "succeeded" and is_near
+        if result.stalled and is_declared and settings.get("allow_stalling") is not True:
+            if not goal.state.is_terminal:
+                goal.abort(result, motion.message)
+            return
+        goal.end(motion.outcome, result, motion.message)
 
     def _move(self, goal: ActionGoal) -> None:
         def position(gripper: Gripper) -> float:
@@ -182,8 +207,13 @@ class GripperServer(TwinNode):
         gripper = self._gripper(goal)
         if gripper is None:
             return
-        goal.accept()
         position = position_of(gripper)
+        if not math.isfinite(position):
+            message = f"its position {position} is not finite"
+            self._report(goal, message)
+            goal.reject(message)
+            return
+        goal.accept()
         # A servo pushes on where the fingers cannot go: beyond their range is its end.
         reachable = min(max(position, gripper.least), gripper.opening)
         if abs(position - reachable) > _FAR_OUT * (gripper.opening - gripper.least):

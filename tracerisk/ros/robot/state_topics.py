@@ -22,6 +22,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.controllers import robot_controllers
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
+from tracerisk.ros.robot.state_order import StateOrder
 from tracerisk.ros.robot.twin_node import JOINTS, TopicStream, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 
@@ -145,7 +146,8 @@ class TwinTopics(TwinNode):
         if not self._messages.is_ros2:
             message.header.seq = self._sequence
         self._now(message.header)
-        fill_joint_state(message, self._runtime)
+        order = self._runtime.client(StateOrder).places(self._twin.joint_state().names)
+        fill_joint_state(message, self._runtime, order)
         return message
 
     def _clock(self) -> Any:
@@ -154,14 +156,15 @@ class TwinTopics(TwinNode):
         return message
 
 
-def fill_joint_state(message: Any, runtime: Runtime) -> None:
-    """Fill a sensor_msgs/JointState with all joints of the twin, in the robot's order.
+def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[int] | None = None) -> None:
+    """Fill a sensor_msgs/JointState with all joints of the twin, by default in its own order.
 
-    After them come the names that a driver has for several of them.
+    `order` are their places in the order of another driver. After them come the names that a
+    driver has for several of them.
     """
     state = runtime.twin.joint_state()
     names = runtime.client(JointNames)
-    places = [i for i, name in enumerate(state.names) if name not in state.absent]
+    places = [i for i in order or range(len(state.names)) if state.names[i] not in state.absent]
     present = [state.names[i] for i in places]
     more = [name for name in names.of_joints if {*names.joints_of(name)} <= {*present}]
     message.name = [*present, *more]

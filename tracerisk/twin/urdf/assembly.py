@@ -46,7 +46,8 @@ class RobotParts:
     """What was read of a robot.
 
     `servos` are those that the file gives its joints; `fingers` the joints that its actuators
-    show to be a gripper's; `states` named positions of joints, whatever group they are in.
+    show to be a gripper's; `states` named positions of joints, whatever group they are in;
+    `begins` where joints begin.
     `assumed` says that some figure of the links is assumed.
     """
 
@@ -59,6 +60,7 @@ class RobotParts:
     servos: Mapping[str, Servo] = field(default_factory=dict)
     fingers: frozenset[str] = frozenset()
     states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    begins: Mapping[str, float] = field(default_factory=dict)
     disabled_collisions: frozenset[tuple[str, str]] = frozenset()
 
 
@@ -109,7 +111,7 @@ def assembled_robot(parts: RobotParts) -> Robot:
         joints=tuple(by_name.values()),
         groups=MappingProxyType(groups),
         named_states=MappingProxyType(states),
-        initial_state=MappingProxyType(_initial(states, by_name)),
+        initial_state=MappingProxyType(_initial(states, by_name, parts.begins)),
         grippers=grippers,
         controllers=controllers_of(groups, grippers),
         default_scaling=DEFAULT_SCALING,
@@ -227,15 +229,19 @@ def _with_states(
 
 
 def _initial(
-    states: Mapping[str, Mapping[str, Mapping[str, float]]], joints: Mapping[str, Joint]
+    states: Mapping[str, Mapping[str, Mapping[str, float]]],
+    joints: Mapping[str, Joint],
+    begins: Mapping[str, float],
 ) -> dict[str, float]:
-    """Return where the run begins: at rest as the SRDF names it, else at zero."""
+    """Return where the run begins: as the file says, at rest as the SRDF names it, else at zero."""
     initial = {name: min(max(0.0, j.lower), j.upper) for name, j in joints.items()}
     for group in sorted(states, key=lambda name: (sum(map(len, states[name].values())), name)):
         for name in _RESTS:
             if name in states[group]:
                 initial.update(states[group][name])
                 break
+    for name in begins.keys() & joints.keys():
+        initial[name] = min(max(begins[name], joints[name].lower), joints[name].upper)
     return initial
 
 

@@ -1,10 +1,11 @@
-"""What the files of a MoveIt package beside an SRDF change of its robot: limits and solvers."""
+"""What files of a MoveIt package beside an SRDF change of its robot: limits, solvers, starts."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 from tracerisk.errors import RobotError
 from tracerisk.text.yaml_reader import YamlMap, read_yaml
@@ -117,8 +118,33 @@ def _is_of_positions(entry: YamlMap, group: Group) -> bool:
     return len(group.joints) < _ALL_AXES and _OF_ITS_ARM in solver.lower()
 
 
+def _placed_robot(robot: Robot, top: YamlMap) -> Robot:
+    """Return the robot where a file says that its simulated controllers begin.
+
+    `initial_positions` maps joints to positions, as for ros2_control; `initial` lists groups with
+    a named state each, as for MoveIt's fake controllers. What the robot lacks is passed over.
+    """
+    begun = dict(robot.initial_state)
+    positions = top.get("initial_positions")
+    for name, value in positions.items() if isinstance(positions, dict) else ():
+        if name in begun and isinstance(value, int | float) and not isinstance(value, bool):
+            begun[str(name)] = float(value)
+    for entry in top.get("initial") or ():
+        if isinstance(entry, dict):
+            states = robot.named_states.get(str(entry.get("group")), {})
+            begun.update(states.get(str(entry.get("pose")), {}))
+    return replace(robot, initial_state=MappingProxyType(_within_limits(robot, begun)))
+
+
+def _within_limits(robot: Robot, positions: Mapping[str, float]) -> dict[str, float]:
+    limits = {joint.name: (joint.lower, joint.upper) for joint in robot.joints}
+    return {name: min(max(at, limits[name][0]), limits[name][1]) for name, at in positions.items()}
+
+
 PACKAGE_FILES: Mapping[str, Callable[[Robot, YamlMap], Robot]] = {
     "joint_limits.yaml": _limited_robot,
     "kinematics.yaml": _solved_robot,
+    "fake_controllers.yaml": _placed_robot,
+    "initial_positions.yaml": _placed_robot,
 }
 """The files that are read, and what each changes."""

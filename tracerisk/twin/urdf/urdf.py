@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from tracerisk.geometry.frames import Triple, roll_pitch_yaw, rotation, triple
 from tracerisk.geometry.shapes import Shape
+from tracerisk.text.bounded import finite_number
 from tracerisk.twin.robots.outline import outlined
 from tracerisk.twin.robots.robot import Link, Robot
 from tracerisk.twin.urdf.assembly import (
@@ -58,8 +60,22 @@ def read_urdf(
             links=links,
             assumed=assumed,
             srdf=srdf,
+            begins=_begins(root),
         )
     )
+
+
+def _begins(root: XmlElement) -> dict[str, float]:
+    """Return where the simulated hardware of ros2_control puts joints when it starts."""
+    begun = {}
+    for joint in (joint for system in root.all("ros2_control") for joint in system.all("joint")):
+        for state in joint.all("state_interface"):
+            is_position = state.attributes.get("name") == "position"
+            for param in state.all("param") if is_position else ():
+                if param.attributes.get("name") == "initial_value":
+                    with suppress(ValueError):
+                        begun[joint.string("name")] = finite_number(param.text.strip())
+    return begun
 
 
 def _without_turning_frames(root: XmlElement, tree: Tree, srdf: Srdf) -> Tree:
