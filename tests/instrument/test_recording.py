@@ -74,6 +74,21 @@ def test_every_line_is_in_the_file_before_the_call_returns(tmp_path: Path) -> No
         assert read_recording(path).functions_ran == (FunctionSite(PICK, 4),)
 
 
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])
+def test_numbers_that_are_not_finite_are_recorded_by_their_names(tmp_path, number) -> None:
+    path = tmp_path / "events.jsonl"
+    with path.open("wb") as stream:
+        recorder = Recorder(stream, clock=lambda: 0)
+        for _ in range(2):
+            recorder.failed("goal_rejected", "no", None, asker="a", target=[0.1, number])
+        recorder.note("asked", fields={"pose": [1.0, {"x": number}]})
+        recorder.run_ended("ended", "")
+    recording = read_recording(path)
+    (finding,) = recording.findings
+    assert finding.target == ()
+    assert recording.note("asked") == {"fields": {"pose": [1.0, {"x": str(number)}]}}
+
+
 def test_an_empty_stack_is_refused(tmp_path: Path) -> None:
     with (tmp_path / "e").open("wb") as stream, pytest.raises(ValueError, match="at least one"):
         Recorder(stream, clock=lambda: 0).command("trajectory", ["j1"], ())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime
@@ -103,6 +104,58 @@ def test_a_parallel_gripper_takes_no_goal_of_several_positions(robot):
     goal = robot[1].action(name).Goal()
     goal.command.position = [0.02, 0.02]
     sent, _ = pursue(robot, "/hand/gripper_cmd", name, goal)
+    assert sent.state.name == "REJECTED"
+
+
+GRIPPERS = """\
+controller_manager:
+  ros__parameters:
+    hand: {type: TYPE}
+hand:
+  ros__parameters: {joint: panda_finger_joint1SETTINGS}
+"""
+
+
+@pytest.mark.parametrize("distro", ["noetic", "humble", "jazzy"])
+@pytest.mark.parametrize("kind", ["GripperCommand", "ParallelGripperCommand"])
+@pytest.mark.parametrize(
+    ("settings", "position", "expected"),
+    [
+        # position, then status, reached_goal and stalled
+        ("", 0.02, (4, True, False)),
+        ("", 0.06, (6, False, True)),
+        (", allow_stalling: true", 0.06, (4, False, True)),
+        (", goal_tolerance: 0.03", 0.06, (4, True, False)),
+        (None, 0.06, (4, True, False)),
+    ],
+)
+def test_gripper(kind, distro, settings, position, expected, tmp_path):
+    """Fingers that stop short of their goal, here at their end, fail a gripper controller."""
+    if settings is not None:
+        name = "parallel_gripper_action_controller" if "Par" in kind else "position_controllers"
+        text = GRIPPERS.replace("TYPE", f"{name}/GripperActionController")
+        (tmp_path / "controllers.yaml").write_text(text.replace("SETTINGS", settings))
+    twin = Twin.build(load_robot("panda"), load_scene("empty"))
+    scheduler = Scheduler(twin, duration_ns=60 * SECOND)
+    packages = {"cell": tmp_path}
+    runtime = Runtime(
+        scheduler, Graph(scheduler), twin, packages=packages, distro=DistroRules(distro)
+    )
+    interfaces = Interfaces2()
+    TwinInterfaces(runtime, interfaces)
+    goal = interfaces.action(f"control_msgs/{kind}").Goal()
+    goal.command.position = position if kind == "GripperCommand" else [position]
+    cell = (runtime, interfaces, scheduler)
+    sent, _ = pursue(cell, "/hand/gripper_cmd", f"control_msgs/{kind}", goal)
+    result = sent.result
+    assert (sent.state.ros2_status, result.reached_goal, result.stalled) == expected
+
+
+@pytest.mark.parametrize("position", [float("nan"), float("inf")])
+def test_a_gripper_goes_nowhere_that_is_not_finite(robot, position):
+    goal = robot[1].action("control_msgs/GripperCommand").Goal()
+    goal.command.position = position
+    sent, _ = pursue(robot, "/hand/gripper_cmd", "control_msgs/GripperCommand", goal)
     assert sent.state.name == "REJECTED"
 
 

@@ -20,6 +20,7 @@ from tracerisk.twin.robots.known_arms import completed_as_ours
 from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Scaling, load_robot
 from tracerisk.twin.urdf.moveit_package import changed_as_beside
+from tracerisk.twin.urdf.urdf import read_urdf
 from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
@@ -157,6 +158,47 @@ def test_groups_whose_solver_is_for_positions_turn_freely(tmp_path, solver, is_f
     choice = chosen(script)
     assert choice.robot.group("limb").turns_freely is is_free
     assert (path in choice.files) is is_free
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "begins"),
+    [
+        ("initial_positions.yaml", "initial_positions:\n  {0}: 0.3\n  elbow: 1.0\n", 0.3),
+        ("initial_positions.yaml", "initial_positions:\n  {0}: 99.0\n", "upper"),
+        ("fake_controllers.yaml", "initial:\n- group: limb\n  pose: {1}\n", "state"),
+        ("fake_controllers.yaml", "initial:\n- group: limb\n  pose: nowhere\n", None),
+    ],
+)
+def test_joints_begin_where_the_simulated_controllers_of_the_workspace_do(
+    tmp_path, name, content, begins
+):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    before = chosen(script).robot
+    joint, states = before.groups["limb"].joints[0], before.named_states["limb"]
+    state = next(iter(states))
+    path = folder / name
+    path.write_text(content.format(joint, state))
+    choice = chosen(script)
+    wanted = {
+        "upper": before.joint(joint).upper,
+        "state": states[state].get(joint),
+        None: before.initial_state[joint],
+    }.get(begins, begins)
+    assert choice.robot.initial_state[joint] == wanted
+
+
+@pytest.mark.parametrize(("value", "begins"), [("0.25", 0.25), ("inf", 0.0), ("x", 0.0)])
+def test_joints_begin_where_the_hardware_of_ros2_control_does(value, begins):
+    plain = texts.robot()
+    joint = plain.joints[0].name
+    hardware = f"""<ros2_control name="h" type="system"><joint name="{joint}">
+      <state_interface name="position"><param name="initial_value">{value}</param>
+      </state_interface><state_interface name="velocity"><param name="initial_value">9</param>
+      </state_interface></joint></ros2_control></robot>"""
+    made = read_urdf(texts.RATED.replace("</robot>", hardware), "tiny.urdf")
+    assert made.initial_state[joint] == begins
 
 
 def test_a_file_of_solvers_that_is_none_is_reported_and_not_taken(tmp_path):

@@ -134,8 +134,9 @@ class GripperServer(TwinNode):
         settings = own.settings if own is not None and is_declared else {}
         tolerance = abs(float(settings.get("goal_tolerance", _GOAL_TOLERANCE)))
         is_near = abs(miss) < tolerance if is_declared else not motion.stalled
-        result.stalled = motion.stalled and not is_near
-        result.reached_goal = motion.outcome == "succeeded" and is_near
+        is_at_rest = motion.outcome == "succeeded"
+        result.reached_goal = is_at_rest and is_near
+        result.stalled = is_at_rest and not is_near
         if result.stalled and is_declared and settings.get("allow_stalling") is not True:
             if not goal.state.is_terminal:
                 goal.abort(result, motion.message)
