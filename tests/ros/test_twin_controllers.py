@@ -16,7 +16,10 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.controllers import ControllerManager
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 PROGRAM = """
 import rospy
@@ -177,3 +180,50 @@ def test_switch(what, distro, world, tmp_path):
         )
     )
     assert (ok, runs) == expected[("noetic", "humble", "jazzy").index(distro)]
+
+
+GROUPS = """\
+position_group: {type: position_controllers/JointGroupPositionController, joints: [panda_joint1, panda_joint2]}
+velocity_group: {type: velocity_controllers/JointGroupVelocityController, joints: [panda_joint1, panda_joint2]}
+effort_group: {type: effort_controllers/JointGroupEffortController, joints: [panda_joint1, panda_joint2]}
+forwarding: {type: forward_command_controller/ForwardCommandController, joints: [panda_joint1],
+             interface_name: velocity}
+"""
+OF_GROUPS = {
+    # what: (controller, its values, what the first joint does in 1 s, words of the finding)
+    "positions": ("position_group", [0.3, -0.5], 0.3, ""),
+    "a position too few": ("position_group", [0.3], 0.0, "1 values, and its controller 2 joints"),
+    "positions too many": ("position_group", [0.3] * 7, 0.0, "7 values"),
+    "velocities that go on": ("velocity_group", [0.2, 0.0], 0.2, ""),
+    "a velocity too few": ("velocity_group", [0.2], 0.0, "1 values"),
+    "efforts": ("effort_group", [1.0, 1.0], 0.0, "commands of effort are not simulated"),
+    "velocities by interface_name": ("forwarding", [0.2], 0.2, ""),
+    "a position that is no number": ("position_group", [float("nan"), 0.0], 0.0, "not finite"),
+    "an infinite velocity": ("velocity_group", [float("inf"), 0.0], 0.0, "not finite"),
+    "no values": ("position_group", [], 0.0, "0 values"),
+}
+
+
+@pytest.mark.parametrize("what", OF_GROUPS)
+def test_group(what, tmp_path):
+    name, values, moved, words = OF_GROUPS[what]
+    (tmp_path / "controllers.yaml").write_text(GROUPS)
+    twin = Twin.build(load_robot("panda"), load_scene("empty"))
+    scheduler = Scheduler(twin, duration_ns=10_000_000_000)
+    graph, interfaces = Graph(scheduler), Interfaces2()
+    found: list[str] = []
+    recorder = SimpleNamespace(failed=lambda kind, message, *_, **__: not found.append(message))
+    runtime = Runtime(scheduler, graph, twin, recorder=recorder, packages={"cell": tmp_path})
+    TwinInterfaces(runtime, interfaces)
+    message = interfaces.message("std_msgs/Float64MultiArray")()
+    message.data = values
+
+    def main():
+        topic = graph.advertise(f"/{name}/commands", "std_msgs/Float64MultiArray", node="/n")
+        topic.publish(message)
+        scheduler.sleep(1_000_000_000)
+        return twin.joint_state().positions["panda_joint1"]
+
+    assert scheduler.run_main(main) == pytest.approx(moved, abs=0.02)
+    assert bool(found) == bool(words)
+    assert all(words in message for message in found)

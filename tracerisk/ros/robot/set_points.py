@@ -196,6 +196,12 @@ class SetPoints(TrajectoryNode):
     def _take_group(self, topic: str, message: Any) -> None:
         values = [float(value) for value in message.data]
         joints = self._declared_joints(topic, len(values))
+        own = self._joints_declared_for(topic)
+        if joints is None and own and {joint.name for joint in self._twin.robot.joints} >= {*own}:
+            self._refuse(
+                topic, f"it has {len(values)} values, and its controller {len(own)} joints"
+            )
+            return
         if joints is None:
             joints = group_joints(self._twin.robot, topic, len(values))
         if joints is None:
