@@ -248,7 +248,8 @@ def test_points_without_positions_are_where_their_derivatives_lead(distro, field
         "allow_integration_in_goal_trajectories": True,
         "allow_nonzero_velocity_at_trajectory_end": True,
     }
-    assert taken(distro, asked, allowed).position[-1, 0] == pytest.approx(reached)
+    reached_by = taken(distro, asked, allowed).position[-1]
+    assert reached_by == pytest.approx([reached, *HERE[1:]])
 
 
 STARTS = {
@@ -608,6 +609,16 @@ def test_a_goal_whose_tolerance_is_missed_within_its_time(cell):
     assert (between, goal.state.name, goal.result.error_code) == ("ACTIVE", "ABORTED", -5)
     ros2 = "Aborted due to goal_time_tolerance exceeding by 0.5"
     assert goal.result.error_string.startswith(by_distro(cell, "joint 'panda_joint1'", ros2, ros2))
+
+
+def test_a_goal_with_a_time_alone_fails_when_it_is_over(cell):
+    def main():
+        goal = cell.goal(moved(cell.distro, 0.05, positions=[1.5, *HERE[1:]]), time=0.1)
+        cell.sleep(0.3)
+        return goal
+
+    goal = cell.run(main)
+    assert (goal.state.name, goal.result.error_code) == ("ABORTED", -5)
 
 
 def test_a_goal_that_leaves_its_path(cell):
