@@ -101,6 +101,8 @@ REFUSED = {
     # what: (distributions that refuse, parameters, what makes the message, code, words)
     "some of the joints": (EVERY, {}, lambda d: message(
         d, point(d, positions=[0.3, -0.7]), names=ARM[:2]), -2, "2 of the 7 joints"),
+    "more names than joints": (EVERY, {}, lambda d: message(
+        d, point(d, positions=[*HERE, 0.0]), names=(*ARM, ARM[0])), -2, "it names 8 joints"),
     "a joint of another controller": (EVERY, {}, lambda d: message(
         d, point(d, positions=[0.3] * 7), names=("panda_finger_joint1", *ARM[1:])), -2,
         "no joint of its controller"),

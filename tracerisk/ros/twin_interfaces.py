@@ -19,11 +19,11 @@ from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.controllers import ControllerManager
-from tracerisk.ros.robot.follow_trajectory import TYPE as FOLLOW
-from tracerisk.ros.robot.follow_trajectory import FollowServer
 from tracerisk.ros.robot.grippers import GripperServer
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.trajectories.follow import TYPE as FOLLOW
+from tracerisk.ros.robot.trajectories.follow import FollowServer
 from tracerisk.ros.robot.wrench import WrenchTopics
 
 _NODE = "/robot_driver"

@@ -31,13 +31,13 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand
-from tracerisk.ros.robot.follow_trajectory import EMPTY
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectories.controllers import (
     TrajectoryController,
     TrajectoryControllers,
 )
+from tracerisk.ros.robot.trajectories.follow import EMPTY
 from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryNode,

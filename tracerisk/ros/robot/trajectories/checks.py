@@ -87,10 +87,13 @@ def _joints(asked: Asked) -> Reasons:
             code,
         )
     # Names are only counted: one that comes twice stands for another.
-    is_short = len(asked.names) != len(asked.settings.joints)
+    own = asked.settings.joints
+    if own and len(asked.names) > len(own) and not asked.settings.takes_part_of_joints:
+        yield f"it names {len(asked.names)} joints, and its controller has {len(own)}", code
+    is_short = len(asked.names) != len(own)
     if asked.missing and is_short and not asked.settings.takes_part_of_joints:
         yield (
-            f"it names {len(asked.names)} of the {len(asked.settings.joints)} joints of its "
+            f"it names {len(asked.names)} of the {len(own)} joints of its "
             f"controller, without {', '.join(asked.missing)}; name them all, or let the controller "
             "have allow_partial_joints_goal: true",
             code,
