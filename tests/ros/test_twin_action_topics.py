@@ -24,8 +24,8 @@ cancels = rospy.Publisher("/arm/cancel", GoalID, queue_size=1)
 def send(name):
     message = FollowJointTrajectoryActionGoal()
     message.goal_id.id = name
-    message.goal.trajectory.joint_names = ["panda_joint1"]
-    position = [0.3] if name == "there" else [0.0]
+    message.goal.trajectory.joint_names = ["panda_joint%d" % i for i in range(1, 8)]
+    position = [0.3 if name == "there" else 0.0, -0.5599, 0.0, -2.6, 0.0, 2.0, 0.785]
     message.goal.trajectory.points = [
         JointTrajectoryPoint(positions=position, time_from_start=rospy.Duration(1.0))]
     goals.publish(message)

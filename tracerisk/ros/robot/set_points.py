@@ -130,7 +130,7 @@ class SetPoints(TrajectoryNode):
 
     def _take_trajectory(self, topic: str, message: Any) -> None:
         controller = self._controllers.of(topic, message.joint_names)
-        stops = self._rules.has_own or self._runtime.distro.value(EMPTY) == "stops the joints"
+        stops = self._is_drivers or self._runtime.distro.value(EMPTY) == "stops the joints"
         if not message.points and stops:
             self._commands.stop(controller.joints)
             return
@@ -160,7 +160,7 @@ class SetPoints(TrajectoryNode):
         self, topic: str, message: Any, controller: TrajectoryController
     ) -> JointTrajectory:
         now_ns = self._scheduler.now_ns
-        if self._rules.has_own:
+        if self._is_drivers:
             return twin_trajectory(message, self._twin, now_ns)
         sent = controller.asked(message, now_ns)
         if not sent.points:

@@ -68,6 +68,11 @@ class TrajectoryNode(TwinNode):
         self._rules = runtime.client(TrajectoryRules)
         self._spaces = runtime.client(RobotSpaces)
 
+    @property
+    def _is_drivers(self) -> bool:
+        """Whether a maker's driver takes them: it has its own names of joints, or own rules."""
+        return self._rules.has_own or bool(self._names.of_joints)
+
     def _report_unmoved(self, what: str, names: Sequence[str], stack: Stack = None) -> None:
         """Report names for which a driver has a note instead of joints."""
         for name, note in self._names.notes(names).items():

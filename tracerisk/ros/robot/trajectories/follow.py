@@ -107,7 +107,7 @@ class FollowServer(TrajectoryNode):
     ) -> JointTrajectory | None:
         """Return what the twin follows for a goal, None for one that stops the joints."""
         now_ns = self._commands.scheduler.now_ns
-        if self._rules.has_own:
+        if self._is_drivers:
             return twin_trajectory(asked.trajectory, self._twin, now_ns)
         sent = controller.asked(asked.trajectory, now_ns)
         controller.check_joints(sent)
