@@ -75,9 +75,10 @@ def _first_point(asked: Asked) -> int:
         if first == len(times):
             one = len(times) == 1
             what = "its point is dropped: it" if one else "all its points are dropped: the last"
-            when = f"{-times[-1]:.3f} s before" if times[-1] < -STEP_S else "not after"
+            is_past = times[-1] < -STEP_S
+            when = f"comes {-times[-1]:.3f} s before" if is_past else "does not come after"
             raise TrajectoryRefusedError(
-                f"{what} comes {when} the present; give time_from_start a time after the start",
+                f"{what} {when} the present; give time_from_start a time after the start",
                 TrajectoryCode.INVALID_GOAL,
                 is_late=True,
             )
