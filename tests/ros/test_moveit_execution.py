@@ -98,8 +98,8 @@ def trajectory_goal(*points, names=JOINTS):
 def swing(turn=1.2, seconds=3, begin=0.0):
     return trajectory_goal(([begin, *START[1:]], 0), ([turn, *START[1:]], seconds))
 
-def opening():
-    return trajectory_goal(([0.0], 0), ([0.035], 1), names=["panda_finger_joint1"])
+def closing():
+    return trajectory_goal(([0.035], 0), ([0.01], 1), names=["panda_finger_joint1"])
 
 def now():
     return node.get_clock().now().nanoseconds / 1e9
@@ -155,7 +155,7 @@ def test_a_second_goal_of_execute_trajectory_waits_for_the_first(ros2, distro):
     ran = ros2(
         """
         _, swung = begun(execute, swing())
-        opened = wait(wait(execute.send_goal_async(opening())).get_result_async())
+        opened = wait(wait(execute.send_goal_async(closing())).get_result_async())
         was_done = swung.done()
         answers = ended(swung), (opened.status, opened.result.error_code.val)
         """,
@@ -265,7 +265,7 @@ def test_a_goal_of_move_action_is_cancelled_in_jazzy_alone(ros2, distro, code, s
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 @pytest.mark.parametrize(
     ("first", "second"),
-    [("execute, swing()", "move, move_goal(0.2)"), ("move, move_goal(0.4)", "execute, opening()")],
+    [("execute, swing()", "move, move_goal(0.2)"), ("move, move_goal(0.4)", "execute, closing()")],
 )
 def test_the_other_action_of_moveit_2_is_refused_while_one_executes(ros2, distro, first, second):
     ran = ros2(
