@@ -1,29 +1,52 @@
-"""Set-points that follow one another: one command, for as long as they come from one place."""
+"""Set-points that follow one another: one command, for as long as they come from one place.
+
+The joints follow them smoothly, whatever the rate at which they come: `twin.motion.streams`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands
 from tracerisk.ros.robot.motion_profiles import at_velocities
+from tracerisk.twin.motion.streams import SetPointStream
+from tracerisk.twin.physics.builder import STEP_S
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
+    from tracerisk.twin.motion.execution import Motion
     from tracerisk.twin.simulation.twin import Twin
 
+Array = NDArray[np.float64]
+Taken = Callable[["Motion", JointTrajectory], None]
+"""What learns of the motion that has some joints now, and of its trajectory."""
+
+SHORT_S = 0.25
+"""A single point within this time is a set-point of a stream, not a motion [s]."""
 _SAME = 0.005  # of the rated velocity: no other command
 _OFTEN_S = 0.05  # the same command is renewed no more often
 
 
 @dataclass(slots=True, eq=False)
 class _Stream:
+    """What comes on one topic for some joints."""
+
     command: LiveCommand
+    """The command that it is."""
     place: tuple[Any, ...]
+    """The place in the source that sends it."""
     joints: tuple[str, ...]
+    """The joints that it moves."""
+    way: SetPointStream | None = None
+    """The way along its positions; `None` where it is of velocities or of other motions."""
 
 
 class VelocityStream:
@@ -68,43 +91,113 @@ class VelocityStream:
 
 
 class CommandStreams:
-    """Follows trajectories that arrive by topic; what cannot be followed is a finding."""
+    """Follows what arrives by topic; what cannot be followed is a finding."""
 
     def __init__(self, commands: TwinCommands) -> None:
         self._commands = commands
         self._streams: dict[str, _Stream] = {}
         self._velocities = VelocityStream(commands.twin)
 
-    def follow(
-        self, topic: str, kind: str, trajectory: JointTrajectory, *, is_set_point: bool
+    def to_position(
+        self,
+        topic: str,
+        kind: str,
+        joints: tuple[str, ...],
+        target: Array,
+        *,
+        speed: float = 1.0,
+        due_s: float = 0.0,
+        taken: Taken | None = None,
     ) -> None:
-        """Move the twin; a set-point goes on with what came before it from the same place."""
-        stack = self._commands.stack()
-        place = tuple((frame.function, frame.site, frame.root) for frame in stack)
-        now_ns = self._commands.scheduler.now_ns
+        """Bring joints to a set-point as fast as they may, or along the stream as it comes.
+
+        `speed` is the fraction of what they may that a single one is gone to with, `due_s` when
+        the sender wants them there [s]. `taken` is called with the motion that has the joints now.
+        """
+        if not np.isfinite(target).all():
+            self.refuse(topic, "a position is not finite")
+            return
+        twin, now_s = self._commands.twin, self._commands.twin.time_ns * 1e-9
+        stream = self._live(topic, joints)
+        way = None if stream is None else stream.way
+        place = call_path(self._commands.stack())
+        if stream is not None and way is not None and stream.place == place:
+            if way.is_over(now_s) and np.array_equal(way.target, target):
+                # The same again: what rests there goes on to.
+                self._commands.lead(stream.command, None, DWELL_NS)
+                return
+        if way is None:
+            members = [twin.robot.joint(name) for name in joints]
+            way = SetPointStream(members, twin.robot.following, speed=speed)
+        came_s = self._commands.scheduler.now_ns * 1e-9
+        way.take(came_s, target, twin.reference(joints), now_s, due_s)
+        trajectory = JointTrajectory(joints, *way.way(now_s, STEP_S))
+        motion = twin.follow(trajectory)
+        if taken is not None:
+            taken(motion, trajectory)
+        self._go_on(topic, kind, motion, joints, way)
+
+    def follow(
+        self,
+        topic: str,
+        kind: str,
+        trajectory: JointTrajectory,
+        *,
+        is_set_point: bool,
+        taken: Taken | None = None,
+    ) -> None:
+        """Move the twin; a set-point goes on with what came before it from the same place.
+
+        `taken` is as in `to_position`.
+        """
+        if is_set_point and trajectory.leads == "to_goal" and trajectory.duration_s <= SHORT_S:
+            goal, due_s = trajectory.position[-1], trajectory.duration_s
+            self.to_position(topic, kind, trajectory.joints, goal, due_s=due_s, taken=taken)
+            return
         try:
             motion = self._commands.twin.follow(trajectory)
         except PlanningError as error:
-            self.refuse(topic, error.message, stack)
+            self.refuse(topic, error.message)
             return
-        if not is_set_point:
-            self._streams.pop(topic, None)
-            self._commands.begin(kind, motion, stack)
+        if taken is not None:
+            taken(motion, trajectory)
+        if is_set_point:
+            self._go_on(topic, kind, motion, trajectory.joints)
             return
+        self._streams.pop(topic, None)
+        self._commands.begin(kind, motion, self._commands.stack())
+
+    def _live(self, topic: str, joints: tuple[str, ...]) -> _Stream | None:
+        """Return the stream of a topic that moves these joints, if it goes on."""
         stream = self._streams.get(topic)
         goes_on = (
             stream is not None
-            and stream.place == place
-            and stream.joints == trajectory.joints
+            and stream.joints == joints
             and self._commands.is_live(stream.command)
         )
-        if goes_on and stream is not None:
+        return stream if goes_on else None
+
+    def _go_on(
+        self,
+        topic: str,
+        kind: str,
+        motion: Motion,
+        joints: tuple[str, ...],
+        way: SetPointStream | None = None,
+    ) -> None:
+        """Take a motion for the next of a stream, a new command where it is of another place."""
+        stack = self._commands.stack()
+        place = call_path(stack)
+        stream = self._live(topic, joints)
+        if stream is not None and stream.place == place:
+            # In the place of the one before, whose end is not the command's.
+            stream.way = way
             self._commands.lead(stream.command, motion, DWELL_NS)
-        else:
-            due_ns = now_ns + DWELL_NS
-            command = self._commands.begin(kind, motion, stack, keep_until_ns=due_ns)
-            self._streams[topic] = _Stream(command, place, trajectory.joints)
-            self._commands.lead(command, None, DWELL_NS)
+            return
+        due_ns = self._commands.scheduler.now_ns + DWELL_NS
+        command = self._commands.begin(kind, motion, stack, keep_until_ns=due_ns)
+        self._streams[topic] = _Stream(command, place, joints, way)
+        self._commands.lead(command, None, DWELL_NS)
 
     def go_on_at(
         self, topic: str, kind: str, asked: Mapping[str, float], for_s: float | None

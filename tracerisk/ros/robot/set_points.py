@@ -17,20 +17,17 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
-from tracerisk.ros.robot.command_streams import CommandStreams
-from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand
+from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectories.controllers import (
@@ -42,14 +39,12 @@ from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryNode,
     TrajectoryRefusedError,
-    fastest_s,
     twin_trajectory,
 )
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
-from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.physics.motion import JointTrajectory
 
 if TYPE_CHECKING:
-    from tracerisk.twin.motion.execution import Motion
     from tracerisk.twin.robots.robot import Robot
 
 TRAJECTORY = "trajectory_msgs/JointTrajectory"
@@ -64,19 +59,7 @@ _QUANTITY = re.compile(
     r"(?<=[/_])(?:(pos|positions?)|(vel|velocity|velocities)|(efforts?|torques?))(?=[/_])"
 )
 _NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
-_SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
 Array = NDArray[np.float64]
-
-
-@dataclass(slots=True, eq=False)
-class _Stream:
-    """The set-points that one place in the source sends on one topic."""
-
-    command: LiveCommand
-    place: tuple[Any, ...]
-    joints: tuple[str, ...]
-    target: Array
-    last_ns: int
 
 
 class SetPoints(TrajectoryNode):
@@ -89,8 +72,7 @@ class SetPoints(TrajectoryNode):
         super().__init__(runtime, messages)
         self._declared = runtime.client(DeclaredControllers)
         self._controllers = runtime.client(TrajectoryControllers)
-        self._streams: dict[str, _Stream] = {}
-        self._velocity_streams = CommandStreams(self._commands)
+        self._streams = CommandStreams(self._commands)
         self._takers = {
             TRAJECTORY: self._take_trajectory,
             GROUP: self._take_group,
@@ -142,19 +124,14 @@ class SetPoints(TrajectoryNode):
             return
         self._note_space(topic, trajectory.joints)
         trajectory = self._stopped(f"a message on {topic}", trajectory)
-        if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
-            goal = trajectory.position[-1]
-            self.set_point(
-                topic, trajectory.joints, goal, "joint_trajectory", controller=controller
+        taken = None if controller is None else controller.taken_over
+        if len(message.points) == 1 and (asked_s := _asked_s(message.points[0])) <= SHORT_S:
+            joints, goal = trajectory.joints, trajectory.position[-1]
+            self._streams.to_position(
+                topic, "joint_trajectory", joints, goal, due_s=asked_s, taken=taken
             )
             return
-        try:
-            motion = self._follow(trajectory, controller)
-        except PlanningError as error:
-            self._refuse(topic, error.message)
-            return
-        self._streams.pop(topic, None)
-        self._commands.begin("joint_trajectory", motion, self._commands.stack())
+        self._streams.follow(topic, "joint_trajectory", trajectory, is_set_point=False, taken=taken)
 
     def _trajectory(
         self, topic: str, message: Any, controller: TrajectoryController
@@ -175,14 +152,6 @@ class SetPoints(TrajectoryNode):
                 may_stream=True,
             )
         return trajectory
-
-    def _follow(
-        self, trajectory: JointTrajectory, controller: TrajectoryController | None
-    ) -> Motion:
-        motion = self._twin.follow(trajectory)
-        if controller is not None:
-            controller.taken_over(motion, trajectory)
-        return motion
 
     def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:
         """Return whether the joints are where a trajectory ends; of other messages, False."""
@@ -233,7 +202,7 @@ class SetPoints(TrajectoryNode):
             self._refuse(topic, "a velocity is not finite")
             return
         asked = dict(zip(joints, speeds.tolist(), strict=True))
-        self._velocity_streams.go_on_at(topic, kind, asked, None)
+        self._streams.go_on_at(topic, kind, asked, None)
 
     def _declared_joints(self, topic: str, count: int) -> tuple[str, ...] | None:
         """Return the joints of the workspace's controller for a topic, if the robot has them."""
@@ -324,64 +293,9 @@ class SetPoints(TrajectoryNode):
         kind: str,
         *,
         speed: float = 1.0,
-        controller: TrajectoryController | None = None,
     ) -> None:
-        """Bring joints to positions as fast as they may, or along a stream as it comes.
-
-        `speed` is the fraction of what they may that a single set-point is gone to with;
-        `controller` is that whose goal has the joints until then.
-        """
-        if not np.isfinite(target).all():
-            self._refuse(topic, "a position is not finite")
-            return
-        now_ns = self._scheduler.now_ns
-        stack = self._commands.stack()
-        place = call_path(stack)
-        stream = self._streams.get(topic)
-        if stream is not None and not (
-            self._commands.is_live(stream.command) and stream.joints == joints
-        ):
-            stream = None
-        if stream is not None and stream.place == place and np.array_equal(stream.target, target):
-            # The same again: what goes on goes on.
-            self._keep(stream, now_ns, None)
-            return
-        trajectory = self._towards(joints, target, stream, now_ns, speed)
-        if stream is not None and stream.place == place:
-            # In the place of the one before, whose end is not the command's.
-            stream.target = target
-            self._keep(stream, now_ns, self._follow(trajectory, controller))
-            return
-        motion = self._follow(trajectory, controller)
-        command = self._commands.begin(kind, motion, stack, keep_until_ns=now_ns + DWELL_NS)
-        stream = _Stream(command, place, joints, target, now_ns)
-        self._streams[topic] = stream
-        self._keep(stream, now_ns, None)
-
-    def _keep(self, stream: _Stream, now_ns: int, motion: Motion | None) -> None:
-        stream.last_ns = now_ns
-        self._commands.lead(stream.command, motion, DWELL_NS)
-
-    def _towards(
-        self,
-        joints: tuple[str, ...],
-        target: Array,
-        stream: _Stream | None,
-        now_ns: int,
-        speed: float,
-    ) -> JointTrajectory:
-        here = self._twin.joint_state().positions
-        start = np.array([here[name] for name in joints])
-        rest = np.zeros((1, len(joints)))
-        if stream is not None and now_ns > stream.last_ns:
-            period_s = (now_ns - stream.last_ns) * 1e-9
-            rate = (target - stream.target) / period_s
-            rated = np.array([self._twin.robot.joint(name).velocity_limit for name in joints])
-            if period_s <= DWELL_NS * 1e-9 and (np.abs(rate) <= rated).all():
-                # The next one comes as this one did: pass it at the stream's own speed.
-                return JointTrajectory(joints, np.array([period_s]), target[None, :], rate[None, :])
-        least_s = fastest_s(joints, start, target, self._twin) / speed
-        return JointTrajectory(joints, np.array([least_s]), target[None, :], rest)
+        """Bring joints to positions as fast as they may, or along a stream as it comes."""
+        self._streams.to_position(topic, kind, joints, target, speed=speed)
 
 
 def is_command_topic(name: str, type_name: str) -> bool:

@@ -18,6 +18,7 @@ from tracerisk.twin.robots.robot import (
     Attachment,
     Controller,
     ControllerType,
+    Following,
     Gripper,
     Group,
     Joint,
@@ -44,7 +45,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         {
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
-            "default_scaling", "default_scene", "effort_unit", "payload", "sensors",
+            "default_scaling", "default_scene", "effort_unit", "payload", "sensors", "following",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -102,6 +103,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         own_sensors=sensors,
         without_encoder=without_encoder,
         effort_unit=top.optional_string("effort_unit") or "",
+        following=_following(top.map("following")) if "following" in top else Following(),
     )
 
 
@@ -266,6 +268,15 @@ def _controller(entry: YamlMap, joints: Mapping[str, Joint]) -> Controller:
     entry.forbid_unknown({"name", "type", "joints"})
     kind: ControllerType = entry.choice("type", get_args(ControllerType), "type")
     return Controller(entry.string("name"), kind, _known_all(entry, "joints", joints))
+
+
+def _following(entry: YamlMap) -> Following:
+    entry.forbid_unknown({"period", "look_ahead", "source"})
+    return Following(
+        entry.number("period", minimum=0.0, maximum=0.1),
+        entry.number("look_ahead", default=0.0, minimum=0.0, maximum=1.0),
+        entry.string("source"),
+    )
 
 
 def _scaling(entry: YamlMap) -> Scaling:

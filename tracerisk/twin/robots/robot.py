@@ -173,6 +173,18 @@ class Scaling:
     acceleration: float
 
 
+@dataclass(frozen=True, slots=True)
+class Following:
+    """How the robot's driver follows set-points that come in a stream."""
+
+    period_s: float = 0.0
+    """The period of its control: of set-points that come sooner the last one counts [s]."""
+    look_ahead_s: float = 0.0
+    """The time over which it smooths them, at least one period of the stream [s]."""
+    source: str = ""
+    """Where the figures are from; empty where none are known."""
+
+
 DEFAULT_SCALING = Scaling(0.1, 0.1)
 """What MoveGroupInterface takes where `default_velocity_scaling_factor` and
 `default_acceleration_scaling_factor` of the robot's joint_limits.yaml are not set."""
@@ -193,6 +205,7 @@ class Robot:
     `actuators` maps those that the model names to the joints that each moves.
     `effort_unit` is what its driver gives as the effort of a joint, as `--effort-unit` takes it;
     empty where it is not known.
+    `following` is how its driver follows a stream of set-points.
     """
 
     name: str
@@ -221,6 +234,7 @@ class Robot:
     without_encoder: tuple[str, ...] = ()
     actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     effort_unit: str = ""
+    following: Following = Following()
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:

@@ -197,6 +197,12 @@ class MotionControl:
                         velocities[:, column] = ahead[1][:, own]
         return positions, velocities
 
+    def reference(self, joints: Iterable[str]) -> tuple[Array, Array]:
+        """Return the set-points of some joints and their velocities, as `references` of all."""
+        position, velocity = self.references()
+        columns = [self._simulation.joint_index[name] for name in joints]
+        return position[columns], velocity[columns]
+
     def _hold(self, track: Track) -> None:
         """Take what is measured for the set-point: an arm that is blocked stops pressing."""
         if isinstance(track, ArmTrack):
@@ -292,9 +298,7 @@ class MotionControl:
         """Return the trajectory, begun at the present set-points where it begins later."""
         if trajectory.time[0] <= 0.0:
             return trajectory
-        position, velocity = self.references()
-        columns = [self._simulation.joint_index[name] for name in trajectory.joints]
-        return trajectory.led_in(position[columns], velocity[columns])
+        return trajectory.led_in(*self.reference(trajectory.joints))
 
     def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:
         owner = {name: g.name for g in self._robot.grippers for name in g.joints}

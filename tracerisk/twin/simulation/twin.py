@@ -67,6 +67,7 @@ class Twin:
         self.plan_to_one_of = self._planner.to_one_of
         self.plan_cartesian, self.retime = self._planner.cartesian, self._planner.retime
         self.follow, self.stop = self._motions.follow, self._motions.stop
+        self.reference = self._motions.reference
         self.move_gripper, self.abort = self._motions.move_gripper, self._motions.abort
         self.references_ahead = self._motions.references_ahead
 

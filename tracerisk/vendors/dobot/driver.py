@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
@@ -276,18 +278,9 @@ class DobotDriver(TwinNode):
         except PlanningError as error:
             self._wrong(kind, error.message)
             return NOT_EXECUTED
-        # The next point takes over before the arm is at rest: no ramp of its own.
-        least = max(
-            abs(b - a) / joint.velocity_limit
-            for a, b, joint in zip(self._arm.positions(), found, self._arm.arm, strict=True)
-        )
         self._queue.clear()
-        self._streams.follow(
-            kind,
-            "dobot_servo",
-            self._arm.through([found], [max(time_s, least)]),
-            is_set_point=True,
-        )
+        joints, goal = self._arm.joints, np.array(found)
+        self._streams.to_position(kind, "dobot_servo", joints, goal, due_s=time_s)
         return OK
 
     def _servo_joints(self, request: Any, answer: Any) -> int:

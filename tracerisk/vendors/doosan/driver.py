@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.doosan.motion import pose_of
@@ -238,12 +238,14 @@ class DoosanController(DoosanReports):
         except PlanningError as error:
             self._report(publication.topic, error.message)
             return
+        topic, kind, due_s = publication.topic, "doosan_stream", float(getattr(message, "time", 0.0))
         if trajectory is None:
             self._arm.stop()
+        elif trajectory.leads == "to_goal" and 0.0 < due_s <= SHORT_S:
+            joints, goal = trajectory.joints, trajectory.position[-1]
+            self._set_points.to_position(topic, kind, joints, goal, due_s=due_s)
         else:
-            self._set_points.follow(
-                publication.topic, "doosan_stream", trajectory, is_set_point=True
-            )
+            self._set_points.follow(topic, kind, trajectory, is_set_point=True)
 
     def _servo_joints(self, asked: Any) -> JointTrajectory:
         speeds, rises = list(asked.vel), list(asked.acc)
