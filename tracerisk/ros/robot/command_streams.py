@@ -32,7 +32,7 @@ Taken = Callable[["Motion", JointTrajectory], None]
 SHORT_S = 0.25
 """A single point within this time is a set-point of a stream, not a motion [s]."""
 _SAME = 0.005  # of the rated velocity: no other command
-_OFTEN_S = 0.05  # the same command is renewed no more often
+_OFTEN_S = 0.02  # the same command is renewed no more often
 
 
 @dataclass(slots=True, eq=False)
@@ -50,11 +50,11 @@ class _Stream:
 
 
 class VelocityStream:
-    """Velocities that come again and again: each goes on from where the one before has led."""
+    """Velocities that come again and again: each is reached within the period of the stream."""
 
     def __init__(self, twin: Twin) -> None:
         self._twin = twin
-        self._last: dict[tuple[str, ...], tuple[int, dict[str, float], dict[str, float]]] = {}
+        self._last: dict[tuple[str, ...], tuple[int, dict[str, float]]] = {}
 
     def next(
         self, asked: Mapping[str, float], now_ns: int, for_s: float | None
@@ -63,8 +63,7 @@ class VelocityStream:
 
         With `None` it goes on until another.
 
-        None where they are at rest, or go on as they do. Who was at rest begins where the joints
-        are: something else may have moved them.
+        None where they are at rest, or go on as they do.
         """
         names = tuple(asked)
         known = self._last.get(names)
@@ -72,22 +71,15 @@ class VelocityStream:
             self._last.pop(names, None)
             return None
         lasts_s = math.inf if for_s is None else for_s
-        if known is not None and now_ns - known[0] < min(_OFTEN_S, lasts_s / 4) * 1e9:
+        gap_s = math.inf if known is None else (now_ns - known[0]) * 1e-9
+        if known is not None and gap_s < min(_OFTEN_S, lasts_s / 4):
             rated = {name: self._twin.robot.joint(name).velocity_limit for name in names}
-            if all(abs(asked[n] - known[2][n]) < _SAME * rated[n] for n in names):
+            if all(abs(asked[n] - known[1][n]) < _SAME * rated[n] for n in names):
                 return None
-        start: dict[str, float] = {}
-        if known is not None and 0 < now_ns - known[0] <= lasts_s * 1e9:
-            passed = (now_ns - known[0]) * 1e-9
-            for name in names:
-                joint = self._twin.robot.joint(name)
-                led = known[1][name] + passed * known[2][name]
-                start[name] = min(max(led, joint.lower), joint.upper)
-        else:
-            at = self._twin.joint_state().positions
-            start = {name: at[name] for name in names}
-        self._last[names] = (now_ns, start, dict(asked))
-        return at_velocities(self._twin, asked, for_s, start)
+        self._last[names] = (now_ns, dict(asked))
+        period_s = gap_s if gap_s <= min(SHORT_S, lasts_s) else 0.0
+        rise_s = max(period_s, _OFTEN_S, self._twin.robot.following.look_ahead_s)
+        return at_velocities(self._twin, asked, for_s, rise_s)
 
 
 class CommandStreams:
@@ -127,8 +119,7 @@ class CommandStreams:
                 self._commands.lead(stream.command, None, DWELL_NS)
                 return
         if way is None:
-            members = [twin.robot.joint(name) for name in joints]
-            way = SetPointStream(members, twin.robot.following, speed=speed)
+            way = SetPointStream(twin.robot, joints, speed=speed)
         came_s = self._commands.scheduler.now_ns * 1e-9
         way.take(came_s, target, twin.reference(joints), now_s, due_s)
         trajectory = JointTrajectory(joints, *way.way(now_s, STEP_S))

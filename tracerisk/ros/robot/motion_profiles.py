@@ -84,41 +84,49 @@ def at_velocities(
     twin: Twin,
     asked: Mapping[str, float],
     for_s: float | None = None,
-    start: Mapping[str, float] | None = None,
+    rise_s: float = _RISE_S,
 ) -> JointTrajectory | None:
-    """Return the way of joints at velocities [rad/s], None where they are at rest.
+    """Return the way of joints to velocities [rad/s], and on with these, None where they are at rest.
 
-    It begins at `start`, by default where they are.
-
-    It ends when the first of them is at its limit, or after `for_s` where that is less: they come
-    to rest then, as those of a driver that hears no more commands. With `None` it leads on.
+    They speed up evenly from what their set-points do now, within `rise_s` or as their limits of
+    acceleration allow. They come to rest when the first of them is at its limit, and begin to after
+    `for_s`, as those of a driver that hears no more commands. With `None` it leads on.
     """
     names = tuple(asked)
     joints = [twin.robot.joint(name) for name in names]
-    at = {**twin.joint_state().positions, **(start or {})}
-    here = np.array([at[name] for name in names])
-    speed = np.array(
-        [
-            float(np.clip(asked[joint.name], -joint.velocity_limit, joint.velocity_limit))
-            for joint in joints
-        ]
-    )
-    left = [
-        ((joint.upper if v > 0 else joint.lower) - x) / v
-        for joint, x, v in zip(joints, here, speed, strict=True)
-        if abs(v) > 1e-6
-    ]
-    if not left:
+    here, now = twin.reference(names)
+    rated = np.array([joint.velocity_limit for joint in joints])
+    rise_limit = np.array([twin.robot.followed_rise(name) for name in names])
+    speed = np.clip(np.array(list(asked.values())), -rated, rated)
+    moves = np.abs(speed) > 1e-6
+    if not moves.any():
         return None
-    time = min(min(left), _LONGEST_S if for_s is None else for_s)
-    if time <= 2 * _RISE_S:
-        return None
-    times = np.array([_RISE_S, time - _RISE_S, time])
-    ways = (_RISE_S / 2, time - 1.5 * _RISE_S, time - _RISE_S)
+    limits = np.array([j.upper if v > 0 else j.lower for j, v in zip(joints, speed, strict=True)])
+    least = min(rise_s, for_s / 2) if for_s else rise_s
+    rise = max(float((np.abs(speed - now) / rise_limit).max()), least)
+    fall = max(float((np.abs(speed) / rise_limit).max()), min(_RISE_S, least))
+    ways = (now + speed) / 2 * rise, speed / 2 * fall
+    steady = float(np.min(((limits - here - sum(ways)) / np.where(moves, speed, 1.0))[moves]))
+    if steady <= 0.0:
+        if (np.abs(now) > np.abs(speed) / 2)[moves].any():
+            # What moves them comes to rest there already.
+            return None
+        # Too near for its speed: there and to rest within the distance that is left.
+        left = float(np.min(((limits - here) / np.where(moves, speed, 1.0))[moves]))
+        if left <= _RISE_S:
+            return None
+        rise = fall = left
+        ways = (now + speed) / 2 * rise, speed / 2 * fall
+        steady = 1e-3
+    steady = min(steady, _LONGEST_S)
+    if for_s is not None:
+        steady = min(steady, max(for_s - rise, 1e-3))
+    at = here + ways[0]
+    rest = at + speed * steady
     return JointTrajectory(
         names,
-        times,
-        np.vstack([here + speed * way for way in ways]),
+        np.array([rise, rise + steady, rise + steady + fall]),
+        np.vstack((at, rest, rest + ways[1])),
         np.vstack((speed, speed, np.zeros(len(names)))),
         leads="on" if for_s is None else "for_a_while",
     )

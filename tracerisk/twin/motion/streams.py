@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.robots.robot import Following, Joint
+from tracerisk.twin.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -62,10 +62,11 @@ class SetPointStream:
     of their rated speed that the driver allows.
     """
 
-    def __init__(self, joints: Sequence[Joint], following: Following, *, speed: float = 1.0) -> None:
-        self._speed_limit = np.array([joint.velocity_limit for joint in joints]) * speed
-        self._rise_limit = np.array([joint.acceleration_limit for joint in joints]) * speed**2
-        self._following = following
+    def __init__(self, robot: Robot, joints: Sequence[str], *, speed: float = 1.0) -> None:
+        members = [robot.joint(name) for name in joints]
+        self._speed_limit = np.array([joint.velocity_limit for joint in members]) * speed
+        self._rise_limit = np.array([robot.followed_rise(name) for name in joints]) * speed**2
+        self._following = robot.following
         self._came_s = self._rhythm_s = 0.0
         self._period_s, self._heard = 0.0, 0
         self._window_s = 0.0

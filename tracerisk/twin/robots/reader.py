@@ -103,7 +103,9 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         own_sensors=sensors,
         without_encoder=without_encoder,
         effort_unit=top.optional_string("effort_unit") or "",
-        following=_following(top.map("following")) if "following" in top else Following(),
+        following=_following(top.map("following"), len(by_name) - len(held))
+        if "following" in top
+        else Following(),
     )
 
 
@@ -270,11 +272,16 @@ def _controller(entry: YamlMap, joints: Mapping[str, Joint]) -> Controller:
     return Controller(entry.string("name"), kind, _known_all(entry, "joints", joints))
 
 
-def _following(entry: YamlMap) -> Following:
-    entry.forbid_unknown({"period", "look_ahead", "source"})
+def _following(entry: YamlMap, n_joints: int) -> Following:
+    entry.forbid_unknown({"period", "look_ahead", "acceleration", "source"})
+    given = "acceleration" in entry
+    rises = entry.numbers("acceleration", length=n_joints) if given else ()
+    if min(rises, default=1.0) <= 0.0:
+        entry.fail("acceleration", "the acceleration of a joint must be above 0 rad/s^2")
     return Following(
         entry.number("period", minimum=0.0, maximum=0.1),
         entry.number("look_ahead", default=0.0, minimum=0.0, maximum=1.0),
+        tuple(rises),
         entry.string("source"),
     )
 

@@ -181,6 +181,8 @@ class Following:
     """The period of its control: of set-points that come sooner the last one counts [s]."""
     look_ahead_s: float = 0.0
     """The time over which it smooths them, at least one period of the stream [s]."""
+    acceleration: tuple[float, ...] = ()
+    """How fast it changes the speed of each joint of the arm; empty: as they are rated [rad/s^2]."""
     source: str = ""
     """Where the figures are from; empty where none are known."""
 
@@ -321,6 +323,12 @@ class Robot:
                 f"robot '{self.name}' has no planning group '{name}'; {one_of(self.groups, name)}"
             )
         return self.groups[name]
+
+    def followed_rise(self, name: str) -> float:
+        """Return how fast the driver changes a joint's speed in a stream [rad/s^2 or m/s^2]."""
+        known = zip(self.arm_joints, self.following.acceleration, strict=False)
+        given = next((rise for joint, rise in known if joint.name == name), None)
+        return self.joint(name).acceleration_limit if given is None else given
 
     def gripper(self, name: str) -> Gripper:
         """Return the gripper called `name`, or moved by the group `name`."""
