@@ -34,7 +34,7 @@ class TwinInterfaces:
     """Serves actions, command topics and services of the robot's driver to one run.
 
     `interfaces` makes the message classes of the ROS that the controller speaks. The drivers of
-    makers, who stand above this room, share `messages` and `set_points`.
+    makers, who stand above this room, share `messages`.
     """
 
     def __init__(self, runtime: Runtime, interfaces: Any) -> None:
@@ -60,7 +60,7 @@ class TwinInterfaces:
                 self._types[PICKUP] = (picking.pickup, picking.on_cancel)
                 self._types[PLACE] = (picking.place, picking.on_cancel)
             GazeboServices(runtime, messages)
-        self.set_points = SetPoints(runtime, messages)
+        SetPoints(runtime, messages)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         if not hasattr(interfaces, "action"):

@@ -15,7 +15,7 @@ from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, SetPoints
+from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.state_topics import fill_joint_state
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.twin.physics.motion import PlanningError
@@ -58,12 +58,10 @@ class DescribedDriver(TwinNode):
         driver: Driver,
         runtime: Runtime,
         messages: TwinMessages,
-        set_points: SetPoints,
     ) -> None:
         take_rules(driver, runtime)
         super().__init__(runtime, messages)
         self._driver, self.node = driver, driver.node
-        self._set_points = set_points
         self._conventions = Conventions(driver.units, driver.rotation)
         self._state = DriverState(driver, runtime)
         self._queue, self._grips = self._state.queue, self._state.grips
@@ -353,7 +351,7 @@ class DescribedDriver(TwinNode):
         if target is not None:
             share = arm.motions.share(case, request)
             places = np.array(list(target.values()))
-            self._set_points.set_point(topic, tuple(target), places, kind, speed=share)
+            self._streams.to_position(topic, kind, tuple(target), places, speed=share)
             return
         if case.effect == "velocity" and "joints" in case.roles:
             asked = arm.motions.speeds(case, request)

@@ -37,7 +37,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
     for driver in (*drivers, *shipped_drivers()):
         lacking = lacking_joint(driver, runtime.twin.robot)
         if not lacking:
-            DescribedDriver(driver, runtime, messages, twin.set_points)
+            DescribedDriver(driver, runtime, messages)
         elif driver.origin != "shipped" and runtime.recorder is not None:
             runtime.recorder.finding(
                 "not_simulated",
@@ -46,7 +46,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
                 object_name=driver.name,
             )
     InterbotixDriver(runtime, messages)
-    BaxterDriver(runtime, messages, twin.set_points)
+    BaxterDriver(runtime, messages)
     IoDevices(runtime, messages)
     kortex = KortexDriver(runtime, messages)
     DobotDriver(runtime, messages)

@@ -113,11 +113,11 @@ class CommandStreams:
         stream = self._live(topic, joints)
         way = None if stream is None else stream.way
         place = call_path(self._commands.stack())
-        if stream is not None and way is not None and stream.place == place:
-            if way.is_over(now_s) and np.array_equal(way.target, target):
-                # The same again: what rests there goes on to.
-                self._commands.lead(stream.command, None, DWELL_NS)
-                return
+        rests = way is not None and way.is_over(now_s) and np.array_equal(way.target, target)
+        if rests and stream is not None and stream.place == place:
+            # The same again: what is at rest there stays.
+            self._commands.lead(stream.command, None, DWELL_NS)
+            return
         if way is None:
             way = SetPointStream(twin.robot, joints, speed=speed)
         came_s = self._commands.scheduler.now_ns * 1e-9

@@ -86,7 +86,7 @@ def at_velocities(
     for_s: float | None = None,
     rise_s: float = _RISE_S,
 ) -> JointTrajectory | None:
-    """Return the way of joints to velocities [rad/s], and on with these, None where they are at rest.
+    """Return the way of joints to velocities [rad/s] and on with these, None for joints at rest.
 
     They speed up evenly from what their set-points do now, within `rise_s` or as their limits of
     acceleration allow. They come to rest when the first of them is at its limit, and begin to after

@@ -183,7 +183,7 @@ class SetPoints(TrajectoryNode):
         self._note_space(topic, joints)
         quantity = self._quantity(topic)
         if quantity == "position":
-            self.set_point(topic, joints, values, kind)
+            self._streams.to_position(topic, kind, joints, values)
         elif quantity == "velocity":
             self._go_on_at(topic, joints, values, kind.replace("command", "velocity"))
         else:
@@ -266,7 +266,8 @@ class SetPoints(TrajectoryNode):
         elif is_velocity:
             self._go_on_at(topic, tuple(names), np.array(values), "joint_state_velocity")
         else:
-            self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
+            kind = "joint_state_command"
+            self._streams.to_position(topic, kind, tuple(names), np.array(values))
 
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""
@@ -284,18 +285,6 @@ class SetPoints(TrajectoryNode):
             object_name=topic,
             may_stream=True,
         )
-
-    def set_point(
-        self,
-        topic: str,
-        joints: tuple[str, ...],
-        target: Array,
-        kind: str,
-        *,
-        speed: float = 1.0,
-    ) -> None:
-        """Bring joints to positions as fast as they may, or along a stream as it comes."""
-        self._streams.to_position(topic, kind, joints, target, speed=speed)
 
 
 def is_command_topic(name: str, type_name: str) -> bool:

@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 _LATE = 1.0  # of a period: messages that are later or earlier have another rhythm
 _REMEMBERED = 200  # messages through which the rhythm is the straight line
 _OTHER_PERIOD = 0.25  # a period that differs by more is another one
+_WHOLE = 0.05  # of a period: a look-ahead that is longer by less needs none more
 _DUE = 1.5  # periods after a set-point comes
 _SAME = 1e-7  # a reference nearer to the way is on it [rad or m, and per second]
 _SLACK = 1.2  # of the limits: a way within it is left as it was sampled
@@ -84,7 +85,12 @@ class SetPointStream:
         return time_s >= self._end_s()
 
     def take(
-        self, came_s: float, target: Array, at: tuple[Array, Array], now_s: float, due_s: float = 0.0
+        self,
+        came_s: float,
+        target: Array,
+        at: tuple[Array, Array],
+        now_s: float,
+        due_s: float = 0.0,
     ) -> None:
         """Take a set-point that came at `came_s` and is due `due_s` later, or when it can be.
 
@@ -100,12 +106,12 @@ class SetPointStream:
         self._join(at, now_s, least_s)
 
     def way(self, now_s: float, step_s: float) -> tuple[Array, Array, Array]:
-        """Return times from now on, positions and velocities (n, n_joints) up to rest at the end."""
+        """Return times from now on, positions and velocities (n, n_joints), to rest at the end."""
         steps = max(1, math.ceil((self._end_s() - now_s) / step_s - 1e-6))
-        time = np.arange(1, steps + 1) * step_s
+        time: Array = np.arange(1, steps + 1, dtype=np.float64) * step_s
         position, velocity = self._at(now_s + time)
         position, velocity = self._braked(now_s + time, position, velocity)
-        time = np.arange(1, len(position) + 1) * step_s
+        time = np.arange(1, len(position) + 1, dtype=np.float64) * step_s
         position[-1], velocity[-1] = self._points[-1], 0.0
         return time, position, velocity
 
@@ -119,9 +125,7 @@ class SetPointStream:
         self._rhythm_s, self._window_s = came_s, 0.0
         self._times, self._points = [came_s + due_s], [target.copy()]
 
-    def _go_on(
-        self, gap: float, came_s: float, target: Array, now_s: float, due_s: float
-    ) -> None:
+    def _go_on(self, gap: float, came_s: float, target: Array, now_s: float, due_s: float) -> None:
         is_first = not self._window_s
         early = came_s - self._rhythm_s - self._period_s
         if is_first or abs(early) > _LATE * self._period_s:
@@ -134,8 +138,10 @@ class SetPointStream:
             n = self._heard
             self._rhythm_s += self._period_s + early * 2 * (2 * n + 1) / ((n + 1) * (n + 2))
             self._period_s += early * 6 / ((n + 1) * (n + 2))
-        period = max(self._period_s, self._following.period_s)
-        window = max(period, self._following.look_ahead_s)
+        period = self._period_s
+        # Of whole periods, over which the steps of the lines' slopes cancel.
+        look_ahead = max(self._following.period_s, self._following.look_ahead_s)
+        window = period * max(1, math.ceil(look_ahead / period - _WHOLE))
         if abs(window - self._window_s) > _OTHER_PERIOD * window:
             self._window_s = window
         # Where the last set-point was reached already, the line to this one begins now.
@@ -222,9 +228,7 @@ class SetPointStream:
         )
         return max(float(span.max()), _LEAST_S)
 
-    def _braked(
-        self, time: Array, position: Array, velocity: Array
-    ) -> tuple[Array, Array]:
+    def _braked(self, time: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
         """Return the way with an end that the joints can brake to, should nothing follow."""
         last = self._times[-1]
         first = int(np.searchsorted(time, last))
@@ -237,7 +241,7 @@ class SetPointStream:
         span = self._lead_s(brake.distance, brake.rate)
         step = float(time[0]) if len(time) == 1 else float(time[1] - time[0])
         count = max(1, math.ceil((last + span - float(time[first])) / step))
-        rest = float(time[first]) + np.arange(count + 1) * step
+        rest: Array = float(time[first]) + np.arange(count + 1, dtype=np.float64) * step
         distance, rate = _LeadIn(last, span, brake.distance, brake.rate).at(rest)
         return (
             np.vstack((position[:first], self._points[-1] + distance)),

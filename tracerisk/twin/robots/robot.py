@@ -182,7 +182,7 @@ class Following:
     look_ahead_s: float = 0.0
     """The time over which it smooths them, at least one period of the stream [s]."""
     acceleration: tuple[float, ...] = ()
-    """How fast it changes the speed of each joint of the arm; empty: as they are rated [rad/s^2]."""
+    """How fast it changes the speed of each arm joint; empty: as they are rated [rad/s^2]."""
     source: str = ""
     """Where the figures are from; empty where none are known."""
 

@@ -279,8 +279,8 @@ class DobotDriver(TwinNode):
             self._wrong(kind, error.message)
             return NOT_EXECUTED
         self._queue.clear()
-        joints, goal = self._arm.joints, np.array(found)
-        self._streams.to_position(kind, "dobot_servo", joints, goal, due_s=time_s)
+        joints, place = self._arm.joints, np.array(found)
+        self._streams.to_position(kind, "dobot_servo", joints, place, due_s=time_s)
         return OK
 
     def _servo_joints(self, request: Any, answer: Any) -> int:

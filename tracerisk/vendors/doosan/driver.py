@@ -238,7 +238,11 @@ class DoosanController(DoosanReports):
         except PlanningError as error:
             self._report(publication.topic, error.message)
             return
-        topic, kind, due_s = publication.topic, "doosan_stream", float(getattr(message, "time", 0.0))
+        topic, kind, due_s = (
+            publication.topic,
+            "doosan_stream",
+            float(getattr(message, "time", 0.0)),
+        )
         if trajectory is None:
             self._arm.stop()
         elif trajectory.leads == "to_goal" and 0.0 < due_s <= SHORT_S:

@@ -23,7 +23,6 @@ from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.grippers import measured_grip
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import SetPoints
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
@@ -50,9 +49,8 @@ class BaxterDriver(TwinNode):
 
     node = "/realtime_loop"
 
-    def __init__(self, runtime: Runtime, messages: TwinMessages, set_points: SetPoints) -> None:
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
-        self._set_points = set_points
         self._streams = CommandStreams(self._commands)
         self._enabled, self._stopped = True, False
         self._speed: dict[str, float] = {}
@@ -143,7 +141,7 @@ class BaxterDriver(TwinNode):
             joints = tuple(asked)
             target = np.array([min(max(asked[n], known[n].lower), known[n].upper) for n in joints])
             speed = self._speed.get(_side(topic), _SPEED)
-            self._set_points.set_point(topic, joints, target, "joint_command", speed=speed)
+            self._streams.to_position(topic, "joint_command", joints, target, speed=speed)
 
     def _take_head(self, topic: str, message: Any) -> None:
         name = next((j.name for j in self._twin.robot.joints if j.name == "head_pan"), None)
@@ -153,7 +151,7 @@ class BaxterDriver(TwinNode):
         joint = self._twin.robot.joint(name)
         target = np.array([min(max(float(message.target), joint.lower), joint.upper)])
         speed = min(max(float(message.speed_ratio), 0.05), 1.0)
-        self._set_points.set_point(topic, (name,), target, "head_pan", speed=speed)
+        self._streams.to_position(topic, "head_pan", (name,), target, speed=speed)
 
     def _take_gripper(self, topic: str, message: Any) -> None:
         side, gripper = _side(topic), self._gripper(topic)
