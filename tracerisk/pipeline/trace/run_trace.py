@@ -239,6 +239,7 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
     lines += _started_by(recording)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
+    lines += [f"robot: {sentence}" for sentence in robot.assumed_figures]
     if settings.hardware is None and not is_shipped(robot.name):
         lines.append(
             f"hardware: all figures are assumed, none are shipped for {robot.name}; give --hardware"

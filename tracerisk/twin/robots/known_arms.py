@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -17,6 +17,8 @@ from tracerisk.twin.robots.sensors import sensors_like
 
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common
 _SAME_LENGTH = 0.03  # [m]
+_LEAST_JOINTS = 4  # of fewer joints alike nothing follows
+_NEAR_LENGTH, _NEAR_RANGE = 0.01, 0.1  # [m], [rad]: within these two arms are one by shape
 _SAME = 1e-6  # lengths of two shipped arms that differ by less are one [m]
 
 
@@ -51,10 +53,24 @@ def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
         yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
 
 
-def _ours(robot: Robot) -> Robot | None:
+@dataclass(frozen=True, slots=True)
+class _Ours:
+    """The shipped robot that another description is."""
+
+    robot: Robot
+    """The shipped robot."""
+    names: Mapping[str, str]
+    """What it calls each joint of the description that it has."""
+    by_shape: bool = False
+    """Whether the joints are called otherwise."""
+
+
+def _ours(robot: Robot) -> _Ours | None:
     """Return the shipped robot that this one is: joints of the same names at the same distances.
 
-    Names alone say little: many arms call their joints `joint1` and so on.
+    Names alone say little: many arms call their joints `joint1` and so on. Where the names are
+    others, it is one with as many joints in the same order at the same distances and of the same
+    ranges.
     """
     own = _distances(robot)
     best: tuple[float, Robot] | None = None
@@ -69,7 +85,39 @@ def _ours(robot: Robot) -> Robot | None:
         off = math.fsum(same) / max(len(same), 1)
         if best is None or off < best[0] - _SAME:
             best = off, like
-    return None if best is None else best[1]
+    if best is None:
+        return _ours_by_shape(robot, own)
+    mine = {joint.name for joint in robot.arm_joints}
+    both = [joint.name for joint in best[1].arm_joints if joint.name in mine]
+    return _Ours(best[1], dict(zip(both, both, strict=True)))
+
+
+def _ours_by_shape(robot: Robot, own: Mapping[str, float]) -> _Ours | None:
+    arm = robot.arm_joints
+    if len(arm) < _LEAST_JOINTS:
+        return None
+    best: tuple[float, Robot] | None = None
+    for shipped in shipped_names():
+        if len(shipped.arm_joints) != len(arm):
+            continue
+        like = load_robot(shipped.name)
+        ours = _distances(like)
+        pairs = list(zip(arm, like.arm_joints, strict=True))
+        lengths = [abs(own[a.name] - ours[b.name]) for a, b in pairs[1:]]
+        ranges = [
+            max(abs(a.lower - b.lower), abs(a.upper - b.upper))
+            for a, b in pairs
+            if "continuous" not in (a.type, b.type)
+        ]
+        if max(lengths) > _NEAR_LENGTH or max(ranges, default=0.0) > _NEAR_RANGE:
+            continue
+        off = math.fsum(lengths) + math.fsum(ranges)
+        if best is None or off < best[0] - _SAME:
+            best = off, like
+    if best is None:
+        return None
+    pairs = list(zip(arm, best[1].arm_joints, strict=True))
+    return _Ours(best[1], {a.name: b.name for a, b in pairs}, by_shape=True)
 
 
 def _distances(robot: Robot) -> dict[str, float]:
@@ -97,29 +145,65 @@ def is_variant(one: Robot, other: Robot) -> bool:
 def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
     """Return the robot with the rated figures of ours, where one has the same joints.
 
-    A robot that knows its motors keeps torques and servos, and lacks only rated velocities.
+    A robot that knows its motors keeps torques and servos, and lacks only rated velocities. Limits
+    that are placeholders are all taken from ours.
     """
-    like = _ours(robot)
-    if like is None:
+    found = _ours(robot)
+    if found is None:
         return robot
-    ours = {joint.name: joint for joint in like.arm_joints}
-    mine = {joint.name for joint in robot.arm_joints}
+    like = found.robot
+    ours = {mine: like.joint(name) for mine, name in found.names.items()}
+    arm = [joint for joint in robot.arm_joints if joint.name in ours]
+    takes_all = not knows_motors and _is_placeholder(robot, arm, ours)
     joints = tuple(
-        _rated(joint, ours[joint.name], robot.approximate, knows_motors)
-        if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
+        _rated(joint, ours[joint.name], robot.approximate, knows_motors, takes_all)
+        if joint in arm and ours[joint.name].type == joint.type
         else joint
         for joint in robot.joints
     )
+    mine = {joint.name for joint in robot.arm_joints}
     taken = {element.name for element in robot.elements}
     sensors = tuple(
         each
         for each in sensors_like(like.own_sensors, mine, robot.link_names)
         if each.name not in taken
     )
-    return replace(robot, joints=joints, own_sensors=(*robot.own_sensors, *sensors))
+    notes = []
+    if takes_all:
+        notes.append(
+            f"its description gives every joint the same speed, a placeholder: the limits of the "
+            f"shipped robot '{like.name}', which has the same joints, are taken"
+        )
+    elif found.by_shape:
+        notes.append(
+            f"limits that its file does not give are those of the shipped robot '{like.name}', "
+            "whose joints have the same order, distances and ranges"
+        )
+    return replace(
+        robot,
+        joints=joints,
+        own_sensors=(*robot.own_sensors, *sensors),
+        following=like.following,
+        assumed_figures=(*robot.assumed_figures, *notes),
+    )
 
 
-def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
+def _is_placeholder(robot: Robot, arm: Sequence[Joint], ours: Mapping[str, Joint]) -> bool:
+    """Return whether limits are no arm's: one speed and one torque for joints of several kinds.
+
+    A torque that could not lift the arm was replaced already, and the robot is approximate.
+    """
+    if len(arm) < _LEAST_JOINTS:
+        return False
+    speeds = {joint.velocity_limit for joint in arm}
+    torques = {joint.torque_limit for joint in arm}
+    rated = {ours[joint.name].velocity_limit for joint in arm}
+    return len(speeds) == 1 < len(rated) and (robot.approximate or len(torques) == 1)
+
+
+def _rated(
+    joint: Joint, ours: Joint, assumed: bool, knows_motors: bool, takes_all: bool
+) -> Joint:
     """Return a joint with what a URDF does not say, and our figures where its own are assumed."""
     joint = replace(
         joint,
@@ -127,7 +211,9 @@ def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Join
         plan_velocity=ours.plan_velocity,
         plan_acceleration=ours.plan_acceleration,
     )
-    if not assumed:
+    if takes_all:
+        joint = replace(joint, lower=ours.lower, upper=ours.upper)
+    if not assumed and not takes_all:
         return joint
     joint = replace(joint, velocity_limit=ours.velocity_limit)
     if knows_motors:
@@ -137,9 +223,10 @@ def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Join
 
 def named_as_ours(robot: Robot) -> Robot:
     """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
-    like = _ours(robot)
-    if like is None:
+    ours = _ours(robot)
+    if ours is None or ours.by_shape:
         return replace(robot, approximate=True, assumes_names=True)
+    like = ours.robot
     joints = {joint.name: joint for joint in robot.joints}
     groups, states = dict(robot.groups), dict(robot.named_states)
     for name, group in like.groups.items():

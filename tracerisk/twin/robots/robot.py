@@ -208,6 +208,7 @@ class Robot:
     `effort_unit` is what its driver gives as the effort of a joint, as `--effort-unit` takes it;
     empty where it is not known.
     `following` is how its driver follows a stream of set-points.
+    `assumed_figures` are sentences on figures that are another robot's.
     """
 
     name: str
@@ -237,6 +238,7 @@ class Robot:
     actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     effort_unit: str = ""
     following: Following = Following()
+    assumed_figures: tuple[str, ...] = ()
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:
