@@ -32,7 +32,8 @@ from tracerisk.trace import (
 )
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
-SEEN = Exposure(moving_s=60.0, active_s=60.0, longest_moving_s=9, longest_active_s=9, starts=3)
+SEEN = Exposure(moving_s=60.0, active_s=60.0, longest_moving_s=9, longest_active_s=9, starts=3,
+                travel_s=6.0, wear=(1.5, 0.4, 0.1, 0.08, 0.02, 0.001, 1e-5))  # fmt: skip
 TRACE = Trace(
     controller="cell.py",
     robot="panda",
@@ -305,3 +306,23 @@ def test_what_few_failures_say_of_the_share_that_ends_the_mission_is_uncertain(m
     given = with_distributions(model, hardware_spreads(model, hardware, instances).figures)
     again = propagate(given, samples=4000)
     assert again.percentiles == pytest.approx(np.percentile(drawn, (5, 50, 95)), rel=0.1)
+
+
+@pytest.mark.parametrize(("share", "own"), [(1.0, 1.0), (0.5, 1.0), (1.0, 3.0)])
+def test_masses_on_which_sources_disagree_widen_what_wears_by_load(modelled, share, own):
+    factor = f", error_factor: {own:g}" if own > 1.0 else ""
+    law = f"{{reference_load: 0.25, wearing_share: {share}, exponent: 3}}"
+    model, hardware, instances = modelled(
+        motor(f"{{value: 1e-6, per: minute{factor}}}", f", load_law: {law}")
+    )
+    spreads = hardware_spreads(model, hardware, instances, load_factor=1.25)
+    (spread,) = spreads.figures["motor"]
+    by_load = math.log(1.0 - share + share * 1.25**3)
+    expected = math.exp(math.hypot(by_load, math.log(own)))
+    assert spread.distribution.error_factor == pytest.approx(expected)
+
+
+def test_masses_widen_nothing_that_has_no_load_law(modelled):
+    model, hardware, instances = modelled(motor(PER_MINUTE))
+    plain = hardware_spreads(model, hardware, instances)
+    assert hardware_spreads(model, hardware, instances, load_factor=2.0) == plain

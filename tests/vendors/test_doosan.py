@@ -84,11 +84,10 @@ user = line(0, 0, 0, 0, 0, 0, vel=[100.0, 30.0], acc=[100.0, 30.0], ref=101)
 paused = call(MovePause, 'motion/move_pause')
 force = call(SetDesiredForce, 'force/set_desired_force')
 grip = call(Robotiq2FOpen, 'gripper/robotiq_2f_open')
-tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
 """,
         ros=2,
     )
-    for name in ("past", "still", "far", "user", "paused", "force", "grip", "tcp"):
+    for name in ("past", "still", "far", "user", "paused", "force", "grip"):
         assert not ran[name].success, name
     assert ran.commands == []
     for reported in (
@@ -99,7 +98,6 @@ tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
         "move_pause: not simulated",
         "set_desired_force: not simulated",
         "has no gripper with joints",
-        "no tool centre point 'none'",
     ):
         assert any(reported in each for each in ran.findings), reported
 
@@ -169,3 +167,25 @@ mode = call(GetRobotMode, 'system/get_robot_mode').robot_mode
     assert ran["turned"] == pytest.approx(20.0, abs=1.0)
     assert ran["mode"] == 0
     assert ran.position("joint_3") == pytest.approx(math.pi / 2, abs=0.02)
+
+
+def test_tools_that_are_registered_in_the_box_are_an_assumption(run_on):
+    ran = run_on(
+        "m1013",
+        HEAD
+        + """
+tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='gripper_tip')
+tool = call(SetCurrentTool, 'tool/set_current_tool', name='gripper')
+again = call(SetCurrentTcp, 'tcp/set_current_tcp', name='gripper_tip')
+asked = call(GetCurrentTcp, 'tcp/get_current_tcp')
+""",
+        ros=2,
+    )
+    assert ran["tcp"].success
+    assert ran["tool"].success
+    assert ran["again"].success
+    assert ran["asked"].info == "gripper_tip"
+    assert {finding.kind for finding in ran.recording.findings} == {"assumed_setting"}
+    first, second = ran.findings
+    assert "tool centre point 'gripper_tip' is not created by the controller" in first
+    assert "tool 'gripper'" in second

@@ -73,6 +73,7 @@ def spreads_of_files(
     hardware = read_description(Path(options.hardware))
     instances: Sequence[ComponentInstances] | None = None
     by_hand: Sequence[str] = ()
+    robot = ""
     sources = [name for name in files if Path(name).suffix == ".py"]
     if sources:
         from tracerisk.cli.shared.sources import read_file
@@ -81,8 +82,8 @@ def spreads_of_files(
 
         blocks = blocks_of({name: read_file(name) for name in sources})
         by_hand = set_by_hand(block for _, block in blocks)
-        instances = _kept_instances(sources, hardware)
-    return _checked(model, hardware, instances, by_hand, is_needed=is_needed)
+        instances, robot = _kept_instances(sources, hardware)
+    return _checked(model, hardware, instances, by_hand, robot=robot, is_needed=is_needed)
 
 
 def uncertainty_of_run(
@@ -92,17 +93,19 @@ def uncertainty_of_run(
     by_hand: Sequence[str],
     options: argparse.Namespace,
     *,
+    robot: str = "",
     seed: int,
 ) -> Uncertainty | None:
     """Return the spread of a run's figure where `--uncertainty` asks for it.
 
+    The public sources of the masses of a shipped `robot` say how far its loads may be off.
     Raises InputError where the description has no error factor for the model.
     """
     if not options.uncertainty:
         return None
     from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
 
-    spreads = _checked(model, hardware, instances, by_hand)
+    spreads = _checked(model, hardware, instances, by_hand, robot=robot)
     print_spreads(spreads, options)
     return propagate(
         model,
@@ -131,11 +134,15 @@ def _checked(
     instances: Sequence[ComponentInstances] | None,
     by_hand: Sequence[str],
     *,
+    robot: str = "",
     is_needed: bool = True,
 ) -> HardwareSpreads:
     from tracerisk.pipeline.results.figure_spreads import hardware_spreads
+    from tracerisk.twin.robots.robot import load_robot, robot_names
 
-    found = hardware_spreads(model, hardware, instances, by_hand=by_hand)
+    masses = load_robot(robot).masses if robot in robot_names() else None
+    load_factor = 1.0 if masses is None else masses.error_factor
+    found = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
     if is_needed and not found.figures:
         raise InputError(
             "has no error factor for a component of the model; give its figures one, as "
@@ -147,7 +154,8 @@ def _checked(
 
 def _kept_instances(
     files: Sequence[str], hardware: Hardware
-) -> Sequence[ComponentInstances] | None:
+) -> tuple[Sequence[ComponentInstances] | None, str]:
+    """Return the instances of the last run that is kept of the files, and its robot."""
     from tracerisk.adder.figures.computed import compute_blocks
     from tracerisk.pipeline.check.cached_run import kept_run
     from tracerisk.pipeline.freshness.used_evidence import used_evidence
@@ -161,5 +169,5 @@ def _kept_instances(
                 active=kept.settings.active,
                 evidence=used_evidence(kept.controller, kept.settings, kept.fingerprint),
             )
-            return computed.instances
-    return None
+            return computed.instances, kept.trace.robot
+    return None, ""

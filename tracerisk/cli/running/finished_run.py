@@ -90,6 +90,7 @@ def finish_run(
                 instances,
                 set_by_hand(blocks),
                 options,
+                robot=done.trace.robot,
                 seed=done.settings.seed,
             ),
             explained(options, done.annotated, done.hardware, done.settings),

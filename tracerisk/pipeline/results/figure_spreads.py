@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
@@ -30,13 +31,16 @@ def hardware_spreads(
     instances: Sequence[ComponentInstances] | None = None,
     *,
     by_hand: Iterable[str] = (),
+    load_factor: float = 1.0,
 ) -> HardwareSpreads:
     """Return how far the figures of the model's components may be off.
 
     `instances` are those of a run, which give the part that each of several figures has and how
     well evidence knows the share that ends the mission; without one, the figures of a component
     are taken to be off together, by the widest factor of them.
-    Components that `by_hand` names have no figure of the description.
+    Components that `by_hand` names have no figure of the description. `load_factor` is how far
+    the load of a joint may be off, by masses on which public sources disagree; the share of a
+    figure that wears by a load law of exponent k is off by its k-th power, beside its own factor.
     """
     from tracerisk.prm.questions.uncertainty import FigureSpread
     from tracerisk.prm.questions.what_if import groups_of
@@ -47,7 +51,8 @@ def hardware_spreads(
     found: dict[str, tuple[FigureSpread, ...]] = {}
     notes = []
     left_out = set(by_hand)
-    for component in hardware.components:
+    for described in hardware.components:
+        component = _with_load(described, load_factor)
         name = component.name
         factors = [figure for figure in component.figures if figure.error_factor is not None]
         if name in left_out:
@@ -76,6 +81,22 @@ def hardware_spreads(
                 f"has; here all of it is off by the widest error factor, {_factor(widest):g}"
             )
     return HardwareSpreads(found, tuple(notes))
+
+
+def _with_load(component: Component, load_factor: float) -> Component:
+    """Return a component whose figures are off by its load, too; both are independent."""
+    law = component.load_law
+    if law is None or load_factor <= 1.0:
+        return component
+    wears = law.wearing_share
+    by_load = math.log(1.0 - wears + wears * load_factor**law.exponent)
+    figures = tuple(
+        replace(figure, error_factor=math.exp(math.hypot(by_load, math.log(_factor(figure)))))
+        if figure.demand is None and not figure.standby
+        else figure
+        for figure in component.figures
+    )
+    return replace(component, figures=figures)
 
 
 def with_distributions(
@@ -161,8 +182,6 @@ def _lognormal(figure: FailureFigure) -> Lognormal:
 
 
 def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
-    import math
-
     from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
 
     apart = 1.0

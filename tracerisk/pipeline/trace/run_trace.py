@@ -240,6 +240,8 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
     lines += [f"robot: {sentence}" for sentence in robot.assumed_figures]
+    if robot.masses is not None:
+        lines.append(f"robot: {robot.masses.sentence}")
     if settings.hardware is None and not is_shipped(robot.name):
         lines.append(
             f"hardware: all figures are assumed, none are shipped for {robot.name}; give --hardware"

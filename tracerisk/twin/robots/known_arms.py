@@ -201,9 +201,7 @@ def _is_placeholder(robot: Robot, arm: Sequence[Joint], ours: Mapping[str, Joint
     return len(speeds) == 1 < len(rated) and (robot.approximate or len(torques) == 1)
 
 
-def _rated(
-    joint: Joint, ours: Joint, assumed: bool, knows_motors: bool, takes_all: bool
-) -> Joint:
+def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool, takes_all: bool) -> Joint:
     """Return a joint with what a URDF does not say, and our figures where its own are assumed."""
     joint = replace(
         joint,

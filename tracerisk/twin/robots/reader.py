@@ -24,6 +24,7 @@ from tracerisk.twin.robots.robot import (
     Joint,
     JointType,
     Link,
+    Masses,
     Robot,
     Scaling,
     Servo,
@@ -46,6 +47,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
             "default_scaling", "default_scene", "effort_unit", "payload", "sensors", "following",
+            "masses",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -106,6 +108,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         following=_following(top.map("following"), len(by_name) - len(held))
         if "following" in top
         else Following(),
+        masses=_masses(top.map("masses"), by_name) if "masses" in top else None,
     )
 
 
@@ -284,6 +287,14 @@ def _following(entry: YamlMap, n_joints: int) -> Following:
         tuple(rises),
         entry.string("source"),
     )
+
+
+def _masses(entry: YamlMap, joints: Collection[str]) -> Masses:
+    entry.forbid_unknown({"source", "other", "gravity"})
+    gravity = entry.map("gravity")
+    gravity.forbid_unknown(set(joints))
+    ratios = {name: _positive(gravity, name) for name in joints if name in gravity}
+    return Masses(entry.string("source"), entry.string("other"), MappingProxyType(ratios))
 
 
 def _scaling(entry: YamlMap) -> Scaling:

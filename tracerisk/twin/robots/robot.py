@@ -187,6 +187,32 @@ class Following:
     """Where the figures are from; empty where none are known."""
 
 
+@dataclass(frozen=True, slots=True)
+class Masses:
+    """Where the masses of an arm are from, and how far another public source is off."""
+
+    source: str
+    """Where they are from."""
+    other: str
+    """The other public source."""
+    gravity: Mapping[str, float]
+    """The root mean square of its gravity torque over ours, of each joint with a load [1]."""
+
+    @property
+    def error_factor(self) -> float:
+        """How far the torque of a loaded joint may be off, the widest of them: a factor above 1."""
+        return max((max(each, 1.0 / each) for each in self.gravity.values()), default=1.0)
+
+    @property
+    def sentence(self) -> str:
+        """What an output says of them."""
+        apart = ", ".join(f"{name} {each - 1.0:+.0%}" for name, each in self.gravity.items())
+        return (
+            f"masses are those of {self.source}; by {self.other} the gravity torque is another "
+            f"({apart})"
+        )
+
+
 DEFAULT_SCALING = Scaling(0.1, 0.1)
 """What MoveGroupInterface takes where `default_velocity_scaling_factor` and
 `default_acceleration_scaling_factor` of the robot's joint_limits.yaml are not set."""
@@ -209,6 +235,7 @@ class Robot:
     empty where it is not known.
     `following` is how its driver follows a stream of set-points.
     `assumed_figures` are sentences on figures that are another robot's.
+    `masses` is how far public sources of the masses differ, `None` where one alone is known.
     """
 
     name: str
@@ -239,6 +266,7 @@ class Robot:
     effort_unit: str = ""
     following: Following = Following()
     assumed_figures: tuple[str, ...] = ()
+    masses: Masses | None = None
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:

@@ -161,12 +161,12 @@ class DoosanReports(TwinNode):
     def _delete_tcp(self, request: Any, answer: Any) -> bool:
         return bool(request.name) and self._tcps.pop(request.name, None) is not None
 
-    def _set_tcp(self, request: Any, answer: Any) -> bool:
+    def _set_tcp(self, request: Any, answer: Any) -> None:
         if request.name not in self._tcps:
-            return self._unknown("tool centre point", request.name, self._tcps)
+            self._assume("tool centre point", request.name, "no offset from the flange")
+            self._tcps[request.name] = ORIGIN
         self._current["tcp"] = request.name
         self._motion.tcp = compose(ORIGIN, self._tcps[request.name])
-        return True
 
     def _create_tool(self, request: Any, answer: Any) -> None:
         self._tools.add(request.name)
@@ -176,18 +176,21 @@ class DoosanReports(TwinNode):
         self._tools.discard(request.name or "-")
         return is_known
 
-    def _set_tool(self, request: Any, answer: Any) -> bool:
+    def _set_tool(self, request: Any, answer: Any) -> None:
         if request.name not in self._tools:
-            return self._unknown("tool", request.name, self._tools)
+            self._assume("tool", request.name, "no mass")
+            self._tools.add(request.name)
         self._current["tool"] = request.name
-        return True
 
-    def _unknown(self, kind: str, name: str, known: Any) -> bool:
-        names = ", ".join(sorted(each for each in known if each)) or "none"
+    def _assume(self, kind: str, name: str, taken: str) -> None:
+        """Report what is taken for a part that only the robot's own box knows."""
+        create = "config_create_tcp" if kind != "tool" else "config_create_tool"
         self._commands.report(
-            "command_ignored", f"no {kind} '{name}' was created by the controller; known: {names}"
+            "assumed_setting",
+            f"{kind} '{name}' is not created by the controller, so it is registered in the "
+            f"controller box: it is taken with {taken}; call {create} for what it is",
+            object_name=name,
         )
-        return False
 
     def _set_pin(self, place: str) -> Handler:
         def take(request: Any, answer: Any) -> None:
