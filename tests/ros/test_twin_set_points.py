@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk import trace_json
+from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.ros.robot.set_points import group_joints, single_joint
+from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm
 from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 PREAMBLE = """\
 import math, rospy
@@ -135,6 +139,65 @@ here = measured()["panda_joint1"]
     last = result.recording.commands[-1]
     assert last.end == "arrived"
     assert 5.2e9 < last.end_ns < 6.2e9
+
+
+STREAMED = """
+import math, rospy
+from std_msgs.msg import Float64MultiArray
+
+rospy.init_node("controller")
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+publisher = rospy.Publisher("/position_joint_group_controller/command", Float64MultiArray,
+                            queue_size=1)
+
+
+def stream():
+    rate = rospy.Rate({rate_hz})
+    for step in range({rate_hz} * 4 + 1):
+        share = 0.25 * (1.0 - math.cos(math.pi * step / {rate_hz} / 2.0))
+        publisher.publish(Float64MultiArray(data=[x + share for x in READY]))
+        rate.sleep()
+
+
+def begin():
+    publisher.publish(Float64MultiArray(data=READY))
+    rospy.sleep(2.0)
+
+
+begin()
+stream()
+rospy.sleep(1.0)
+"""
+
+
+def test_a_stream_takes_the_same_of_the_arm_at_any_rate(example):
+    seen = []
+    for rate_hz in (20, 100):
+        example.write("scripts/controller.py", STREAMED.format(rate_hz=rate_hz))
+        options = ("--robot", "panda", "--trace", f"{rate_hz}.json")
+        outcome = example.run("run", "scripts/controller.py", "--check", *options)
+        assert "complete" in outcome.out, outcome.out + outcome.err
+        trace = trace_json.loads(example.read(f"{rate_hz}.json").decode(), "run")
+        (visit,) = (visit for visit in trace.visits if visit.function.name == "stream")
+        joints = [visit.exposures[f"panda_joint{n}"] for n in (2, 4)]
+        seen.append([(one.moving_s, one.travel_s, one.torque_rms, one.wear[2]) for one in joints])
+    slow, fast = seen
+    for one, other in zip(slow, fast, strict=True):
+        assert one == pytest.approx(other, rel=0.01)
+
+
+@pytest.mark.parametrize(("robot", "rise"), [("panda", 15.0), ("ur5e", 40.0)])
+def test_velocities_are_reached_with_the_acceleration_of_the_driver(robot, rise):
+    twin = Twin.build(load_robot(robot), load_scene("empty"))
+    joint = twin.robot.arm_joints[0].name
+    trajectory = at_velocities(twin, {joint: 1.5}, None)
+    assert trajectory is not None
+    assert trajectory.time[0] == pytest.approx(1.5 / rise)
+    assert trajectory.velocity[0] == pytest.approx(1.5)
+    assert trajectory.position[0] == pytest.approx(
+        twin.joint_state().positions[joint] + 1.5**2 / rise / 2, abs=1e-6
+    )
+    assert at_velocities(twin, {joint: 0.0}, None) is None
 
 
 def test_a_stream_of_short_trajectories_is_one_visit(ran):
