@@ -44,7 +44,7 @@ ROBOTS = ("ur5e", "panda", "xarm7", "gen3")
 RATES_HZ = (20.0, 50.0, 125.0, 500.0)
 PERIOD_S = 4.0
 MOST_TORQUE, MOST_EXPOSURE = 0.05, 0.01
-LEAST = 0.002
+LEAST = 0.01
 """A torque below this fraction of a joint's limit is no load [1]."""
 LOADED = 0.05
 """The fraction of a joint's limit from which its wear counts, as in robot_torques.py [1]."""

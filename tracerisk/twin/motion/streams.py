@@ -152,11 +152,27 @@ class SetPointStream:
             self._points.append(self._points[-1])
         due = self._rhythm_s + max(_DUE * period, due_s)
         fastest = float((np.abs(target - self._points[-1]) / self._speed_limit).max())
-        self._times.append(max(due, self._times[-1] + max(fastest, 0.5 * period)))
-        self._points.append(target.copy())
+        self._lead_on(max(due, self._times[-1] + max(fastest, 0.5 * period)), target.copy(), now_s)
         # What lies before the window counts no more.
         while len(self._times) > 2 and self._times[1] < now_s - 2.0 * self._window_s:
             del self._times[0], self._points[0]
+
+    def _lead_on(self, due_s: float, target: Array, now_s: float) -> None:
+        """Add a line to a set-point.
+
+        Where its slope is another than the joints can change to within the window, the way is on
+        that line at once, and they are led onto it.
+        """
+        last_s, last = self._times[-1], self._points[-1]
+        slope = (target - last) / (due_s - last_s)
+        before = np.zeros_like(slope)
+        if len(self._times) > 1:
+            before = (last - self._points[-2]) / (last_s - self._times[-2])
+        if (np.abs(slope - before) > _SLACK * self._rise_limit * self._window_s).any():
+            begin_s = min(now_s, last_s) - 2.0 * self._window_s
+            self._times, self._points = [begin_s], [last - slope * (last_s - begin_s)]
+        self._times.append(due_s)
+        self._points.append(target)
 
     def _end_s(self) -> float:
         if not self._times:
