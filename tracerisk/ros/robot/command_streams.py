@@ -210,5 +210,6 @@ class CommandStreams:
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",
             self._commands.stack() if stack is None else stack,
+            object_name=topic,
             may_stream=True,
         )
