@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.slow import slow_but
+from tracerisk.ros.moveit.robot_groups import RobotGroups
 from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_distance
 from tracerisk.twin.robots.robot import Gripper, Robot, load_robot, robot_names
 
@@ -196,7 +197,9 @@ def steps_of(robot: Robot, gripper: Gripper, *, ros: int) -> list[tuple[str, str
     closes = [each for each in states if each.lower() in ("close", "closed")]
     if opens and closes:
         pairs.append((f"named({group!r}, {opens[0]!r})", f"named({group!r}, {closes[0]!r})"))
-    for joint in robot.groups[group].joints:
+    # In ROS 1 the commander gives values to joints that follow no other one.
+    joints = robot.groups[group].joints if ros == 2 else RobotGroups(robot, 0).active_joints(group)
+    for joint in joints:
         if joint in gripper.joints:
             both("joint_goal", group, joint, sign=gripper.sign(joint))
     for controller in robot.controllers:
