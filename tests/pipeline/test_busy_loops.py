@@ -74,7 +74,7 @@ def test_what_was_late_from_the_start_is_reported_once(trace):
     )
     found = [each for each in data["findings"] if each["kind"] == "command_ignored"]
     assert len(found) == 1
-    assert "all points lie in the past" in found[0]["message"]
+    assert "comes 5.000 s before the present" in found[0]["message"]
 
 
 def test_messages_that_follow_a_wait_or_are_few_take_no_time(trace):

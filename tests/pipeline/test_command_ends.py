@@ -170,7 +170,7 @@ def test_a_message_that_another_place_overtakes_is_replaced(run):
         "goal = send(0.8)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
         "goal.result().cancel_goal_async()\nwait(2.0)\nsend(0.0)\nwait(4.0)\n",
         # What was left was less than a cell can tell.
-        "send(0.03)\nwait(1.3)\nsend(0.4)\nwait(4.0)\n",
+        "send(0.03)\nwait(1.5)\nsend(0.4)\nwait(4.0)\n",
         # What was cut was sent again.
         "send(0.5)\nwait(0.5)\nsend(0.0)\nwait(4.0)\nsend(0.5)\nwait(4.0)\n",
     ],

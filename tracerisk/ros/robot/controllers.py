@@ -44,8 +44,8 @@ class ControllerManager(TwinNode):
     """Answers for the controllers of the twin's robot, under any namespace.
 
     The robot's controllers, and those of its joints that files of the workspace declare, are loaded
-    from the beginning. Of those that command the same joints the first runs. Others are loaded as
-    they are named.
+    from the beginning. Of those that command the same joints one runs: one that files declare, and
+    of these one for trajectories. Others are loaded as they are named.
     """
 
     node = "/controller_manager"
@@ -76,10 +76,15 @@ class ControllerManager(TwinNode):
     @cached_property
     def _running(self) -> set[str]:
         running: list[str] = []
-        for name in self._controllers:
+        for name in sorted(self._controllers, key=self._rank):
             if not self._conflicts(name, running):
                 running.append(name)
         return set(running)
+
+    def _rank(self, name: str) -> tuple[bool, bool]:
+        """Return how late a controller is started: those of files, and of trajectories, first."""
+        controller = self._controllers[name]
+        return not controller.settings, "Trajectory" not in controller.type
 
     def _conflicts(self, name: str, running: Iterable[str]) -> list[str]:
         """Return the controllers of some that command joints which another one commands, too."""
