@@ -51,15 +51,41 @@ print("at", *(f"{name} {position:.2f}" for name, position in sorted(here.items()
 """
 
 
-@pytest.fixture(scope="module")
-def ran(tmp_path_factory, example_in):
-    example = example_in(tmp_path_factory.mktemp("claw"))
+TWO_BRING_UPS = {
+    "leader": "arm: {type: a/JointTrajectoryController, joints: [hinge_1, hinge_2, hinge_3]}\n",
+    "other_robot": "arm: {type: a/JointTrajectoryController, joints: [wheel_1, hinge_1]}\n",
+    "whole": "arm: {type: a/JointTrajectoryController, joints: [hinge_4, hinge_1, hinge_2, hinge_3]}",
+}
+FOLLOWING = """\
+import rospy, actionlib
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+rospy.init_node("mover")
+arm = actionlib.SimpleActionClient("/arm/follow_joint_trajectory", FollowJointTrajectoryAction)
+arm.wait_for_server()
+goal = FollowJointTrajectoryGoal()
+goal.trajectory.joint_names = [f"hinge_{i}" for i in NAMES]
+goal.trajectory.points = [
+    JointTrajectoryPoint(positions=[0.2] * len(NAMES), time_from_start=rospy.Duration(1.0))]
+arm.send_goal_and_wait(goal)
+print("code", arm.get_result().error_code)
+"""
+
+
+def claw(example):
     joints = [
         JOINT.format(name=f"hinge_{i}", parent=parent, child=f"link_{i}", axis="0 0 1")
         for i, parent in ((1, "base"), (2, "link_1"), (3, "link_2"), (4, "link_3"))
     ]
     example.write("package.xml", "<package><name>claw</name></package>\n")
     example.write("urdf/claw.urdf", ARM.format(joints="".join(joints)))
+    return example
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory, example_in):
+    example = claw(example_in(tmp_path_factory.mktemp("claw")))
     example.write("config/controllers.yaml", DECLARED)
     example.write("c.py", PROGRAM)
     return example.run("trace", "c.py", "--json")
@@ -74,3 +100,16 @@ def test_commands_move_the_joints_that_the_workspaces_controller_has(ran):
 def test_it_is_listed_with_its_type_and_runs(ran):
     text = "controller outer forward_command_controller/ForwardCommandController active"
     assert f"{text} hinge_3/position hinge_1/position" in ran.err + ran.out
+
+
+@pytest.mark.parametrize(
+    ("names", "code"),
+    [("1, 2, 3, 4", 0), ("1, 2, 3", 0), ("3, 4", -2)],
+)
+def test_of_several_bring_ups_that_have_one_the_message_says_which(example, names, code):
+    claw(example)
+    for folder, text in TWO_BRING_UPS.items():
+        example.write(f"config/{folder}/controllers.yaml", text)
+    example.write("c.py", FOLLOWING.replace("NAMES", f"[{names}]"))
+    ran = example.run("trace", "c.py")
+    assert f"code {code}" in ran.out + ran.err

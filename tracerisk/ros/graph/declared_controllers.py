@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -33,6 +33,15 @@ class DeclaredController:
     settings: Mapping[str, Any] = field(default_factory=dict)
     """All its parameters by their dotted names; of several files the first that gives one counts.
     Empty where only MoveIt's files name it: they say nothing of what it does."""
+    others: tuple[tuple[str, ...], ...] = ()
+    """The joints that other files give a controller of this name: those of a workspace's other
+    robots and bring-ups."""
+
+    def of_joints(self, fits: Callable[[frozenset[str]], bool]) -> DeclaredController | None:
+        """Return it with the first of its lists of joints that fits, `None` where none does."""
+        lists = (self.joints, *self.others)
+        found = next((names for names in lists if fits(frozenset(names))), None)
+        return None if found is None else replace(self, joints=found)
 
     @property
     def quantity(self) -> str:
@@ -52,7 +61,7 @@ class DeclaredControllers:
     @cached_property
     def all(self) -> Mapping[str, DeclaredController]:
         """The controllers by their names; of several files the first counts."""
-        joints: dict[str, tuple[str, ...]] = {}
+        joints: dict[str, list[tuple[str, ...]]] = {}
         types: dict[str, str] = {}
         grippers: set[str] = set()
         settings: dict[str, dict[str, Any]] = {}
@@ -70,7 +79,7 @@ class DeclaredControllers:
                     if "/" in value or name not in types:
                         types[name] = value
                 elif moved := _moved_joints(last, value):
-                    joints.setdefault(name, moved)
+                    joints.setdefault(name, []).append(moved)
                     grippers |= {name} if last == "joint" else set()
                     if _MOVEIT not in above:
                         own = settings.setdefault(name, {})
@@ -82,8 +91,9 @@ class DeclaredControllers:
                 types.get(name, ""),
                 str(settings.get(name, {}).get("interface_name", "")),
                 settings.get(name, {}),
+                tuple(others),
             )
-            for name, moved in joints.items()
+            for name, (moved, *others) in joints.items()
             # `joint` is said of much else than of grippers.
             if len(moved) != 1 or name not in grippers or "ripper" in types.get(name, "")
         }
@@ -91,7 +101,8 @@ class DeclaredControllers:
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
         """Return those of which a robot with these joints has every joint."""
         known = {*joints}
-        return {name: each for name, each in self.all.items() if known.issuperset(each.joints)}
+        found = {name: each.of_joints(known.issuperset) for name, each in self.all.items()}
+        return {name: each for name, each in found.items() if each is not None}
 
     def of_topic(self, topic: str) -> DeclaredController | None:
         """Return the controller that takes a topic's commands, if a file declares it."""

@@ -160,7 +160,10 @@ class TrajectoryControllers:
             if _FOR_GRIPPERS in declared.type:
                 break
             values = declared.settings if "TrajectoryController" in declared.type else {}
-            return TrajectorySettings.of(declared.joints, values)
+            # Several bring-ups of a workspace may have one of this name: the message says which.
+            named = frozenset(joints)
+            asked = declared.of_joints(named.__eq__) or declared.of_joints(named.issubset)
+            return TrajectorySettings.of((asked or declared).joints, values)
         return TrajectorySettings(self._guessed(joints))
 
     def _guessed(self, joints: tuple[str, ...]) -> tuple[str, ...]:
