@@ -242,7 +242,17 @@ class TrajectoryExecution:
         def check() -> None:
             if execution.motion.outcome != "active":
                 return
+            here = self._twin.joint_state().positions
+            motion = execution.motion
+            left = {
+                name: abs(goal - here[name])
+                for name, goal in zip(motion.elements, motion.goal, strict=True)
+                if name in here
+            }
             why = f"MoveIt stopped it after {longest_s:.3g} s, the longest that it allows"
+            if left:
+                farthest = max(left, key=lambda name: left[name])
+                why += f"; joint '{farthest}' is {left[farthest]:.4f} from its goal"
             pressed = self._twin.pressed()
             if pressed is not None:
                 why += f"; '{pressed[0]}' presses on '{pressed[1]}'"
