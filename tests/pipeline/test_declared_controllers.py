@@ -113,3 +113,16 @@ def test_of_several_bring_ups_that_have_one_the_message_says_which(example, name
     example.write("c.py", FOLLOWING.replace("NAMES", f"[{names}]"))
     ran = example.run("trace", "c.py")
     assert f"code {code}" in ran.out + ran.err
+
+
+def test_files_that_nobody_may_read_declare_nothing(example):
+    claw(example)
+    example.write("config/whole/controllers.yaml", TWO_BRING_UPS["whole"])
+    # The sandbox hides files whose names begin with a dot.
+    example.write(".pre-commit-config.yaml", "joints: [hinge_1]\n")
+    example.write("config/lost.yaml", "joints: [hinge_1]\n")
+    (example.folder / "config/lost.yaml").unlink()
+    (example.folder / "config/lost.yaml").symlink_to("nowhere.yaml")
+    example.write("c.py", FOLLOWING.replace("NAMES", "[1, 2, 3, 4]"))
+    ran = example.run("trace", "c.py")
+    assert "code 0" in ran.out + ran.err

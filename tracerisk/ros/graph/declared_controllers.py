@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -161,7 +162,9 @@ def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
             inner[:] = sorted(each for each in inner if not each.startswith("."))
             for file in sorted(files):
                 path = Path(folder, file)
-                if not file.endswith((".yaml", ".yml")) or path.stat().st_size > _MOST_BYTES:
+                if file.startswith(".") or not file.endswith((".yaml", ".yml")):
                     continue
-                if word in path.read_bytes():
-                    yield path
+                # What cannot be read, or only outside the sandbox, declares nothing.
+                with contextlib.suppress(OSError):
+                    if path.stat().st_size <= _MOST_BYTES and word in path.read_bytes():
+                        yield path
