@@ -45,6 +45,7 @@ BELOW = (
         "sandbox",
         "strong_components",
         "text",
+        "worlds",
     ),
 )
 """What every room may import, and what imports no room."""
@@ -77,7 +78,16 @@ SUB_ROOMS = {
             "moveit",
             "robot",
         ),
-        *("drafts", "transforms", "messages", "graph", "time", "controller", "homogeneous"),
+        *(
+            "drafts",
+            "transforms",
+            "messages",
+            "graph",
+            "world",
+            "time",
+            "controller",
+            "homogeneous",
+        ),
         "distributions",
     ),
     "twin": (

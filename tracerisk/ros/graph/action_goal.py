@@ -107,10 +107,11 @@ class ActionGoal:
     result: Any = None
     is_cancel_asked: bool = False
     is_cancel_unread: bool = False
+    is_on_way: bool = False
     data: Any = None
     motion: Any = None
 
-    # The server's side
+    # The server's side; `is_on_way` until the goal has come there
 
     def accept(self, text: str = "", *, executing: bool = True) -> None:
         """Take the goal; it is ACTIVE, or ACCEPTED until `execute` where not `executing`.
@@ -210,6 +211,18 @@ class ActionGoal:
         if self.state.is_terminal or self.state in (GoalState.RECALLING, GoalState.PREEMPTING):
             return
         self.is_cancel_asked = True
+        if not self.is_on_way:
+            self._pass_on_cancel()
+
+    def arrive(self) -> None:
+        """Come to the server, and a request to cancel that was sent meanwhile after it."""
+        self.is_on_way = False
+        if self.server is not None and not self.server.closed:
+            self.server.on_goal(self)
+            if self.is_cancel_asked and not self.state.is_terminal:
+                self._pass_on_cancel()
+
+    def _pass_on_cancel(self) -> None:
         if self.server is not None and not self.server.closed:
             self.server.on_cancel(self)
 

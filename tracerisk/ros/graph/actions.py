@@ -70,7 +70,10 @@ class ActionServerEnd:
 
 @dataclass(slots=True, eq=False)
 class ActionClientEnd:
-    """Who sends goals of an action; `copy` makes what is sent of a goal."""
+    """Who sends goals of an action; `copy` makes what is sent of a goal.
+
+    `by_controller` is False for one of the twin's that sends what came by other means.
+    """
 
     actions: Actions
     name: str
@@ -79,12 +82,25 @@ class ActionClientEnd:
     copy: Callable[[Any], Any]
     closed: bool = False
     place: Location | None = field(default_factory=asking_place)
+    by_controller: bool = True
+    made_ns: int = 0
     _numbers: Any = field(default_factory=lambda: itertools.count(1))
 
     @property
     def server(self) -> ActionServerEnd | None:
-        """Who serves the action with the client's type, if anybody."""
-        return self.actions.server(self.name, self.type_name)
+        """Who serves the action with the client's type, if anybody that is connected."""
+        server = self.actions.server(self.name, self.type_name)
+        if server is None or not self._is_away(server):
+            return server
+        return server if self.connected_ns <= self.actions.scheduler.now_ns else None
+
+    @property
+    def connected_ns(self) -> int:
+        """When it is connected to a server of the cell [ns]."""
+        return self.actions.carrier.connected_ns(self.name, self.made_ns)
+
+    def _is_away(self, server: ActionServerEnd) -> bool:
+        return self.by_controller and not server.by_controller
 
     def is_served(self) -> bool:
         """Return whether somebody serves the action, as the controller asks it."""
@@ -138,6 +154,7 @@ class ActionClientEnd:
         server = self.server
         if server is None:
             scheduler.miss(self._need)
+            self.actions.carrier.note_lost(f"a goal of {self.name} is lost", asking_place())
         goal = ActionGoal(
             f"{self.node}-{number}" if goal_id is None else goal_id,
             self,
@@ -153,7 +170,10 @@ class ActionClientEnd:
         if server is not None:
             server.is_called = True
             server.goals.append(goal)
-            server.on_goal(goal)
+            goal.is_on_way = True
+            self.actions.carrier.carry(
+                goal.arrive, (self.name, "goal"), is_away=self._is_away(server)
+            )
         return goal
 
     @property
@@ -191,6 +211,7 @@ class Actions:
 
     def __init__(self, runtime: Runtime) -> None:
         self.scheduler = runtime.scheduler
+        self.carrier = runtime.graph.carrier
         self._runtime = runtime
         self._servers: dict[str, list[ActionServerEnd]] = {}
         self._clients: dict[str, list[ActionClientEnd]] = {}
@@ -252,9 +273,14 @@ class Actions:
         *,
         node: str,
         copy: Callable[[Any], Any] = lambda message: message,
+        by_controller: bool = True,
     ) -> ActionClientEnd:
         """Become a client of an action; the twin serves it then, if its type is one of its own."""
-        client = ActionClientEnd(self, name, type_name, node, copy)
+        client = ActionClientEnd(self, name, type_name, node, copy, by_controller=by_controller)
+        client.made_ns = self.scheduler.now_ns
+        if client.connected_ns > client.made_ns:
+            # Who waits for the server looks again.
+            self.scheduler.call_at(client.connected_ns, lambda: None)
         self._clients.setdefault(name, []).append(client)
         self._report("client", name, type_name)
         return client

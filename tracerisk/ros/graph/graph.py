@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from tracerisk.errors import Location
@@ -23,6 +24,8 @@ from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
+from tracerisk.ros.world.carrier import Carrier
+from tracerisk.worlds import NOMINAL, World
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.action_goal import ActionGoal
@@ -62,14 +65,25 @@ class Publication:
     closed: bool = False
     on_received: Callable[[Subscription], None] | None = None
     pace: PublishingPace = field(default_factory=PublishingPace)
+    made_ns: int = 0
+    keeps_for_late: bool = False
+    """Whether a message waits for subscriptions that exist and are not connected yet."""
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
         """The subscriptions that it reaches, in the order in which they were made."""
+        return tuple(each for each in self._matching() if self.graph.is_connected(self, each))
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody subscribes to what it publishes, connected or not yet."""
+        return bool(self._matching())
+
+    def _matching(self) -> list[Subscription]:
         if self.closed:
-            return ()
+            return []
         known = self.graph.subscriptions(self.topic)
-        return tuple(each for each in known if _types_agree(self.type_name, each.type_name))
+        return [each for each in known if _types_agree(self.type_name, each.type_name)]
 
     def publish(self, message: Any, only: Subscription | None = None) -> None:
         """Send a copy of `message` to every subscription, or to one; keep it where it is latched.
@@ -82,19 +96,29 @@ class Publication:
         scheduler.raise_if_over()
         self.pace.keep(scheduler)
         receivers = self.subscriptions if only is None else (only,)
+        late = [each for each in self._matching() if each not in receivers] if only is None else []
         if self.by_controller and only is None and (cell := self.graph.count(self.topic)):
             cell.published(self, receivers, message)
+        if late and self.by_controller and not self.latch:
+            self.graph.carrier.note_lost(f"a message on {self.topic} is lost", asking_place())
         if not receivers:
             if self.topic not in self.graph._unheard:
                 self.graph._unheard[self.topic] = self, asking_place()
-            if not self.latch:
+            if not self.latch and not self.keeps_for_late:
                 return
         snapshot = self.copy(message)
         self.sent += 1
         if self.latch and only is None:
             self.latched = snapshot
         for receiver in receivers:
-            receiver.receive(snapshot, self)
+            self.graph.carrier.carry(
+                partial(receiver.receive, snapshot, self),
+                (id(self), id(receiver)),
+                is_away=self.by_controller != receiver.by_controller,
+            )
+        if self.keeps_for_late:
+            for receiver in late:
+                self.graph.when_connected(self, receiver, partial(receiver.receive, snapshot, self))
 
     def close(self) -> None:
         """Leave the topic."""
@@ -126,6 +150,7 @@ class Subscription:
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for the controller's own."""
     on_close: list[Callable[[], None]] = field(default_factory=list)
+    made_ns: int = 0
 
     @property
     def publications(self) -> tuple[Publication, ...]:
@@ -133,10 +158,16 @@ class Subscription:
         if self.closed:
             return ()
         known = self.graph.publications(self.topic)
-        return tuple(each for each in known if _types_agree(each.type_name, self.type_name))
+        return tuple(
+            each
+            for each in known
+            if _types_agree(each.type_name, self.type_name) and self.graph.is_connected(each, self)
+        )
 
     def receive(self, message: Any, publication: Publication) -> None:
-        """Take a message of a publication."""
+        """Take a message of a publication; one that comes after its end is dropped."""
+        if self.closed:
+            return
         if publication.on_received is not None and self.by_controller:
             publication.on_received(self)
         self.deliver(message, publication)
@@ -205,6 +236,7 @@ class Graph:
 
     `tracer` makes each service handler a root. `warn` gets what a user should know, such as
     two types on one topic; by default it is an error line on standard error.
+    `world` says how long messages take, and how long ends take to connect.
     `counts` is how many messages, calls and goals of the controller went to each name, without
     those of nodes started beside it; `cell` is notified of each.
     """
@@ -215,9 +247,11 @@ class Graph:
         tracer: CallTracer | None = None,
         *,
         warn: Callable[[str], None] = _report_on_stderr,
+        world: World = NOMINAL,
     ) -> None:
         self.scheduler = scheduler
         self.tracer = tracer
+        self.carrier = Carrier(scheduler, tracer, world)
         self.parameters = ParameterTree()
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
@@ -226,6 +260,7 @@ class Graph:
         self._unheard: dict[str, tuple[Publication, Location | None]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._callers: dict[Need, Missed] = {}
+        self._sought_ns: dict[str, int] = {}
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
@@ -288,14 +323,14 @@ class Graph:
         publication = Publication(
             self, topic, type_name, node, latch, copy, on_connect, on_disconnect, by_controller
         )
+        publication.made_ns = self.scheduler.now_ns
         entry = self._topics.setdefault(topic, _Topic())
         for other in entry.subscriptions:
             self._warn_of_types(topic, type_name, other.type_name)
         entry.publications.append(publication)
         self._report("advertised", topic, type_name)
-        if on_connect is not None:
-            for subscription in publication.subscriptions:
-                on_connect(subscription)
+        for subscription in publication._matching():
+            self._connect(publication, subscription)
         return publication
 
     def subscribe(
@@ -324,13 +359,43 @@ class Graph:
         for other in entry.publications:
             self._warn_of_types(topic, other.type_name, type_name)
         entry.subscriptions.append(subscription)
+        subscription.made_ns = self.scheduler.now_ns
         self._report("subscribed", topic, type_name)
-        for publication in subscription.publications:
+        for publication in self.publications(topic):
+            if _types_agree(publication.type_name, type_name):
+                self._connect(publication, subscription)
+        return subscription
+
+    def is_connected(self, publication: Publication, subscription: Subscription) -> bool:
+        """Return whether two ends of a topic have found each other."""
+        return self._connected_ns(publication, subscription) <= self.scheduler.now_ns
+
+    def when_connected(
+        self, publication: Publication, subscription: Subscription, act: Callable[[], None]
+    ) -> None:
+        """Call `act` once two ends of a topic have found each other, now where they have."""
+        due_ns = self._connected_ns(publication, subscription)
+        if due_ns <= self.scheduler.now_ns:
+            act()
+        else:
+            self.scheduler.call_at(due_ns, act)
+
+    def _connected_ns(self, publication: Publication, subscription: Subscription) -> int:
+        if publication.by_controller == subscription.by_controller:
+            return 0  # of one process, or of the cell, which was there before
+        made_ns = max(publication.made_ns, subscription.made_ns)
+        return self.carrier.connected_ns(publication.topic, made_ns)
+
+    def _connect(self, publication: Publication, subscription: Subscription) -> None:
+        def connect() -> None:
+            if publication.closed or subscription.closed:
+                return
             if publication.on_connect is not None:
                 publication.on_connect(subscription)
             if publication.latched is not None:
                 subscription.receive(publication.latched, publication)
-        return subscription
+
+        self.when_connected(publication, subscription, connect)
 
     def publications(self, topic: str) -> tuple[Publication, ...]:
         """Return who publishes on a topic."""
@@ -414,7 +479,19 @@ class Graph:
         """Return who serves a name, if anybody; a service of the twin's begins with that.
 
         One of another type than whoever asks means does not: many drivers have a `get_state`.
+        One of the cell's that the controller is not connected to yet does not either.
         """
+        server = self._server(name, type_name)
+        return server if server is not None and self._is_found(server) else None
+
+    def _is_found(self, server: ServiceServer) -> bool:
+        """Return whether the controller has found a server of the cell."""
+        if server.is_callback:
+            return True
+        sought_ns = self._sought_ns.get(server.name, 0)
+        return self.carrier.connected_ns(server.name, sought_ns) <= self.scheduler.now_ns
+
+    def _server(self, name: str, type_name: str | None) -> ServiceServer | None:
         known = self._services.get(name)
         parts = name.rsplit("/", 2)
         offered = {
@@ -437,8 +514,17 @@ class Graph:
         handle, node = offered[kind]
         return self.serve(name, kind, handle, node=node, is_callback=False)
 
-    def become_caller(self, name: str, type_name: str) -> None:
-        """Note that the code which runs has a client of a service."""
+    def become_caller(self, name: str, type_name: str, *, connects: bool = False) -> None:
+        """Note that the code which runs has a client of a service.
+
+        One that `connects` (ROS 2) has to find the server first; else the master knows it, as soon
+        as the cell has started.
+        """
+        if connects:
+            self._sought_ns.setdefault(name, self.scheduler.now_ns)
+        due_ns = self.carrier.connected_ns(name, self._sought_ns.get(name, 0))
+        if due_ns > self.scheduler.now_ns:
+            self.scheduler.call_at(due_ns, lambda: None)  # who waits for it looks again
         need = Need("service", name, type_name)
         self._callers.setdefault(need, Missed(need, 0, 0, asking_place()))
 
@@ -481,16 +567,22 @@ class Graph:
             RunOver: the run is over; a wait that nothing can end is a deadlock that names the
                 service and where the controller waits.
         """
-        self.service(name)
+        if self.service(name) is None and self._services.get(name) is not None:
+            due_ns = self.carrier.connected_ns(name, self._sought_ns.get(name, 0))
+            self.scheduler.call_at(due_ns, lambda: None)  # the wait looks again
         text = f"service {name}" + (f" ({type_name})" if type_name else "")
         self.scheduler.wait_until(
-            lambda: name in self._services or unless(),
+            lambda: self._is_known(name) or unless(),
             timeout_ns=timeout_ns,
             reason=text,
             kind="unmet",
             need=Need("service", name, type_name or ""),
         )
-        return name in self._services
+        return self._is_known(name)
+
+    def _is_known(self, name: str) -> bool:
+        known = self._services.get(name)
+        return known is not None and self._is_found(known)
 
     def call(self, server: ServiceServer, request: Any) -> Any:
         """Call a service and wait for its response.
@@ -515,7 +607,10 @@ class Graph:
 
     def _answer(self, server: ServiceServer, request: Any) -> Any:
         if not server.is_callback:
-            return server.handle(request)
+            self.carrier.pass_latency()
+            response = server.handle(request)
+            self.carrier.pass_latency()
+            return response
         self.scheduler.ask(server.process)
         answer = _Answer()
         thread = self.scheduler.spawn(

@@ -254,6 +254,7 @@ class MoveGroupServer(RobotGroups):
         PlanningError where there are none. `asked` is the goal in findings.
         """
         self._runtime.scheduler.touch()
+        self._runtime.graph.carrier.pass_planning()
         failure = PlanningError("invalid_goal", "no goal is set; set a target first")
         for state in states:
             try:
@@ -284,6 +285,7 @@ class MoveGroupServer(RobotGroups):
         success with a finding.
         """
         self._runtime.scheduler.touch()
+        self._runtime.graph.carrier.pass_planning()
         try:
             trajectory, fraction = self._twin.plan_cartesian(
                 group,

@@ -49,7 +49,9 @@ class ActionTopics(TwinNode):
         if leaf == "goal" and type_name.endswith("ActionGoal"):
             kind = type_name.removesuffix("ActionGoal")
             self._sent_by_topic.add(action)
-            self._clients[action] = self._actions.client(action, kind, node=self.node)
+            self._clients[action] = self._actions.client(
+                action, kind, node=self.node, by_controller=False
+            )
             self._hear(name, type_name, lambda message, _: self._send(action, message))
             self._hear(
                 f"{action}/cancel", _GOAL_ID, lambda message, _: self._cancel(action, message)
@@ -140,6 +142,6 @@ class ActionTopics(TwinNode):
     def _publication(self, topic: str, type_name: str, *, latch: bool = False) -> Publication:
         if topic not in self._publications:
             self._publications[topic] = self._graph.advertise(
-                topic, type_name, node=self.node, latch=latch
+                topic, type_name, node=self.node, latch=latch, by_controller=False
             )
         return self._publications[topic]

@@ -51,9 +51,14 @@ class TwinFrames:
         self._fixed = fixed
         self._alike: dict[str, str] = {}
         graph = runtime.graph
-        moving = graph.advertise(TF, TF_TYPE, node=_PUBLISHER)
+        moving = graph.advertise(TF, TF_TYPE, node=_PUBLISHER, by_controller=False)
         self._static: Publication = graph.advertise(
-            TF_STATIC, TF_TYPE, node=_PUBLISHER, latch=True, on_connect=self._on_static_listener
+            TF_STATIC,
+            TF_TYPE,
+            node=_PUBLISHER,
+            latch=True,
+            on_connect=self._on_static_listener,
+            by_controller=False,
         )
         TopicStream(runtime, moving, RATE_HZ, lambda: self._message(self._moving))
         graph.parameters.offer(DESCRIPTION, self._description)
@@ -64,6 +69,7 @@ class TwinFrames:
                 node=_PUBLISHER,
                 latch=True,
                 on_connect=self._on_reader,
+                by_controller=False,
             )
 
     def _description(self) -> str:

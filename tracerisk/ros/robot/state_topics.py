@@ -60,7 +60,7 @@ class TwinTopics(TwinNode):
         self._asked: set[str] = set()
         self._used: set[str] = set()
         self._publish_states(JOINT_STATES)
-        clock = self._graph.advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER)
+        clock = self._graph.advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER, by_controller=False)
         TopicStream(runtime, clock, CLOCK_HZ, self._clock)
         self._graph.watch(self._on_change)
         runtime.client(Actions).watch(self._on_action)
@@ -160,14 +160,16 @@ def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[int] | None
     """Fill a sensor_msgs/JointState with all joints of the twin, by default in its own order.
 
     `order` are their places in the order of another driver. After them come the names that a
-    driver has for several of them.
+    driver has for several of them; a world may order all anew.
     """
     state = runtime.twin.joint_state()
     names = runtime.client(JointNames)
     places = [i for i in order or range(len(state.names)) if state.names[i] not in state.absent]
     present = [state.names[i] for i in places]
     more = [name for name in names.of_joints if {*names.joints_of(name)} <= {*present}]
-    message.name = [*present, *more]
+    joints = [*present, *more]
+    message.name = runtime.graph.carrier.world.ordered(joints)
+    listed = [joints.index(name) for name in message.name]
     for key, values, combine in (
         ("position", state.position, names.value),
         ("velocity", state.velocity, names.value),
@@ -175,4 +177,5 @@ def fill_joint_state(message: Any, runtime: Runtime, order: Sequence[int] | None
     ):
         numbers = [values[i] for i in places]
         of_joints = dict(zip(present, numbers, strict=True)) if more else {}
-        setattr(message, key, [*numbers, *(combine(name, of_joints) for name in more)])
+        numbers += [combine(name, of_joints) for name in more]
+        setattr(message, key, [numbers[i] for i in listed])

@@ -136,7 +136,7 @@ class TwinNode:
     ) -> None:
         topic, type_name = publication.topic, publication.type_name
         message = None
-        if publication.subscriptions:
+        if publication.is_wanted:
             message = make(self._messages.new(type_name), topic)
         if message is None:
             self._reported.discard(self._key(topic, type_name))
@@ -204,7 +204,7 @@ class TopicStream:
         self._scheduler.call_at(following_ns, self._tick, background=True)
 
     def _tick(self) -> None:
-        if not self._publication.subscriptions:
+        if not self._publication.is_wanted:
             self._is_ticking = False
             return
         if not self._yields or len(self._graph.publications(self._publication.topic)) == 1:

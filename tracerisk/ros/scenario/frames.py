@@ -41,10 +41,12 @@ class ScenarioFrames:
         if not frames:
             return
         graph = runtime.graph
-        self._moving: Publication = graph.advertise(TF, TF_TYPE, node=NODE)
+        self._moving: Publication = graph.advertise(TF, TF_TYPE, node=NODE, by_controller=False)
         for frame in frames:
             if frame.rate is None:
-                static = graph.advertise(TF_STATIC, TF_TYPE, node=NODE, latch=True)
+                static = graph.advertise(
+                    TF_STATIC, TF_TYPE, node=NODE, latch=True, by_controller=False
+                )
                 self._place_static(static, frame)
             else:
                 self._begin(frame, frame.rate)

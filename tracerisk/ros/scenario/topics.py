@@ -42,6 +42,8 @@ class ScenarioTopic:
             by_controller=False,
             on_connect=None if entry.at or entry.rate is not None else self._on_subscriber,
         )
+        # What it publishes at an instant comes from a cell that is up and waits for who listens.
+        self._publication.keeps_for_late = bool(entry.at) and entry.rate is None
         robot = getattr(runtime.twin, "robot", None)
         if robot is not None:
             runtime.client(SensorReading).reports(

@@ -124,7 +124,7 @@ class InterbotixDriver(TwinNode):
 
     def _publish(self, topic: str, due_ns: int) -> None:
         publication = self._publications[topic]
-        if publication.subscriptions and self._ticked.get(topic, -1) < due_ns:
+        if publication.is_wanted and self._ticked.get(topic, -1) < due_ns:
             self._ticked[topic] = due_ns
             publication.publish(self._joint_state())
             self._go_on(topic)
@@ -133,7 +133,8 @@ class InterbotixDriver(TwinNode):
         state = self._twin.joint_state()
         message = self._messages.new(JOINT_STATE_TYPE)
         self._now(message.header)
-        message.name = [each for each in self._joint_order() if each not in state.absent]
+        present = [each for each in self._joint_order() if each not in state.absent]
+        message.name = self._graph.carrier.world.ordered(present)
         values = {
             name: (state.position[i], state.velocity[i], state.effort[i])
             for i, name in enumerate(state.names)

@@ -106,7 +106,7 @@ class ActionServices:
         if action not in self._clients:
             server = self._servers(action)[-1]
             self._clients[action] = self._actions.client(
-                action, server.type_name, node=server.node, copy=server.copy
+                action, server.type_name, node=server.node, copy=server.copy, by_controller=False
             )
         goal = goals[number] = self._clients[action].send(request.goal, goal_id=number)
         self._scheduler.wait_until(

@@ -39,7 +39,7 @@ class Client(ServiceEnd):
         self._n_calls = 0
         self._pending: list[Future] = []
         self._responses: deque[tuple[Future, Any, int]] = deque()
-        run().graph.become_caller(srv_name, srv_type._ros_type)
+        run().graph.become_caller(srv_name, srv_type._ros_type, connects=True)
 
     def call(self, request: Any, *timeout: float | None, **named: float | None) -> Any:
         """Call the service and wait for the response; another thread has to spin.
@@ -89,6 +89,7 @@ class Client(ServiceEnd):
         if server is None:
             run().scheduler.miss(self._need)
             # Lost, as on a network: who serves later never hears of it.
+            run().graph.carrier.note_lost(f"a call of {self.srv_name} is lost", asking_place())
             return future
         service = getattr(server.handle, "__self__", None)
         if isinstance(service, Service):

@@ -1,0 +1,90 @@
+"""What lies between a controller and its cell: the time that messages and connections take."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Hashable
+from contextlib import nullcontext
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.ros.time.scheduler import CallTracer, Scheduler
+from tracerisk.worlds import World
+
+_MOST_LOST = 20  # of one run: the first say what is wrong
+
+
+class Carrier:
+    """Carries what controller and cell send each other, as long as the world says.
+
+    What is carried between the same two ends arrives in the order in which it was sent. `lost` is
+    what was sent to an end that was not connected yet: in words, and where.
+    """
+
+    def __init__(self, scheduler: Scheduler, tracer: CallTracer | Any, world: World) -> None:
+        self.world = world
+        self.lost: list[tuple[str, Location | None]] = []
+        self._scheduler = scheduler
+        self._tracer = tracer
+        self._numbers = itertools.count()
+        self._arrived_ns: dict[Hashable, int] = {}
+
+    def connected_ns(self, name: str, made_ns: int) -> int:
+        """Return when two ends of a name are connected of which the later was made then [ns]."""
+        return made_ns + self.world.drawn_ns(self.world.discovery_s, name)
+
+    def note_lost(self, what: str, place: Location | None) -> None:
+        """Note what of the controller's was sent to nobody."""
+        if len(self.lost) < _MOST_LOST and (what, place) not in self.lost:
+            self.lost.append((what, place))
+
+    def carry(self, deliver: Callable[[], object], ends: Hashable, *, is_away: bool = True) -> None:
+        """Deliver something on behalf of the running code, after its time on the way.
+
+        `is_away`: it goes from the controller to the cell or back, and not within either.
+        """
+        latency_ns = self._latency_ns() if is_away else 0
+        if not latency_ns:
+            deliver()
+            return
+        now_ns = self._scheduler.now_ns
+        due_ns = self._arrived_ns[ends] = max(now_ns + latency_ns, self._arrived_ns.get(ends, 0))
+        self.at(due_ns, deliver)
+
+    def at(self, due_ns: int, act: Callable[[], object]) -> None:
+        """Call `act` at a time [ns] on behalf of the code that runs now."""
+        captured = None if self._tracer is None else self._tracer.capture()
+        behalf: Any = nullcontext()
+        if captured is not None and captured.frames:
+            behalf = self._tracer.resume(captured)
+
+        def call() -> None:
+            with behalf:
+                act()
+
+        self._scheduler.call_at(due_ns, call)
+
+    def pass_latency(self) -> None:
+        """Let the running code wait for what it sends, or for its answer, to arrive."""
+        self.pass_time(self._latency_ns())
+
+    def pass_planning(self) -> None:
+        """Let the running code wait for a plan."""
+        self.pass_time(self.planning_ns())
+
+    def planning_ns(self) -> int:
+        """Return how long the next plan takes [ns]."""
+        if not self.world.planning_s[1]:
+            return 0
+        return self.world.drawn_ns(self.world.planning_s, next(self._numbers))
+
+    def pass_time(self, duration_ns: int) -> None:
+        """Let a thread of the controller wait; what runs in a kernel event never does."""
+        scheduler = self._scheduler
+        if duration_ns and scheduler.current is not None and not scheduler.in_kernel:
+            scheduler.pass_until(scheduler.now_ns + duration_ns)
+
+    def _latency_ns(self) -> int:
+        if not self.world.latency_s[1]:
+            return 0
+        return self.world.drawn_ns(self.world.latency_s, next(self._numbers))
