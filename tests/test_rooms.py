@@ -59,6 +59,7 @@ SUB_ROOMS = {
             "review",
             "check",
             "mutation",
+            "worlds",
             "evidence",
             "stages",
             "scenarios",

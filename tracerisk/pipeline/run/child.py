@@ -49,6 +49,7 @@ from tracerisk.pipeline.trace.run_files import (
     GIVEN,
     GRAPH_USE,
     JOINTS_ASKED,
+    LOST_ON_THE_WAY,
     ROBOT,
     STACKS,
     STARTED,
@@ -86,6 +87,7 @@ from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.world.start import started_in
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.overlay import Overlay
@@ -100,6 +102,7 @@ from tracerisk.vendors.description import Driver
 from tracerisk.vendors.description_reader import driver_of
 from tracerisk.vendors.driver_search import definitions_of, read_drivers, shipped_drivers
 from tracerisk.vendors.serving import serve_vendors
+from tracerisk.worlds.world import NOMINAL, world_named
 
 __all__ = ["main", "prepare"]
 _MB = 1024 * 1024
@@ -218,6 +221,8 @@ def _run(
         runtime.client(TwinCommands).finish(cause)
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
+        if request.world != NOMINAL.name:
+            recorder.note(LOST_ON_THE_WAY, lost=runtime.graph.carrier.lost_in(root))
         watch.run_over(cause)
         if fate is not None:
             fate.note_end()
@@ -326,9 +331,13 @@ def twin_of(
     )
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
     robot = with_start(robot, scenario.start)
+    world = world_named(request.world)
+    robot = started_in(world, robot, {name for name, _, _ in scenario.start})
     scene = with_objects(load_scene(request.scene), scenario.objects)
     check_names(scenario, robot, scene)
     twin = Twin.build(robot, scene, samples=samples)
+    if world.takes_other_solution:
+        twin.take_other_solutions()
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     return twin, scenario
 
@@ -346,7 +355,7 @@ def runtime_of(
     launch = request.launch or NOTHING_LAUNCHED
     return Runtime(
         scheduler,
-        Graph(scheduler, tracer),
+        Graph(scheduler, tracer, world=world_named(request.world)),
         twin=twin,
         tracer=tracer,
         recorder=recorder,

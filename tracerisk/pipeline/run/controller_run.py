@@ -137,6 +137,24 @@ def run_again(
         return run_request(controller, before.robot, settings, request, written, options)
 
 
+def run_in_world(
+    controller: Controller,
+    before: ControllerRun,
+    settings: Settings,
+    world: str,
+    options: RunOptions = PLAIN,
+    *,
+    duration_s: float,
+) -> ControllerRun:
+    """Run the controller once more as `before`, in another world, by its name.
+
+    After `duration_s` of simulated time the run is over [s]. Raises as `run_controller`.
+    """
+    with run_folders(options.keep) as (folder, written):
+        request = replace(before.request, folder=str(folder), world=world, duration_s=duration_s)
+        return run_request(controller, before.robot, settings, request, written, options)
+
+
 def run_with_sources(
     before: ControllerRun,
     ran: Controller,

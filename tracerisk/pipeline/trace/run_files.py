@@ -14,6 +14,7 @@ from tracerisk.pipeline.launch_files.records import LaunchSetup
 from tracerisk.pipeline.workspace.ros_distro import DistroChoice
 from tracerisk.text.read_back import read_back
 from tracerisk.twin.faults.fault import Fault
+from tracerisk.worlds.world import NOMINAL
 
 MOST_TEXT = 512 * 1024**2
 """How large a file of a recording may be that holds text [bytes]."""
@@ -63,6 +64,8 @@ DISTRO = "distro"
 """The note of an assumed distribution of ROS: `line` among the assumptions."""
 DECIDED = "decided"
 """The note that a run with a failure was ended because the fate of its mission is decided."""
+LOST_ON_THE_WAY = "lost_on_the_way"
+"""The note of what was sent to an end that was not connected yet: `lost`, words, file and line."""
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"
@@ -193,7 +196,7 @@ class RunRequest:
     `replaced` maps files below the root to sources, as Latin-1 text of their bytes, that are
     compiled in the place of what the files hold.
     `beside` is the run without faults: one with faults ends when its fate is decided; `None` where
-    it is to be followed to its end.
+    it is to be followed to its end. `world` names how the cell around the controller behaves.
     """
 
     controller: str
@@ -225,6 +228,7 @@ class RunRequest:
     live_speed: float | None = None
     beside: RunBeside | None = None
     replaced: Mapping[str, str] = field(default_factory=dict)
+    world: str = NOMINAL.name
 
     @property
     def replaced_bytes(self) -> dict[str, bytes]:

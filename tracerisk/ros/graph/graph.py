@@ -25,7 +25,7 @@ from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.ros.world.carrier import Carrier
-from tracerisk.worlds import NOMINAL, World
+from tracerisk.worlds.world import NOMINAL, World
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.action_goal import ActionGoal

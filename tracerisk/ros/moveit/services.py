@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import RobotError
-from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.moveit.actions.goal_turns import GoalTurns
@@ -93,7 +93,18 @@ class MoveItInterfaces(TwinNode):
     def _move_group(self, goal: ActionGoal) -> None:
         """Plan, and execute unless the goal asks for a plan alone."""
         goal.accept()
+        planning_ns = self._graph.carrier.planning_ns()
+        if planning_ns:
+            due_ns = self._scheduler.now_ns + planning_ns
+            self._graph.carrier.at(due_ns, lambda: self._plan_and_execute(goal))
+        else:
+            self._plan_and_execute(goal)
+
+    def _plan_and_execute(self, goal: ActionGoal) -> None:
         asked = goal.message
+        if goal.state is not GoalState.ACTIVE:
+            self._finish(goal, self._messages.part(MOVE_GROUP, "Result"), ErrorCode.PREEMPTED)
+            return
         plan = self._planned(asked.request)
         result = self._messages.part(MOVE_GROUP, "Result")
         result.trajectory_start = self._state(self._server.positions())

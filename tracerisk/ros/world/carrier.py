@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable
 from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
-from tracerisk.worlds import World
+from tracerisk.worlds.world import World
 
 _MOST_LOST = 20  # of one run: the first say what is wrong
 
@@ -37,6 +38,15 @@ class Carrier:
         """Note what of the controller's was sent to nobody."""
         if len(self.lost) < _MOST_LOST and (what, place) not in self.lost:
             self.lost.append((what, place))
+
+    def lost_in(self, root: Path) -> list[tuple[str, str, int]]:
+        """Return what was lost, each with its file below the root of the controller and line."""
+        found = []
+        for what, place in self.lost:
+            if place is not None and Path(place.file).is_relative_to(root):
+                file = Path(place.file).relative_to(root).as_posix()
+                found.append((what, file, place.line or 0))
+        return found
 
     def carry(self, deliver: Callable[[], object], ends: Hashable, *, is_away: bool = True) -> None:
         """Deliver something on behalf of the running code, after its time on the way.

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ _MAX_WAYPOINTS = 20_000  # of one Cartesian path
 _TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
 _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
 _LEAVING = 0.5 * math.pi  # how far one may turn to leave the singularity in which a path begins
+_OTHER = (0.2, 1.6)  # how far another posture is in the joint that differs most [rad or m]
+_MOST_PASSED = 16  # solutions alike that are passed over for another
 _NUDGES = (0.1, -0.1, 0.3, -0.3)  # by which a joint is moved off a singularity [rad or m]
 _Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [rad or m], and where
 
@@ -47,6 +49,8 @@ class Planner:
     _kinematics: Kinematics
     _clearance: Clearance
     _begin: Callable[[Mapping[str, float]], dict[str, float]] = dict
+    takes_other: bool = False
+    """Whether another posture than the nearest is tried first, where there is one."""
 
     def joints(
         self,
@@ -161,6 +165,17 @@ class Planner:
         `breach` says of joint positions why they are none, `bounds` within what joints must be.
         Raises PlanningError as `reach` does, where there are none.
         """
+        found = self._reached(group, targets, seed, breach, bounds)
+        return _other_first(found) if self.takes_other else found
+
+    def _reached(
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        seed: Mapping[str, float],
+        breach: Callable[[Mapping[str, float]], str | None],
+        bounds: Mapping[str, Bounds] | None,
+    ) -> Iterator[dict[str, float]]:
         pair: tuple[str, str] | None = None
         broken: str | None = None
         count = 0
@@ -305,6 +320,20 @@ class Planner:
             np.array([joint.planned_velocity * v for joint in joints]),
             np.array([joint.planned_acceleration * a for joint in joints]),
         )
+
+
+def _other_first(found: Iterator[dict[str, float]]) -> Iterator[dict[str, float]]:
+    """Yield solutions with the first that is another posture than the nearest before all others."""
+    nearest = next(found)
+    passed = [nearest]
+    for other in islice(found, _MOST_PASSED):
+        off = max(abs(other[name] - value) for name, value in nearest.items())
+        if _OTHER[0] < off < _OTHER[1]:
+            yield other
+            break
+        passed.append(other)
+    yield from passed
+    yield from found
 
 
 def _onward(path: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:

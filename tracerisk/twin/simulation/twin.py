@@ -79,6 +79,10 @@ class Twin:
         """
         return cls(robot, scene, samples)
 
+    def take_other_solutions(self) -> None:
+        """Reach poses in another posture than the nearest, where there is one."""
+        self._planner.takes_other = True
+
     @property
     def time_ns(self) -> int:
         """The simulated time [ns]."""

@@ -1,7 +1,7 @@
 """PlanningSceneInterface: the objects of the planning scene."""
 
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,8 @@ from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from tracerisk.errors import one_of
 from tracerisk.geometry.triangle_mesh import read_triangles
+from tracerisk.ros.controller.needs import asking_place
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import fill_poses
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.planning_scene import SceneObject
@@ -33,12 +35,16 @@ class PlanningSceneInterface:
 
     The objects are bodies of the twin, which planning avoids.
     `ns` is taken and changes nothing. A change is in force when the call returns; if not
-    `synchronous`, it is a message on a topic, which who asks at once does not see yet.
+    `synchronous`, it is a message on a topic, which who asks at once does not see yet, and which
+    takes time or is lost in some worlds.
     """
 
-    def __init__(self, ns: str = "", synchronous: bool = True) -> None:
+    def __init__(
+        self, ns: str = "", synchronous: bool = False, service_timeout: float = 5.0
+    ) -> None:
         self._server = server()
-        self._changing = nullcontext if synchronous else self._server.by_topic
+        self._synchronous = synchronous
+        self._made_ns = current().scheduler.now_ns
 
     # Add
 
@@ -236,9 +242,9 @@ class PlanningSceneInterface:
         if not message.is_diff:
             self._server.scene.clear()
         for item in message.world.collision_objects:
-            self._apply(item)
+            self._change(item)
         for item in message.robot_state.attached_collision_objects:
-            self._apply_attached(item)
+            self._change_attached(item)
         for color in message.object_colors:
             self._server.scene.colors[color.id] = color
         matrix = message.allowed_collision_matrix
@@ -318,9 +324,29 @@ class PlanningSceneInterface:
         fill_poses(described, Pose)
         return described
 
+    def _send(self, topic: str, act: Callable[[], None]) -> None:
+        """Change the scene as a message does, which is lost before move_group is connected."""
+        carrier = current().graph.carrier
+        if carrier.connected_ns(topic, self._made_ns) > current().scheduler.now_ns:
+            carrier.note_lost(f"a message on {topic} is lost", asking_place())
+        else:
+            carrier.carry(partial(self._take_message, act), topic)
+
+    def _take_message(self, change: Callable[[], None]) -> None:
+        with self._server.by_topic():
+            change()
+
     def _apply(self, message: Any) -> None:
-        with self._changing():
+        if self._synchronous:
             self._change(message)
+        else:
+            self._send("/collision_object", partial(self._change, message))
+
+    def _apply_attached(self, message: Any) -> None:
+        if self._synchronous:
+            self._change_attached(message)
+        else:
+            self._send("/attached_collision_object", partial(self._change_attached, message))
 
     def _change(self, message: Any) -> None:
         scene = self._server.scene
@@ -336,10 +362,6 @@ class PlanningSceneInterface:
             scene.append(message.id, message)
         else:
             scene.add(SceneObject(message.id, self._placed(message), message))
-
-    def _apply_attached(self, message: Any) -> None:
-        with self._changing():
-            self._change_attached(message)
 
     def _change_attached(self, message: Any) -> None:
         item, scene = message.object, self._server.scene

@@ -61,7 +61,8 @@ class World:
             return 0.0
         text = "\n".join(map(str, (self.name, *key)))
         digest = hashlib.sha256(text.encode()).digest()[:_SEED_BYTES]
-        return low + (high - low) * int.from_bytes(digest, "big") / 256**_SEED_BYTES
+        share = int.from_bytes(digest, "big") / float(256**_SEED_BYTES)
+        return low + (high - low) * share
 
     def drawn_ns(self, within: Range, *key: object) -> int:
         """Return a time of a range, as `drawn`, in [ns]."""

@@ -1,0 +1,1 @@
+"""Runs of a controller in other worlds, and what depends on these."""

@@ -1,0 +1,127 @@
+"""Compare a run in another world with the run itself: what of verdict and outcome depends on it.
+
+What a world changes by itself is no dependence: when things happen, by which way and in which
+posture the arm comes to a place, what is done in addition, and how often a stream of messages
+goes out. docs/worlds.md lists what counts.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+from tracerisk.errors import Location
+from tracerisk.outcome.changes import Tolerances, outcome_changes
+from tracerisk.outcome.kept import kept_outcome, outcome_summary
+from tracerisk.outcome.outcome import GripperUse, Outcome
+from tracerisk.trace import GAPS, Reason, Trace, VerdictKind
+from tracerisk.worlds.world import World
+from tracerisk.worlds.world_run import WorldRun
+
+Lost = tuple[str, str, int]
+"""What was sent to an end that was not connected yet: words, file and line."""
+
+_WIDER = 5.0
+"""How many times the tolerances of outcomes two worlds may differ: contacts depend on timing."""
+_RANK: dict[VerdictKind, int] = {"complete": 0, "partial": 1, "faulted": 2, "stuck": 3}
+_ASSUMED = GAPS | {"input-assumed", "robot-assumed", "duration-cut", "command-cut"}
+"""The codes of reasons that say what was assumed or left out, and not what went wrong."""
+_STREAM = 4
+"""A topic that gets as many messages in both runs is one whose messages are not counted."""
+
+
+def compared(
+    world: World, nominal: Trace, trace: Trace, tolerances: Tolerances, lost: tuple[Lost, ...] = ()
+) -> WorldRun:
+    """Return what of a run's verdict and outcome depends on a world."""
+    assert nominal.verdict is not None
+    assert trace.verdict is not None
+    known = Counter(_key(reason) for reason in nominal.verdict.open_reasons)
+    new = [
+        reason
+        for reason in trace.verdict.open_reasons
+        if reason.code not in _ASSUMED and _key(reason) not in known
+    ]
+    is_worse = _RANK[trace.verdict.kind] > _RANK[nominal.verdict.kind]
+    differs = differences(world, nominal, trace, tolerances)
+    if is_worse and not new and not differs:
+        differs = (f"the run ends differently: {trace.end.message}",)
+    run = WorldRun(
+        world.name,
+        trace.verdict.kind,
+        new[0].message if new else "",
+        differs,
+    )
+    if not run.depends:
+        return run
+    return _with_cause(run, new, lost)
+
+
+def _key(reason: Reason) -> tuple[str, str]:
+    """Return what makes a reason another one; its object may be a time or a place in words."""
+    return reason.code, reason.function
+
+
+def _with_cause(run: WorldRun, new: list[Reason], lost: tuple[Lost, ...]) -> WorldRun:
+    """Return a run with the line that it depends on: where something was lost, else failed."""
+    if lost:
+        words, file, line = lost[0]
+        return replace(run, cause=words, location=Location(file, line or None))
+    places = [reason.location for reason in new if reason.location is not None]
+    return replace(run, location=places[0] if places else None)
+
+
+def differences(
+    world: World, nominal: Trace, trace: Trace, tolerances: Tolerances
+) -> tuple[str, ...]:
+    """Return what a run in a world did not bring about as the run itself did, a sentence each."""
+    old, new = (kept_outcome(outcome_summary(_told(each.outcome))) for each in (nominal, trace))
+    if old is None or new is None:
+        return ()
+    old, new = _without_streams(old, new)
+    if world.gripper is not None:
+        # Whether the first command moves a gripper is the world's doing.
+        old, new = _without_first_grip(old), _without_first_grip(new)
+    wide = Tolerances(
+        _WIDER * tolerances.place_m, _WIDER * tolerances.angle_deg, _WIDER * tolerances.joint
+    )
+    changes = outcome_changes(old, new, wide)
+    return (*changes.result, *changes.lost)
+
+
+def _told(outcome: Outcome | None) -> Outcome | None:
+    """Return an outcome without the ways between its rests: any way will do."""
+    if outcome is None:
+        return None
+    rests = tuple(replace(rest, via_m=()) for rest in outcome.rests)
+    return replace(outcome, rests=rests, corner_m=0.0)
+
+
+def _without_streams(old: Outcome, new: Outcome) -> tuple[Outcome, Outcome]:
+    """Return both without the topics on which each sends many messages, at a rate or not."""
+    many = {*old.streams, *new.streams}
+    counts = [
+        Counter(use.interface for use in outcome.cell if use.kind == "message")
+        for outcome in (old, new)
+    ]
+    many |= {name for name in counts[0] if min(count[name] for count in counts) >= _STREAM}
+    # A stream that has ceased is none: its messages are counted.
+    many -= {name for name in old.streams if name not in new.streams and not counts[1][name]}
+
+    def quiet(outcome: Outcome) -> Outcome:
+        return replace(
+            outcome,
+            cell=tuple(use for use in outcome.cell if use.interface not in many),
+            counts=tuple(each for each in outcome.counts if each.interface not in many),
+            streams=tuple(name for name in outcome.streams if name not in many),
+        )
+
+    return quiet(old), quiet(new)
+
+
+def _without_first_grip(outcome: Outcome) -> Outcome:
+    first: dict[str, GripperUse] = {}
+    for use in outcome.grips:
+        first.setdefault(use.gripper, use)
+    kept = tuple(use for use in outcome.grips if use is not first[use.gripper] or use.holds)
+    return replace(outcome, grips=kept)

@@ -1,0 +1,156 @@
+"""Run a controller again in other worlds, from warm processes, and compare each run with it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import ControllerFailedError, MachineError, TraceRiskError
+from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.outcome.changes import Tolerances
+from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again, nominal_of
+from tracerisk.pipeline.evidence.workers import CellProgress, Workers
+from tracerisk.pipeline.freshness.freshness import stated
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
+from tracerisk.pipeline.run.controller_run import run_in_world
+from tracerisk.pipeline.run.ended_run import RunOptions
+from tracerisk.pipeline.scenarios.rounds import draft_scenario
+from tracerisk.pipeline.stages import load_settings
+from tracerisk.pipeline.trace.run_files import EVENTS, LOST_ON_THE_WAY
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.worlds.comparison import Lost, compared
+from tracerisk.sandbox.scratch import scratch
+from tracerisk.trace import Trace
+from tracerisk.worlds.world import World, world_named
+from tracerisk.worlds.world_run import WorldRun
+
+
+@dataclass(frozen=True, slots=True)
+class WorldJob:
+    """A world to run a controller in, with all that a process needs for it.
+
+    `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
+    is that of the run itself; `folder` is where a process of this machine finds it.
+    """
+
+    controller: str
+    options: tuple[tuple[str, Any], ...]
+    digest: str
+    folder: str
+    world: str
+
+
+def run_worlds(
+    controller: Path,
+    options: Mapping[str, Any] | None,
+    worlds: Sequence[World],
+    *,
+    trace: Trace | None = None,
+    workers: Workers | None = None,
+    progress: CellProgress | None = None,
+) -> tuple[WorldRun, ...]:
+    """Run a controller in worlds, and return how each run differs, in the order of the worlds.
+
+    `options` go before the settings of `pyproject.toml`. `trace` is that of the run itself: where
+    it was given drafted values, the runs in worlds are given such, too. Worlds that cannot differ
+    for want of a gripper are left out. Nothing is written.
+    Raises ControllerFailedError where the run itself came to a bad end or commanded nothing.
+    """
+    given = stated(options)
+    with _drafted(controller, given, trace) as drafted:
+        return _run(controller, tuple(drafted.items()), worlds, workers or Workers(), progress)
+
+
+@contextmanager
+def _drafted(
+    controller: Path, given: Mapping[str, Any], trace: Trace | None
+) -> Iterator[dict[str, Any]]:
+    """Yield the options of a run that gets a draft as a scenario, if the run itself got one."""
+    if trace is None or not trace.drafted:
+        yield dict(given)
+        return
+    loaded = load_controller(controller)
+    settings = load_settings(loaded, dict(given))
+    base = None if settings.scenario is None else Path(settings.scenario)
+    with tempfile.TemporaryDirectory(prefix="tracerisk-worlds-") as folder:
+        path = Path(folder, "drafted.scenario.yaml")
+        path.write_text(draft_scenario(loaded, settings, base).text, encoding="utf-8")
+        yield {**given, "scenario": str(path)}
+
+
+def _run(
+    controller: Path,
+    given: tuple[tuple[str, Any], ...],
+    worlds: Sequence[World],
+    workers: Workers,
+    progress: CellProgress | None,
+) -> tuple[WorldRun, ...]:
+    nominal = nominal_of(str(controller), given)
+    trace = nominal.trace
+    if not trace.is_usable or not trace.functions:
+        is_idle = trace.end.is_good and not trace.functions
+        message = "it commanded no hardware" if is_idle else trace.end.message
+        raise ControllerFailedError(
+            f"there is no mission to run in other worlds: {message}",
+            trace.end.location,
+            trace.end.scenario,
+        )
+    asked = [world for world in worlds if _may_differ(world, nominal)]
+    folder = str(nominal.folder) if workers.executor is None else ""
+    jobs = [WorldJob(str(controller), given, nominal.digest, folder, world.name) for world in asked]
+    found = {}
+    workers = replace(workers, folder=nominal.folder)
+    for job, run in workers.run(run_world, jobs, progress):
+        found[job.world] = run
+    return tuple(found[world.name] for world in asked if world.name in found)
+
+
+def _may_differ(world: World, nominal: Nominal) -> bool:
+    return world.gripper is None or bool(nominal.run.robot.grippers)
+
+
+def run_world(job: WorldJob) -> WorldRun:
+    """Run a controller in a world, and compare the run with the run itself.
+
+    Raises InputError where the run itself is another one here.
+    """
+    nominal = nominal_again(job.controller, job.options, job.digest, job.folder)
+    return in_world(nominal, world_named(job.world))
+
+
+def in_world(nominal: Nominal, world: World) -> WorldRun:
+    """Run a controller in a world, and compare the run with the run itself."""
+    with scratch("world-") as folder:
+        try:
+            done = run_in_world(
+                nominal.controller,
+                nominal.run,
+                with_scenario(nominal.settings),
+                world.name,
+                RunOptions(folder, quiet=True),
+                duration_s=longest_s(nominal),
+            )
+        except MachineError:
+            raise
+        except TraceRiskError as error:
+            return WorldRun(world.name, "", error.message)
+        events = folder / EVENTS
+        recording = read_recording(events) if events.exists() else Recording()
+        tolerances = Tolerances.of(nominal.settings)
+        return compared(world, nominal.trace, done.trace, tolerances, _lost(recording))
+
+
+def _lost(recording: Recording) -> tuple[Lost, ...]:
+    note = recording.note(LOST_ON_THE_WAY)
+    if not isinstance(note, dict):
+        return ()
+    found = []
+    for entry in note.get("lost", ()):
+        match entry:
+            case [str(words), str(file), int(line)] | (str(words), str(file), int(line)):
+                found.append((words, file, line))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Worlds that a real cell may be, and what depends on them."""
