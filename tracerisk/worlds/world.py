@@ -35,6 +35,8 @@ class World:
     latency_s: Range = _NEVER
     """How long a message, request, response or goal is on its way between controller and cell,
     [s]."""
+    reverses_topics: bool = False
+    """Whether what is sent at the same time on several topics arrives in the reverse order."""
     discovery_s: Range = _NEVER
     """How long it takes until an endpoint of the controller and one of the cell are connected,
     [s]."""
@@ -87,67 +89,74 @@ WORLDS = (
     World(
         "latency",
         "messages, calls and goals are 5 to 40 ms on their way",
-        "ros2/ros2_documentation source/Concepts/Intermediate/About-Quality-of-Service-Settings",
+        "https://github.com/moveit/moveit_ros/issues/442",
         latency_s=(0.005, 0.040),
+    ),
+    World(
+        "order",
+        "of messages on several topics that are sent at the same time the last arrives first",
+        "https://github.com/introlab/rtabmap_ros/issues/1205",
+        latency_s=(0.002, 0.040),
+        reverses_topics=True,
     ),
     World(
         "discovery",
         "publishers, subscribers, services and actions take 0.2 to 1 s to connect",
-        "ros2/ros2_documentation source/Concepts/Basic/About-Discovery",
+        "https://github.com/ros2/ros2/issues/698",
         discovery_s=(0.2, 1.0),
     ),
     World(
         "planning",
         "each plan takes 0.3 to 2 s",
-        "moveit/moveit moveit_planners/ompl",
+        "https://github.com/AndrejOrsula/pymoveit2/issues/73",
         planning_s=(0.3, 2.0),
     ),
     World(
         "joints-alphabetical",
         "joint states list the joints by name",
-        "ros-controls/ros_control joint_state_controller",
+        "https://github.com/UniversalRobots/Universal_Robots_ROS_Driver/issues/619",
         joint_order="alphabetical",
     ),
     World(
         "joints-reversed",
         "joint states list the joints from the last to the first",
-        "ros2/common_interfaces sensor_msgs/msg/JointState.msg",
+        "https://github.com/kroshu/kuka_drivers/issues/254",
         joint_order="reversed",
     ),
     World(
         "joints-rotated",
         "joint states list the last joint first",
-        "ros2/common_interfaces sensor_msgs/msg/JointState.msg",
+        "https://github.com/kroshu/kuka_drivers/issues/254",
         joint_order="rotated",
     ),
     World(
         "gripper-open",
         "grippers are open when the run begins",
-        "",
+        "https://github.com/pharmbio/robotlab/issues/2",
         gripper=1.0,
     ),
     World(
         "gripper-closed",
         "grippers are closed when the run begins",
-        "",
+        "https://github.com/pharmbio/robotlab/issues/2",
         gripper=0.0,
     ),
     World(
         "gripper-half",
         "grippers are half open when the run begins",
-        "",
+        "https://github.com/pharmbio/robotlab/issues/2",
         gripper=0.5,
     ),
     World(
         "other-solution",
         "pose goals are reached in another posture of the arm, where there is one",
-        "moveit/moveit moveit_kinematics",
+        "https://github.com/nasa/ow_simulator/issues/406",
         takes_other_solution=True,
     ),
     World(
         "start",
         "each joint begins up to 4 mrad elsewhere",
-        "",
+        "https://github.com/Kinovarobotics/ros_kortex/issues/54",
         start_off_rad=0.004,
     ),
 )

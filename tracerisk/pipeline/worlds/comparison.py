@@ -7,13 +7,14 @@ goes out. docs/worlds.md lists what counts.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import replace
 
 from tracerisk.errors import Location
 from tracerisk.outcome.changes import Tolerances, outcome_changes
 from tracerisk.outcome.kept import kept_outcome, outcome_summary
-from tracerisk.outcome.outcome import GripperUse, Outcome
+from tracerisk.outcome.outcome import GripperUse, Outcome, Rest
 from tracerisk.trace import GAPS, Reason, Trace, VerdictKind
 from tracerisk.worlds.world import World
 from tracerisk.worlds.world_run import WorldRun
@@ -75,24 +76,40 @@ def differences(
     world: World, nominal: Trace, trace: Trace, tolerances: Tolerances
 ) -> tuple[str, ...]:
     """Return what a run in a world did not bring about as the run itself did, a sentence each."""
-    old, new = (kept_outcome(outcome_summary(_told(each.outcome))) for each in (nominal, trace))
+    if nominal.outcome is None or trace.outcome is None:
+        return ()
+    wide = Tolerances(
+        _WIDER * tolerances.place_m, _WIDER * tolerances.angle_deg, _WIDER * tolerances.joint
+    )
+    passed = _without_passed(nominal.outcome, trace.outcome, wide)
+    old, new = (kept_outcome(outcome_summary(_told(each))) for each in (passed, trace.outcome))
     if old is None or new is None:
         return ()
     old, new = _without_streams(old, new)
     if world.gripper is not None:
         # Whether the first command moves a gripper is the world's doing.
         old, new = _without_first_grip(old), _without_first_grip(new)
-    wide = Tolerances(
-        _WIDER * tolerances.place_m, _WIDER * tolerances.angle_deg, _WIDER * tolerances.joint
-    )
     changes = outcome_changes(old, new, wide)
     return (*changes.result, *changes.lost)
 
 
-def _told(outcome: Outcome | None) -> Outcome | None:
+def _without_passed(old: Outcome, new: Outcome, tolerances: Tolerances) -> Outcome:
+    """Return an outcome without the rests that the other passes without coming to rest there.
+
+    Who sleeps just as long as a motion lasts goes on a few milliseconds before its end.
+    """
+    corners = [corner for rest in new.rests for corner in rest.via_m]
+    last = {rest.arm: rest for rest in old.rests}
+
+    def is_passed(rest: Rest) -> bool:
+        return any(math.dist(rest.tool_m, corner) <= tolerances.place_m for corner in corners)
+
+    kept = [rest for rest in old.rests if rest is last[rest.arm] or not is_passed(rest)]
+    return replace(old, rests=tuple(kept))
+
+
+def _told(outcome: Outcome) -> Outcome:
     """Return an outcome without the ways between its rests: any way will do."""
-    if outcome is None:
-        return None
     rests = tuple(replace(rest, via_m=()) for rest in outcome.rests)
     return replace(outcome, rests=rests, corner_m=0.0)
 

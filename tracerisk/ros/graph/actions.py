@@ -171,9 +171,7 @@ class ActionClientEnd:
             server.is_called = True
             server.goals.append(goal)
             goal.is_on_way = True
-            self.actions.carrier.carry(
-                goal.arrive, (self.name, "goal"), is_away=self._is_away(server)
-            )
+            self.actions.carrier.carry(goal.arrive, self.name, is_away=self._is_away(server))
         return goal
 
     @property

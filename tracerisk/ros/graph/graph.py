@@ -113,6 +113,7 @@ class Publication:
         for receiver in receivers:
             self.graph.carrier.carry(
                 partial(receiver.receive, snapshot, self),
+                self.topic,
                 (id(self), id(receiver)),
                 is_away=self.by_controller != receiver.by_controller,
             )
@@ -607,9 +608,9 @@ class Graph:
 
     def _answer(self, server: ServiceServer, request: Any) -> Any:
         if not server.is_callback:
-            self.carrier.pass_latency()
+            self.carrier.pass_latency(server.name)
             response = server.handle(request)
-            self.carrier.pass_latency()
+            self.carrier.pass_latency(server.name)
             return response
         self.scheduler.ask(server.process)
         answer = _Answer()

@@ -12,7 +12,9 @@ from tracerisk.errors import Location
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.worlds.world import World
 
+_LONG_PLANS = 0.75  # of the range of times that a plan takes: where long ones begin
 _MOST_LOST = 20  # of one run: the first say what is wrong
+_STEP_S = 0.004  # by how much sooner each further topic arrives where the order is reversed [s]
 
 
 class Carrier:
@@ -28,7 +30,9 @@ class Carrier:
         self._scheduler = scheduler
         self._tracer = tracer
         self._numbers = itertools.count()
+        self._plans = itertools.count()
         self._arrived_ns: dict[Hashable, int] = {}
+        self._places: dict[str, int] = {}
 
     def connected_ns(self, name: str, made_ns: int) -> int:
         """Return when two ends of a name are connected of which the later was made then [ns]."""
@@ -48,17 +52,20 @@ class Carrier:
                 found.append((what, file, place.line or 0))
         return found
 
-    def carry(self, deliver: Callable[[], object], ends: Hashable, *, is_away: bool = True) -> None:
-        """Deliver something on behalf of the running code, after its time on the way.
+    def carry(
+        self, deliver: Callable[[], object], name: str, ends: Hashable = (), *, is_away: bool = True
+    ) -> None:
+        """Deliver something of a name on behalf of the running code, after its time on the way.
 
-        `is_away`: it goes from the controller to the cell or back, and not within either.
+        `ends` tells apart who sends and receives it, `is_away`: it goes from the controller to the
+        cell or back, and not within either.
         """
-        latency_ns = self._latency_ns() if is_away else 0
+        latency_ns = self._latency_ns(name) if is_away else 0
         if not latency_ns:
             deliver()
             return
-        now_ns = self._scheduler.now_ns
-        due_ns = self._arrived_ns[ends] = max(now_ns + latency_ns, self._arrived_ns.get(ends, 0))
+        key, now_ns = (name, ends), self._scheduler.now_ns
+        due_ns = self._arrived_ns[key] = max(now_ns + latency_ns, self._arrived_ns.get(key, 0))
         self.at(due_ns, deliver)
 
     def at(self, due_ns: int, act: Callable[[], object]) -> None:
@@ -74,9 +81,9 @@ class Carrier:
 
         self._scheduler.call_at(due_ns, call)
 
-    def pass_latency(self) -> None:
-        """Let the running code wait for what it sends, or for its answer, to arrive."""
-        self.pass_time(self._latency_ns())
+    def pass_latency(self, name: str) -> None:
+        """Let the running code wait for a call of a name, or for its answer, to arrive."""
+        self.pass_time(self._latency_ns(name))
 
     def pass_planning(self) -> None:
         """Let the running code wait for a plan."""
@@ -86,7 +93,12 @@ class Carrier:
         """Return how long the next plan takes [ns]."""
         if not self.world.planning_s[1]:
             return 0
-        return self.world.drawn_ns(self.world.planning_s, next(self._numbers))
+        low_s, high_s = self.world.planning_s
+        number = next(self._plans)
+        # A long one that a short one follows shows who counts on the time that it takes.
+        middle_s = low_s + (high_s - low_s) * _LONG_PLANS
+        within = (low_s, low_s + high_s - middle_s) if number % 2 else (middle_s, high_s)
+        return self.world.drawn_ns(within, "plan", number)
 
     def pass_time(self, duration_ns: int) -> None:
         """Let a thread of the controller wait; what runs in a kernel event never does."""
@@ -94,7 +106,11 @@ class Carrier:
         if duration_ns and scheduler.current is not None and not scheduler.in_kernel:
             scheduler.pass_until(scheduler.now_ns + duration_ns)
 
-    def _latency_ns(self) -> int:
-        if not self.world.latency_s[1]:
+    def _latency_ns(self, name: str) -> int:
+        low_s, high_s = self.world.latency_s
+        if not high_s:
             return 0
-        return self.world.drawn_ns(self.world.latency_s, next(self._numbers))
+        if self.world.reverses_topics:
+            place = self._places.setdefault(name, len(self._places))
+            return round(max(low_s, high_s - _STEP_S * place) * 1e9)
+        return self.world.drawn_ns((low_s, high_s), next(self._numbers))

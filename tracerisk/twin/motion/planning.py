@@ -32,7 +32,10 @@ _MAX_WAYPOINTS = 20_000  # of one Cartesian path
 _TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
 _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
 _LEAVING = 0.5 * math.pi  # how far one may turn to leave the singularity in which a path begins
-_OTHER = (0.2, 1.6)  # how far another posture is in the joint that differs most [rad or m]
+_OTHER = 0.2  # another posture differs more than this in a joint [rad or m]
+_FLIPPED = 3.3  # and at most this, where an arm has another branch [rad or m]
+_ELBOW = 0.5  # or this, where an arm has joints to spare and turns its elbow [rad or m]
+_SPARE = 6  # joints that a pose takes
 _MOST_PASSED = 16  # solutions alike that are passed over for another
 _NUDGES = (0.1, -0.1, 0.3, -0.3)  # by which a joint is moved off a singularity [rad or m]
 _Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [rad or m], and where
@@ -328,7 +331,7 @@ def _other_first(found: Iterator[dict[str, float]]) -> Iterator[dict[str, float]
     passed = [nearest]
     for other in islice(found, _MOST_PASSED):
         off = max(abs(other[name] - value) for name, value in nearest.items())
-        if _OTHER[0] < off < _OTHER[1]:
+        if _OTHER < off < (_FLIPPED if len(nearest) <= _SPARE else _ELBOW):
             yield other
             break
         passed.append(other)

@@ -1,6 +1,7 @@
 """MoveGroupCommander: plan and execute for one planning group."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -116,12 +117,22 @@ class MoveGroupCommander(GroupPickPlace):
         if isinstance(joints, str) and joints in self._remembered:
             joints = self._remembered[joints]
         self._set_target(joints)
-        plan = self._plan()
-        if plan.trajectory is None:
+        runtime = current()
+        carrier, scheduler = runtime.graph.carrier, runtime.scheduler
+        planning_ns = 0 if wait else carrier.planning_ns()
+        # move_group plans while who does not wait goes on.
+        with scheduler.kernel() if planning_ns else nullcontext():
+            plan = self._plan()
+        trajectory = plan.trajectory
+        if trajectory is None:
             self._server.execution.give_way("move_action")
             self._server.execution.refuse()
             return not wait
-        return self._execute(plan.trajectory, "move_action", wait)
+        if planning_ns:
+            due_ns = scheduler.now_ns + planning_ns
+            carrier.at(due_ns, lambda: self._execute(trajectory, "move_action", wait=False))
+            return True
+        return self._execute(trajectory, "move_action", wait)
 
     def plan(self, joints: Any = None) -> PlanResult:
         """Plan to a target, as go() takes it, without moving.

@@ -36,7 +36,7 @@ class PlanningSceneInterface:
     The objects are bodies of the twin, which planning avoids.
     `ns` is taken and changes nothing. A change is in force when the call returns; if not
     `synchronous`, it is a message on a topic, which who asks at once does not see yet, and which
-    takes time or is lost in some worlds.
+    is lost in some worlds right after the interface was made.
     """
 
     def __init__(
@@ -330,11 +330,9 @@ class PlanningSceneInterface:
         if carrier.connected_ns(topic, self._made_ns) > current().scheduler.now_ns:
             carrier.note_lost(f"a message on {topic} is lost", asking_place())
         else:
-            carrier.carry(partial(self._take_message, act), topic)
-
-    def _take_message(self, change: Callable[[], None]) -> None:
-        with self._server.by_topic():
-            change()
+            # A plan waits for joint states that are newer than the message: see `by_topic`.
+            with self._server.by_topic():
+                act()
 
     def _apply(self, message: Any) -> None:
         if self._synchronous:
