@@ -83,11 +83,13 @@ class Carrier:
 
     def pass_latency(self, name: str) -> None:
         """Let the running code wait for a call of a name, or for its answer, to arrive."""
-        self.pass_time(self._latency_ns(name))
+        if self._may_wait:
+            self._pass_time(self._latency_ns(name))
 
     def pass_planning(self) -> None:
         """Let the running code wait for a plan."""
-        self.pass_time(self.planning_ns())
+        if self._may_wait:
+            self._pass_time(self.planning_ns())
 
     def planning_ns(self) -> int:
         """Return how long the next plan takes [ns]."""
@@ -100,11 +102,14 @@ class Carrier:
         within = (low_s, low_s + high_s - middle_s) if number % 2 else (middle_s, high_s)
         return self.world.drawn_ns(within, "plan", number)
 
-    def pass_time(self, duration_ns: int) -> None:
-        """Let a thread of the controller wait; what runs in a kernel event never does."""
-        scheduler = self._scheduler
-        if duration_ns and scheduler.current is not None and not scheduler.in_kernel:
-            scheduler.pass_until(scheduler.now_ns + duration_ns)
+    @property
+    def _may_wait(self) -> bool:
+        """Whether a thread of the controller runs; what runs in a kernel event never waits."""
+        return self._scheduler.current is not None and not self._scheduler.in_kernel
+
+    def _pass_time(self, duration_ns: int) -> None:
+        if duration_ns:
+            self._scheduler.pass_until(self._scheduler.now_ns + duration_ns)
 
     def _latency_ns(self, name: str) -> int:
         low_s, high_s = self.world.latency_s
