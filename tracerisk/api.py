@@ -70,6 +70,7 @@ def assess(
     progress: Progress | None = None,
     known: Assessed | None = None,
     live_speed: float | None = None,
+    worlds: str = "",
 ) -> Assessed:
     """Run a controller on the twin, compute its blocks, build its risk model and solve it.
 
@@ -78,7 +79,8 @@ def assess(
     recording. `progress` is called with each phase and the simulated time [s].
     `known` is what an earlier call gave: where nothing has changed that its run depended on, its
     trace is taken, and nothing is simulated. With `live_speed` the controller runs on real rospy,
-    at most so many times as fast as the wall clock.
+    at most so many times as fast as the wall clock. `worlds` are names of worlds between commas,
+    or `all`, in which it is run again: see `Trace.worlds`.
     Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded
     no hardware, and TraceRiskError for input that a stage refuses. Writes nothing but `keep`.
     """
@@ -97,6 +99,8 @@ def assess(
         raise RunFailedError(trace)
     if not trace.functions:
         raise _nothing_commanded(trace, controller)
+    if worlds:
+        trace = _in_worlds(path, settings, trace, worlds, progress)
     simulated_s = trace.end.simulated_s or 0.0
     if progress is not None:
         progress("annotating", simulated_s)
@@ -116,6 +120,27 @@ def assess(
     model = pipeline.build(sources, name=controller.path.name)
     assessment = pipeline.solve(model)
     return Assessed(controller, loaded, hardware, trace, annotated, sources, model, assessment)
+
+
+def _in_worlds(
+    path: str | Path,
+    settings: Mapping[str, Any] | None,
+    trace: Trace,
+    names: str,
+    progress: Progress | None,
+) -> Trace:
+    """Return the trace with the runs of its controller in other worlds."""
+    from tracerisk.pipeline.worlds.world_runs import run_worlds
+    from tracerisk.worlds.world import worlds_named
+
+    def notify(done: int, of: int, left_s: float) -> None:
+        if progress is not None:
+            progress(f"world {done} of {of}, {left_s:.0f} s left", trace.end.simulated_s or 0.0)
+
+    asked = worlds_named(names)
+    notify(0, len(asked), 0.0)
+    runs = run_worlds(Path(path), settings, asked, trace=trace, progress=notify)
+    return replace(trace, worlds=runs)
 
 
 def _trace_of(known: Assessed, controller: Controller, settings: Settings) -> Trace | None:

@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
-from tracerisk.errors import Location, SettingsError, one_of
+from tracerisk.errors import InputError, Location, SettingsError, one_of
 from tracerisk.limits import Limit, Limits, Sandbox, SandboxMode
 from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import Acceptance
@@ -71,7 +71,8 @@ class Settings:
     `args` are the controller's arguments, `answers` what its questions get, in turn.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     `max_failure_probability` is the greatest of a mission that `check` lets pass;
-    `require_reason` makes a value set by hand without a reason an error there.
+    `require_reason` makes a value set by hand without a reason an error there, `require_worlds`
+    one that the last run was not repeated in these worlds, or depends on one.
     `fail_on` says which findings make `run` exit 1.
     `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
     fraction of the functions that can command hardware which `check` lets pass.
@@ -107,6 +108,7 @@ class Settings:
     answers: tuple[str, ...] = ()
     max_failure_probability: float | None = None
     require_reason: bool = False
+    require_worlds: tuple[str, ...] = ()
     fail_on: FailOn | None = None
     accept: tuple[Acceptance, ...] = ()
     min_coverage: float | None = None
@@ -387,6 +389,22 @@ class _Reader:
                 self.fail(key, f"unknown setting; {one_of(allowed, key)}")
         return {_ALIASES.get(key, key): self._value(key, value) for key, value in table.items()}
 
+    def _worlds(self, value: Any) -> tuple[str, ...]:
+        """Return the names of required worlds; `true` requires all, `false` none."""
+        from tracerisk.worlds.world import ALL, worlds_named
+
+        is_list = isinstance(value, list) and all(isinstance(each, str) for each in value)
+        if not isinstance(value, bool) and not is_list:
+            self.fail(
+                "require_worlds",
+                f"expected true, false or a list of names of worlds, found {value!r}",
+            )
+        names = ([ALL] if value else []) if isinstance(value, bool) else value
+        try:
+            return tuple(world.name for world in worlds_named(",".join(names))) if names else ()
+        except InputError as error:
+            self.fail("require_worlds", error.message)
+
     def _value(self, key: str, value: Any) -> Any:
         if key in _LISTS:
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
@@ -401,6 +419,8 @@ class _Reader:
             from tracerisk.acceptances import read_acceptances
 
             return read_acceptances(value, lambda message: self.fail(key, message))
+        if key == "require_worlds":
+            return self._worlds(value)
         if key in ("require_reason", "companions", "draft", "evidence"):
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")

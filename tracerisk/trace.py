@@ -12,6 +12,7 @@ from typing import Any, Literal, NewType, get_args
 from tracerisk.errors import Location
 from tracerisk.outcome.outcome import Outcome
 from tracerisk.records import dataclass, field, replace
+from tracerisk.worlds.world_run import WorldRun
 
 QualifiedName = NewType("QualifiedName", str)
 """A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
@@ -529,6 +530,8 @@ class Trace:
     outcome: Outcome | None = None
     """What the run brought about; `None` in a recording of a real robot and in a log."""
     commands: tuple[TracedCommand, ...] = ()
+    worlds: tuple[WorldRun, ...] = ()
+    """How runs in other worlds differ from it; empty where there were none."""
 
     @property
     def drafted(self) -> str:
@@ -576,6 +579,7 @@ class Trace:
                 replace(command, line=line(command.function, command.line))
                 for command in self.commands
             ),
+            worlds=tuple(run.with_line(line_of) for run in self.worlds),
         )
 
     def with_files(self, file_of: Callable[[str], str]) -> Trace:
@@ -598,6 +602,9 @@ class Trace:
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),
             commands=tuple(
                 replace(command, function=named(command.function)) for command in self.commands
+            ),
+            worlds=tuple(
+                replace(run, location=_placed(run.location, file_of)) for run in self.worlds
             ),
         )
 

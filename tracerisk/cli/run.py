@@ -10,10 +10,15 @@ from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import add_against, check_against
 from tracerisk.errors import InputError
+from tracerisk.worlds.world import ALL, worlds_named
 
 _WATCH = """\
 --watch  run it again whenever a file changes that it depends on; writes no source
 --write  with --watch: write sources and lock
+"""
+_WORLDS = """\
+--worlds [NAMES]  run it again in worlds that a cell may be, all or those named between commas, and
+                  exit 1 if verdict or outcome depend on one (docs/worlds.md)
 """
 _FILES = """\
 --trace FILE       write the trace as JSON
@@ -32,6 +37,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_hardware_options(parser)
     shared.add_write_options(parser)
     shared.add(parser, _WATCH)
+    shared.add(
+        parser, _WORLDS, worlds={"nargs": "?", "const": ALL, "default": "", "metavar": "NAMES"}
+    )
     shared.add_edit_options(parser)
     shared.add_profile(parser)
     shared.add_explain(parser)
@@ -54,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     check_run_uncertainty(options)
     check_against(options)
     _check_watch(options)
+    _check_worlds(options)
     if options.watch:
         from tracerisk.cli.running.watch import watch_run
 
@@ -82,3 +91,14 @@ def _check_watch(options: argparse.Namespace) -> None:
     if options.watch and (options.check or options.faults):
         name = "--check" if options.check else "--fault"
         raise InputError(f"{name} goes with a single run; leave out --watch")
+
+
+def _check_worlds(options: argparse.Namespace) -> None:
+    """Raise InputError for worlds that there are not, and for what does not go with them."""
+    if not options.worlds:
+        return
+    worlds_named(options.worlds)
+    for name in ("watch", "live", "faults"):
+        if getattr(options, name):
+            option = "--fault" if name == "faults" else f"--{name}"
+            raise InputError(f"--worlds goes with a single run without a fault; leave out {option}")

@@ -16,7 +16,7 @@ from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceB
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
 from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.line_map import line_maps
@@ -38,6 +38,7 @@ from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
 from tracerisk.source.language import is_c_like
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
+from tracerisk.worlds.world_run import WorldRun, kept_worlds
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -266,6 +267,7 @@ def annotate(
             computed.instances,
             kept=kept,
             tolerances=Tolerances.of(settings),
+            worlds=_same_worlds(entry, inputs.fingerprint),
         ),
         inputs=inputs.data(),
         policy=policy,
@@ -281,6 +283,13 @@ def annotate(
     )
 
 
+def _same_worlds(entry: ControllerLock | None, fingerprint: str) -> tuple[WorldRun, ...]:
+    """Return the runs in other worlds that the lock keeps, if they had the same inputs."""
+    if entry is None or entry.fingerprint != fingerprint:
+        return ()
+    return kept_worlds(entry.trace)
+
+
 def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Controller) -> Trace:
     """Return the trace whose verdict has the lines that the sources have without their blocks.
 
@@ -291,7 +300,9 @@ def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Contr
     if trace.verdict is None:
         return trace
     shown = {file: str(controller.path_of(file)) for file in sources}
-    return replace(trace, verdict=trace.verdict.with_lines(bare_lines(sources, shown)))
+    line_of = bare_lines(sources, shown)
+    worlds = tuple(run.with_line(line_of) for run in trace.worlds)
+    return replace(trace, verdict=trace.verdict.with_lines(line_of), worlds=worlds)
 
 
 def _as_on_disk(controller: Controller, trace: Trace) -> tuple[Controller, Trace]:

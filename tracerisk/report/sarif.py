@@ -61,6 +61,13 @@ RULES: tuple[Rule, ...] = (
         "scenario, name the robot, or accept the reason in [tool.tracerisk] with words.",
     ),
     Rule(
+        "world-dependence",
+        "warning",
+        "What the run brings about depends on luck.",
+        "In a world that a real cell may be, with other delays, another order of joints or another "
+        "start, the run ends otherwise. docs/worlds.md says what to do for each world.",
+    ),
+    Rule(
         "edited-block",
         "error",
         "A value that tracerisk computes was changed by hand.",

@@ -6,12 +6,13 @@ code reads; docs/worlds.md explains each.
 
 from __future__ import annotations
 
-import hashlib
+from collections import Counter
 from collections.abc import Sequence
 from typing import Literal, TypeVar
 
 from tracerisk.errors import InputError, one_of
 from tracerisk.records import dataclass
+from tracerisk.text.digests import sha256
 
 Range = tuple[float, float]
 """The least and the greatest value."""
@@ -20,7 +21,7 @@ JointOrder = Literal["robot", "alphabetical", "reversed", "rotated"]
 Item = TypeVar("Item")
 
 _NEVER: Range = (0.0, 0.0)
-_SEED_BYTES = 8
+_DIGITS = 13  # of a digest, in base 16: as many as a number of 64 bits keeps exactly
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +63,8 @@ class World:
         if high <= 0.0:
             return 0.0
         text = "\n".join(map(str, (self.name, *key)))
-        digest = hashlib.sha256(text.encode()).digest()[:_SEED_BYTES]
-        share = int.from_bytes(digest, "big") / float(256**_SEED_BYTES)
-        return low + (high - low) * share
+        digits = sha256(text.encode())[:_DIGITS]
+        return low + (high - low) * int(digits, 16) / float(16**_DIGITS)
 
     def drawn_ns(self, within: Range, *key: object) -> int:
         """Return a time of a range, as `drawn`, in [ns]."""
@@ -177,22 +177,22 @@ def world_named(name: str) -> World:
 def worlds_named(names: str) -> tuple[World, ...]:
     """Return the worlds of names between commas, in the order of the table; `all` for each.
 
-    A name stands for all worlds that begin with it and a hyphen, too: `gripper`.
+    `gripper` and `joints` stand for all whose names begin so.
     Raises InputError for a name that there is not, and for none.
     """
     asked = [name.strip() for name in names.split(",") if name.strip()]
     found = set()
-    groups = {world.name.split("-")[0] for world in WORLDS if "-" in world.name}
+    heads = Counter(world.name.split("-")[0] for world in WORLDS)
+    groups = [head for head, number in heads.items() if number > 1]
     for name in asked:
-        of_group = {world.name for world in WORLDS if world.name.startswith(f"{name}-")}
         if name == ALL:
             found |= {world.name for world in WORLDS}
-        elif of_group:
-            found |= of_group
+        elif name in groups:
+            found |= {world.name for world in WORLDS if world.name.startswith(f"{name}-")}
         elif name in _BY_NAME and name != NOMINAL.name:
             found.add(name)
         else:
-            known = [ALL, *sorted(groups), *(world.name for world in WORLDS)]
+            known = [ALL, *groups, *(world.name for world in WORLDS)]
             raise InputError(f"there is no world '{name}'; {one_of(known, name)}")
     if not found:
         raise InputError(f"names no world; {one_of([ALL, *(each.name for each in WORLDS)])}")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.records import dataclass
+from tracerisk.records import dataclass, replace
 
 WORLDS_KEPT = "worlds"
 """The key of a lock's summary under which the worlds of a run are kept."""
@@ -40,6 +40,13 @@ class WorldRun:
         found = self.differs[0] if self.differs else f"{self.verdict}: {self.reason}"
         return found if self.depends else ""
 
+    def with_line(self, line_of: Callable[[str, int], int]) -> WorldRun:
+        """Return it with another line; `line_of` takes a file and a line of it."""
+        place = self.location
+        if place is None or place.line is None:
+            return self
+        return replace(self, location=Location(place.file, line_of(place.file, place.line)))
+
 
 def depending(runs: Iterable[WorldRun]) -> tuple[WorldRun, ...]:
     """Return the runs in worlds that verdict or outcome depend on."""
@@ -52,6 +59,12 @@ def dependence_line(run: WorldRun) -> str:
     at = "" if place is None else f" ({Location(place.file, place.line)})"
     why = f"; {run.cause}" if run.cause else ""
     return f"depends on world {run.world}: {run.words}{why}{at}"
+
+
+def joined_worlds(before: Iterable[WorldRun], now: Iterable[WorldRun]) -> tuple[WorldRun, ...]:
+    """Return the runs of now, and those before in other worlds, by name of the world."""
+    found = {run.world: run for run in (*before, *now)}
+    return tuple(run for _, run in sorted(found.items()))
 
 
 def worlds_summary(runs: Iterable[WorldRun]) -> dict[str, Any]:

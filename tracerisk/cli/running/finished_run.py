@@ -12,7 +12,7 @@ from tracerisk.cli.hardware_spread import uncertainty_of_run
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import review_against
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
-from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html
+from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html, worlds_shown
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
 from tracerisk.cli.verdict import as_typed, verdict_details
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
@@ -64,6 +64,7 @@ def finish_run(
                 # A recording is that of a run.
                 known=None if known is None or keep is not None else known.assessed,
                 live_speed=shared.live_speed(options),
+                worlds=options.worlds,
             )
         except api.RunFailedError as error:
             write_record(options, keep, error.trace)
@@ -133,6 +134,7 @@ def _write_files(options: argparse.Namespace, done: Assessed, recorded: Recorded
     if options.report is not None:
         section = run_section(done.trace, done.hardware, recorded)
         sections: tuple[Section, ...] = () if section is None else (section,)
+        sections += worlds_shown(done.trace)
         sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
         verdict = as_typed(done.trace.verdict, done.controller.path)
         page = report_html(

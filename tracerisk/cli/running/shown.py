@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk import trace_json
 from tracerisk.cli.explain import derivation_json, print_derivation
 from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
+from tracerisk.cli.running.in_worlds import print_worlds, worlds_exit, worlds_json
 from tracerisk.cli.shared.output import (
     note,
     paper,
@@ -69,6 +70,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
         verdict_exit(trace.verdict),
         risk_exit(risks, options.max_failure_probability),
         finding_exit(trace, assessed.settings.fail_on),
+        worlds_exit(trace.worlds),
     )
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
@@ -80,6 +82,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
             **({} if trace.end.is_good else {"error": failure_of(trace)}),
             trace=trace_json.trace_data(trace),
             objects=trace_json.trace_data(trace)["objects"],
+            worlds=worlds_json(trace.worlds),
             assessment=assessment_to_json(assessment),
             assumptions=[*trace.assumptions, *annotated.computed.assumptions],
             model=model_json.model_data(assessed.model),
@@ -90,6 +93,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
         return int(code)
     typed = trace_as_typed(trace, options.controller)
     print_verdict(typed.verdict, options)
+    print_worlds(typed.worlds, options)
     if options.diff:
         print_diffs(annotated)
     for line in _notes(options, assessed, typed):

@@ -62,6 +62,15 @@ def evidence_shown(
     return (evidence_section(found, is_used=is_used),)
 
 
+def worlds_shown(trace: Trace) -> tuple[Section, ...]:
+    """Return the section of the runs in other worlds, if there were any."""
+    if not trace.worlds:
+        return ()
+    from tracerisk.report.html.worlds import worlds_section
+
+    return (worlds_section(trace.worlds),)
+
+
 def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> RunShown:
     """Return what a report shows of a run whose trace is kept, `kept` where it is that one.
 
@@ -76,6 +85,7 @@ def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> 
     evidence = None
     section = run_section(trace, hardware)
     sections: tuple[Section, ...] = () if section is None else (section,)
+    sections += worlds_shown(trace)
     if kept is not None:
         evidence = used_evidence(kept.controller, settings, kept.fingerprint)
         sections += evidence_shown(kept.controller, settings, kept.fingerprint)

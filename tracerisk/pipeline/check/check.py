@@ -25,6 +25,7 @@ from tracerisk.pipeline.check.run import (
     contact_findings,
     coverage_findings,
     verdict_findings,
+    world_findings,
 )
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
@@ -36,6 +37,7 @@ from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.records import fields, replace
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
+from tracerisk.worlds.world_run import WorldRun, kept_worlds
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -122,6 +124,8 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         findings += verdict_findings(controller, verdict)
         least = settings.min_coverage if limits.least is None else limits.least
         findings += coverage_findings(controller, verdict, least, limits.base)
+    if settings.require_worlds:
+        findings += world_findings(controller, _worlds(entry, sources), settings.require_worlds)
     return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
 
 
@@ -274,6 +278,13 @@ def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict
         return None
     held = {each.file: each.source for each in sources}
     return verdict.with_lines(block_lines(held, {each.file: each.shown for each in sources}))
+
+
+def _worlds(entry: ControllerLock, sources: Sequence[CheckedSource]) -> list[WorldRun]:
+    """Return the runs in worlds that the lock keeps, with the lines that the sources have now."""
+    held = {each.file: each.source for each in sources}
+    line_of = block_lines(held, {each.file: each.shown for each in sources})
+    return [run.with_line(line_of) for run in kept_worlds(entry.trace)]
 
 
 def _of_model(

@@ -26,6 +26,7 @@ FindingKind = Literal[
     "stuck",
     "partial",
     "coverage",
+    "world",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a user changed a value
 that is the tool's; it is unknown who changed one; a block is gone; its function is gone or
@@ -35,7 +36,7 @@ lock knows nothing; the lock knows a controller that is gone or renamed; the blo
 that has a solution; in the last run something touched that should not, and `fail_on` says that
 this is to fail; the last run went wrong, did not come to an end, or rests on needs that nothing
 met or on assumptions that nobody accepted; of the functions that can command hardware too few
-ran."""
+ran; it was not repeated in a world that `require_worlds` names, or depends on one."""
 
 
 @dataclass(frozen=True, slots=True)

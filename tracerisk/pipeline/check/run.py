@@ -13,6 +13,7 @@ from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.records import dataclass
 from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
+from tracerisk.worlds.world_run import WorldRun
 
 _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "complete": "partial",
@@ -94,6 +95,34 @@ def coverage_findings(
             where = f" (in {each.function})" if each.function else ""
             message = f"{each.words}{where}; before the change that was not so"
             yield CheckFinding("coverage", message, _place(controller, each), each.function)
+
+
+def world_findings(
+    controller: Controller, runs: Iterable[WorldRun], required: Iterable[str]
+) -> Iterable[CheckFinding]:
+    """Yield the required worlds in which the last run was not repeated, or on which it depends."""
+    known = {run.world: run for run in runs}
+    first_line = Location(str(controller.path), 1)
+    missing = [name for name in required if name not in known]
+    if missing:
+        names = ",".join(missing)
+        yield CheckFinding(
+            "world",
+            f"require_worlds names {', '.join(missing)}, and the last run was not repeated there; "
+            f"`tracerisk run {controller.path} --worlds {names}`",
+            first_line,
+        )
+    for name in required:
+        run = known.get(name)
+        if run is not None and run.depends:
+            place = run.location
+            at = first_line
+            if place is not None:
+                at = Location(str(controller.path_of(place.file)), place.line)
+            why = f" ({run.cause})" if run.cause else ""
+            yield CheckFinding(
+                "world", f"the run depends on world {name}: {run.words}{why}; mend it", at, name
+            )
 
 
 def function_place(controller: Controller, function: FunctionRef) -> Location | None:

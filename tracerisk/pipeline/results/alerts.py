@@ -29,6 +29,7 @@ from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
 from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
+from tracerisk.worlds.world_run import WorldRun, dependence_line, depending
 
 _RULES: dict[FindingKind, str] = {
     "stale": "stale-block",
@@ -47,6 +48,7 @@ _RULES: dict[FindingKind, str] = {
     "stuck": "faulted-run",
     "partial": "partial-run",
     "coverage": "partial-run",
+    "world": "world-dependence",
 }
 _FIGURE = re.compile(r"-?\d+(\.\d+)?")
 _CONTACT = "unexpected_contact"
@@ -141,6 +143,7 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
             place = finding.location or Location(trace.controller)
             subject = f"{finding.kind} {finding.message}"
             alerts.append(_alert("run-finding", finding.message, place, root, subject=subject))
+    alerts += [_of_world(run, trace, root) for run in depending(trace.worlds)]
     lines = {each.ref: each.line for each in trace.functions}
     links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
     for contact, touches in unexpected_contacts(trace.visits).items():
@@ -157,6 +160,12 @@ def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
     rule = "partial-run" if reason.verdict == "partial" else "faulted-run"
     subject = f"{reason.code} {reason.object}"
     return _alert(rule, reason.message, place, root, function=reason.function, subject=subject)
+
+
+def _of_world(run: WorldRun, trace: Trace, root: Path) -> Alert:
+    """Return the alert of a world that verdict or outcome depend on."""
+    place = run.location or Location(trace.controller)
+    return _alert("world-dependence", dependence_line(run), place, root, subject=run.world)
 
 
 def _of_last_run(

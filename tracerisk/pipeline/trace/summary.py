@@ -15,6 +15,7 @@ from tracerisk.outcome.kept import OUTCOME, kept_outcome, kept_tolerances, outco
 from tracerisk.pipeline.trace.kept_verdict import verdict_summary
 from tracerisk.pipeline.trace.last_run import last_run_summary
 from tracerisk.trace import FunctionRef, Trace
+from tracerisk.worlds.world_run import WorldRun, joined_worlds, worlds_summary
 
 
 def trace_summary(
@@ -23,6 +24,7 @@ def trace_summary(
     *,
     kept: Mapping[str, Any] | None = None,
     tolerances: Tolerances = TOLERANCES,
+    worlds: Sequence[WorldRun] = (),
 ) -> dict[str, Any]:
     """Return what the lock keeps of a trace: by function the exposures of each element [s].
 
@@ -30,6 +32,7 @@ def trace_summary(
     with 4 significant digits. One within the noise of what is `kept`, the summary that the lock
     has, keeps its text. The verdict of the run is kept with its reasons, its lines
     as they are given. Motions that never ran and unexpected contacts are kept where there are any.
+    `worlds` are runs of the same inputs in worlds that the trace does not have.
     """
     functions: dict[str, Any] = {}
     names = model_names([function.ref for function in trace.functions])
@@ -65,6 +68,7 @@ def trace_summary(
         **verdict_summary(trace.verdict),
         **last_run_summary(trace),
         **_outcome(trace, kept or {}, tolerances),
+        **worlds_summary(joined_worlds(worlds, trace.worlds)),
     }
 
 

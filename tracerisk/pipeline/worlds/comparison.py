@@ -115,7 +115,10 @@ def _told(outcome: Outcome) -> Outcome:
 
 
 def _without_streams(old: Outcome, new: Outcome) -> tuple[Outcome, Outcome]:
-    """Return both without the topics on which each sends many messages, at a rate or not."""
+    """Return both without the topics on which each sends many messages, at a rate or not.
+
+    What the second alone asks of the cell goes too: it comes in addition.
+    """
     many = {*old.streams, *new.streams}
     counts = [
         Counter(use.interface for use in outcome.cell if use.kind == "message")
@@ -124,6 +127,10 @@ def _without_streams(old: Outcome, new: Outcome) -> tuple[Outcome, Outcome]:
     many |= {name for name in counts[0] if min(count[name] for count in counts) >= _STREAM}
     # A stream that has ceased is none: its messages are counted.
     many -= {name for name in old.streams if name not in new.streams and not counts[1][name]}
+    many |= {count.interface for count in new.cell_counts} - {
+        *old.streams,
+        *(count.interface for count in old.cell_counts),
+    }
 
     def quiet(outcome: Outcome) -> Outcome:
         return replace(

@@ -99,7 +99,7 @@ def _run(
             trace.end.location,
             trace.end.scenario,
         )
-    asked = [world for world in worlds if _may_differ(world, nominal)]
+    asked = [world for world in worlds if may_differ(world, nominal)]
     folder = str(nominal.folder) if workers.executor is None else ""
     jobs = [WorldJob(str(controller), given, nominal.digest, folder, world.name) for world in asked]
     found = {}
@@ -109,7 +109,8 @@ def _run(
     return tuple(found[world.name] for world in asked if world.name in found)
 
 
-def _may_differ(world: World, nominal: Nominal) -> bool:
+def may_differ(world: World, nominal: Nominal) -> bool:
+    """Return whether a world can differ from the run itself: one of grippers needs a gripper."""
     return world.gripper is None or bool(nominal.run.robot.grippers)
 
 
