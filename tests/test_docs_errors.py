@@ -111,6 +111,7 @@ CHECKS: dict[str, tuple[tuple[str, str], str]] = {
     "unknown": (("", ""), ""),
     "gone": (("", ""), ""),
     "unsolvable": (("next = done 1", "next := home 1"), ""),
+    "world": (("", ""), "require_worlds = ['discovery']"),
 }
 
 # What the function `act` does after a motion (or what is done in its place), and the options.

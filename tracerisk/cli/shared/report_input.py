@@ -66,7 +66,7 @@ def worlds_shown(trace: Trace) -> tuple[Section, ...]:
     """Return the section of the runs in other worlds, if there were any."""
     if not trace.worlds:
         return ()
-    from tracerisk.report.html.worlds import worlds_section
+    from tracerisk.report.html.run.worlds import worlds_section
 
     return (worlds_section(trace.worlds),)
 

@@ -57,7 +57,7 @@ class Carrier:
     ) -> None:
         """Deliver something of a name on behalf of the running code, after its time on the way.
 
-        `ends` tells apart who sends and receives it, `is_away`: it goes from the controller to the
+        `ends` are who sends and who receives it. `is_away`: it goes from the controller to the
         cell or back, and not within either.
         """
         latency_ns = self._latency_ns(name) if is_away else 0
@@ -82,12 +82,12 @@ class Carrier:
         self._scheduler.call_at(due_ns, call)
 
     def pass_latency(self, name: str) -> None:
-        """Let the running code wait for a call of a name, or for its answer, to arrive."""
+        """Wait while a call of a name, or its answer, is on its way."""
         if self._may_wait:
             self._pass_time(self._latency_ns(name))
 
     def pass_planning(self) -> None:
-        """Let the running code wait for a plan."""
+        """Wait while a plan is made."""
         if self._may_wait:
             self._pass_time(self.planning_ns())
 
