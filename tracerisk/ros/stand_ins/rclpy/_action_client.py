@@ -23,6 +23,7 @@ from tracerisk.ros.time.clock import EPOCH_NS
 from ._bare_action_server import BareActionServer
 from ._entity import Call, Entity
 from ._handle import OF_NODE, check_context
+from ._rclpy_pybind11 import RCLError
 from ._run import run
 from .callback_groups import CallbackGroup
 from .executors import await_or_execute
@@ -152,9 +153,13 @@ class ActionClient(Entity):
 
         Raises:
             TypeError: the goal is no `Goal` of the action.
+            RCLError: the client was destroyed.
         """
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
+        # One whose node was destroyed sends in silence to nobody.
+        if self._is_destroyed and not self._node.handle._is_destroyed:
+            raise RCLError("Failed to send goal request: action client pointer is invalid")
         goal_id = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
         text = f"action server {self._action_name} ({self._action_type._ros_type})"
         bare = self._bare_server()

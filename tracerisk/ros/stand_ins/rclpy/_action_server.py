@@ -18,6 +18,7 @@ from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
+from ._rclpy_pybind11 import GoalEvent, RCLError
 from ._run import run
 from .callback_groups import CallbackGroup
 from .constants import S_TO_NS
@@ -25,9 +26,7 @@ from .executors import await_or_execute
 from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from .waitable import NumberOfEntities
 
-
-class RCLError(RuntimeError):
-    """A goal's state does not allow what was asked."""
+_NAMES_IN_RCL = {"ACTIVE": "EXECUTING", "PREEMPTING": "CANCELING", "PREEMPTED": "CANCELED"}
 
 
 class GoalResponse(Enum):
@@ -103,25 +102,25 @@ class ServerGoalHandle:
 
     def succeed(self) -> None:
         """Mark the goal as reached; the result follows when the callback returns."""
-        self._finish(GoalState.SUCCEEDED, GoalState.ACTIVE, GoalState.PREEMPTING)
+        self._finish(GoalEvent.SUCCEED, GoalState.SUCCEEDED, GoalState.ACTIVE, GoalState.PREEMPTING)
 
     def abort(self) -> None:
         """Mark the goal as failed."""
-        self._finish(GoalState.ABORTED, GoalState.ACTIVE, GoalState.PREEMPTING)
+        self._finish(GoalEvent.ABORT, GoalState.ABORTED, GoalState.ACTIVE, GoalState.PREEMPTING)
 
     def canceled(self) -> None:
         """Mark the goal as canceled."""
-        self._finish(GoalState.PREEMPTED, GoalState.PREEMPTING)
+        self._finish(GoalEvent.CANCELED, GoalState.PREEMPTED, GoalState.PREEMPTING)
 
     def destroy(self) -> None:
         """Forget the goal."""
 
-    def _finish(self, end: GoalState, *allowed: GoalState) -> None:
+    def _finish(self, event: GoalEvent, end: GoalState, *allowed: GoalState) -> None:
         if self._end is not None or self._goal.state not in allowed:
             state = (self._end or self._goal.state).name
             raise RCLError(
                 f"Failed to update goal state: goal_handle attempted invalid transition from "
-                f"state {state} to {end.name}"
+                f"state {_NAMES_IN_RCL.get(state, state)} with event {event.name}"
             )
         self._end = end
 

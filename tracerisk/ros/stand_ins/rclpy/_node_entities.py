@@ -174,9 +174,10 @@ class NodeEntities(NodeNames):
             qos_profile,
             callback_group or self._default_callback_group,
         )
+        made.srv_name = srv_name
         self._clients.append(made)
-        if OF_ACTION in made.srv_name:
-            run().action_services.ask(made.srv_name, srv_type)
+        if OF_ACTION in made._full_name:
+            run().action_services.ask(made._full_name, srv_type)
         return made
 
     def create_service(
@@ -204,6 +205,7 @@ class NodeEntities(NodeNames):
             callback_group or self._default_callback_group,
             qos_profile,
         )
+        made.srv_name = srv_name
         self._services.append(made)
         return made
 
@@ -218,6 +220,7 @@ class NodeEntities(NodeNames):
             self._default_callback_group,
             qos_profile_parameters,
         )
+        made.srv_name = srv_name.replace("~", self._name)
         self._services.append(made)
 
     def create_timer(

@@ -63,7 +63,7 @@ class NodeGraph(NodeNames):
         """Return how many of the controller's clients call a service."""
         self._check_usable("Error in rcl_count_clients")
         name = self._checked_service(service_name)
-        return sum(each.srv_name == name for node in run().nodes for each in node.clients)
+        return sum(each._full_name == name for node in run().nodes for each in node.clients)
 
     def count_services(self, service_name: str) -> int:
         """Return how many serve a service."""
@@ -123,7 +123,7 @@ class NodeGraph(NodeNames):
         """Return the services that a node of the controller calls, with their types."""
         name = self._known(node_name, node_namespace)
         found = {
-            each.srv_name: _full_type(each.srv_type._ros_type, "srv")
+            each._full_name: _full_type(each.srv_type._ros_type, "srv")
             for node in run().nodes
             if node.get_fully_qualified_name() == name
             for each in node.clients

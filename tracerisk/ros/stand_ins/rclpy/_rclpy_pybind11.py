@@ -46,4 +46,14 @@ class TransitionCallbackReturnType(Enum):
         return f"transition_{self.name.lower()}"
 
 
+class GoalEvent(Enum):
+    """What moves a goal of a server to another state; the numbers are those of rcl_action."""
+
+    EXECUTE = 0
+    CANCEL_GOAL = 1
+    SUCCEED = 2
+    ABORT = 3
+    CANCELED = 4
+
+
 __all__ = _defined(globals(), "InvalidHandle")

@@ -102,7 +102,7 @@ class Client(ServiceEnd):
             # The twin's: it acts on behalf of the code that calls here.
             run().scheduler.spawn(
                 lambda: self._call_other(server, sent, future, number),
-                f"call of {self.srv_name}",
+                f"call of {self._full_name}",
                 is_controllers=False,
             )
         return future
@@ -111,7 +111,7 @@ class Client(ServiceEnd):
         try:
             response = run().graph.call(server, request)
         except ServiceFailedError as error:
-            self._node.get_logger().error(f"service {self.srv_name}: {error}")
+            self._node.get_logger().error(f"service {self._full_name}: {error}")
             return
         self._responses.append((future, response, number))
 
@@ -147,7 +147,7 @@ class Client(ServiceEnd):
         run().scheduler.wait_until(
             lambda: self._server() is not None or not self.context.is_valid,
             timeout_ns=None if timeout_sec is None else max(0, round(timeout_sec * 1e9)),
-            reason=f"service {self.srv_name} ({self.srv_type._ros_type})",
+            reason=f"service {self._full_name} ({self.srv_type._ros_type})",
             kind="unmet",
             need=self._need,
         )
@@ -160,11 +160,11 @@ class Client(ServiceEnd):
 
     @property
     def _text(self) -> str:
-        return f"the response of service {self.srv_name} ({self.srv_type._ros_type})"
+        return f"the response of service {self._full_name} ({self.srv_type._ros_type})"
 
     @property
     def _need(self) -> Need:
-        return Need("service", self.srv_name, self.srv_type._ros_type)
+        return Need("service", self._full_name, self.srv_type._ros_type)
 
     def _check(self, request: Any) -> None:
         if not isinstance(request, self.srv_type.Request):
@@ -173,7 +173,7 @@ class Client(ServiceEnd):
             return
 
     def _server(self) -> ServiceServer | None:
-        server = run().graph.service(self.srv_name, self.srv_type._ros_type)
+        server = run().graph.service(self._full_name, self.srv_type._ros_type)
         if server is None or server.type_name not in (ANY_TYPE, self.srv_type._ros_type):
             return None
         return server

@@ -123,6 +123,11 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             from .logging_service import LoggingService
 
             self._logger_service = LoggingService(self)
+        # Humble has no such service.
+        if run().runtime.distro.name == "jazzy":
+            from .type_description_service import TypeDescriptionService
+
+            self._type_description_service = TypeDescriptionService(self)
 
     def _overrides(self, given: Sequence[Parameter]) -> dict[str, Parameter]:
         full_name = self.get_fully_qualified_name()
@@ -136,6 +141,10 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
     def handle(self) -> Handle:
         """What stands for the node in the middleware: good until the node is destroyed."""
         return self._handle
+
+    @handle.setter
+    def handle(self, value: Any) -> None:
+        raise AttributeError("handle cannot be modified after node creation")
 
     @property
     def executor(self) -> Any:

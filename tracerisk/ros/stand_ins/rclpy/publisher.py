@@ -15,7 +15,7 @@ from ._run import run
 from .callback_groups import CallbackGroup
 from .duration import Duration
 from .event_handler import PublisherEventCallbacks
-from .qos import LivelinessPolicy, QoSProfile, misfit_of
+from .qos import LivelinessPolicy, QoSProfile, misfit_of, reaches
 
 
 class Publisher:
@@ -42,9 +42,7 @@ class Publisher:
         self.event_handlers = event_callbacks.create_event_handlers(
             callback_group, self, given_name or topic
         )
-        self._events = EndpointEvents(
-            node, self.event_handlers, qos_profile, lambda: list(self._publication.subscriptions)
-        )
+        self._events = EndpointEvents(node, self.event_handlers, qos_profile, self._reached)
         is_manual = qos_profile.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC
         lease_ns = span_ns(qos_profile.liveliness_lease_duration) if is_manual else None
         self._is_alive = True
@@ -114,7 +112,11 @@ class Publisher:
         with self.handle:
             self._check_context("failed to get subscription count")
         run().scheduler.touch()
-        return len(self._publication.subscriptions)
+        return len(self._reached())
+
+    def _reached(self) -> list[Any]:
+        ends = self._publication.subscriptions
+        return [end for end in ends if reaches(self._publication, end)]
 
     def assert_liveliness(self) -> None:
         """Show a sign of life; one that was lost comes back only with a message."""

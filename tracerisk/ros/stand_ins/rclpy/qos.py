@@ -260,6 +260,11 @@ class QoSCompatibility(IntEnum):
     ERROR = 2
 
 
+def _promises(offered: Duration, asked: Duration) -> bool:
+    """Return whether a publisher's span is as short as a subscription wants it; 0 is no span."""
+    return not asked.nanoseconds or 0 < offered.nanoseconds <= asked.nanoseconds
+
+
 def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
     """Return the last policy in which a subscription asks for more than a publisher offers."""
     found = None
@@ -268,6 +273,13 @@ def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
         and asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
     ):
         found = QoSPolicyKind.DURABILITY
+    if not _promises(offered.deadline, asked.deadline):
+        found = QoSPolicyKind.DEADLINE
+    if not _promises(offered.liveliness_lease_duration, asked.liveliness_lease_duration) or (
+        offered.liveliness != LivelinessPolicy.MANUAL_BY_TOPIC
+        and asked.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
+    ):
+        found = QoSPolicyKind.LIVELINESS
     if (
         offered.reliability == ReliabilityPolicy.BEST_EFFORT
         and asked.reliability == ReliabilityPolicy.RELIABLE
@@ -277,16 +289,33 @@ def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
 
 
 _UNDECIDED = frozenset({"SYSTEM_DEFAULT", "UNKNOWN"})
-# What the other side must have for a policy that is left to the system to matter.
-_STRICT: frozenset[tuple[str, Any]] = frozenset(
-    {
-        ("publisher", ReliabilityPolicy.RELIABLE),
-        ("subscription", ReliabilityPolicy.BEST_EFFORT),
-        ("publisher", DurabilityPolicy.TRANSIENT_LOCAL),
-        ("subscription", DurabilityPolicy.VOLATILE),
-        ("publisher", LivelinessPolicy.MANUAL_BY_TOPIC),
-        ("subscription", LivelinessPolicy.AUTOMATIC),
-    }
+# Of each policy: what a publisher has that promises least, and what a subscription asks at most,
+# with the words that the real library has for both and for two that are left to the system.
+_WEAK_AND_STRICT: tuple[tuple[str, Any, Any, str, str, str], ...] = (
+    (
+        "reliability",
+        ReliabilityPolicy.BEST_EFFORT,
+        ReliabilityPolicy.RELIABLE,
+        "Reliable subscription, but publisher",
+        "Best effort publisher, but subscription",
+        "reliability",
+    ),
+    (
+        "durability",
+        DurabilityPolicy.VOLATILE,
+        DurabilityPolicy.TRANSIENT_LOCAL,
+        "Transient local subscription, but publisher",
+        "Volatile publisher, but subscription",
+        "durabilty",
+    ),
+    (
+        "liveliness",
+        LivelinessPolicy.AUTOMATIC,
+        LivelinessPolicy.MANUAL_BY_TOPIC,
+        "Subscription's liveliness is manual by topic, but publisher's",
+        "Publisher's liveliness is automatic, but subscription's",
+        "liveliness",
+    ),
 )
 
 
@@ -294,29 +323,62 @@ def qos_check_compatible(
     publisher_qos: QoSProfile, subscription_qos: QoSProfile
 ) -> tuple[QoSCompatibility, str]:
     """Return whether a subscription gets what a publisher sends, and why it does not."""
-    reasons = []
+    errors = _errors(publisher_qos, subscription_qos)
+    if errors:
+        return QoSCompatibility.ERROR, "".join(f"ERROR: {error};" for error in errors)
+    doubts = []
+    for name, weak, strict, of_publisher, of_subscription, first_name in _WEAK_AND_STRICT:
+        offered, asked = getattr(publisher_qos, name), getattr(subscription_qos, name)
+        has, wants = offered.name.lower(), asked.name.lower()
+        if offered.name in _UNDECIDED and asked.name in _UNDECIDED:
+            doubts.append(f"Publisher {first_name} is {has} and subscription {name} is {wants}")
+        elif offered.name in _UNDECIDED and asked is strict:
+            doubts.append(f"{of_publisher} is {has}")
+        elif offered is weak and asked.name in _UNDECIDED:
+            doubts.append(f"{of_subscription} is {wants}")
+    words = "".join(f"WARNING: {doubt};" for doubt in doubts)
+    return (QoSCompatibility.WARNING if doubts else QoSCompatibility.OK), words
+
+
+def _errors(offered: QoSProfile, asked: QoSProfile) -> list[str]:
+    """Return where a subscription surely asks for more than it gets, in the library's words."""
+    errors = []
     if (
-        publisher_qos.reliability == ReliabilityPolicy.BEST_EFFORT
-        and subscription_qos.reliability == ReliabilityPolicy.RELIABLE
+        offered.reliability == ReliabilityPolicy.BEST_EFFORT
+        and asked.reliability == ReliabilityPolicy.RELIABLE
     ):
-        reasons.append("ERROR: Best effort publisher and reliable subscription;")
+        errors.append("Best effort publisher and reliable subscription")
     if (
-        publisher_qos.durability == DurabilityPolicy.VOLATILE
-        and subscription_qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        offered.durability == DurabilityPolicy.VOLATILE
+        and asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
     ):
-        reasons.append("ERROR: Volatile publisher and transient local subscription;")
-    if reasons:
-        return QoSCompatibility.ERROR, "".join(reasons)
-    doubts = [
-        f"WARNING: {name} of the {who} is {policy.name}, which may not fit {other.name};"
-        for name in ("reliability", "durability", "liveliness")
-        for who, policy, other in (
-            ("publisher", getattr(publisher_qos, name), getattr(subscription_qos, name)),
-            ("subscription", getattr(subscription_qos, name), getattr(publisher_qos, name)),
+        errors.append("Volatile publisher and transient local subscription")
+    if not _promises(offered.deadline, asked.deadline):
+        errors.append(
+            "Subscription deadline is less than publisher deadline"
+            if offered.deadline.nanoseconds
+            else "Subscription has a deadline, but publisher does not"
         )
-        if policy.name in _UNDECIDED and (who, other) in _STRICT
-    ]
-    return (QoSCompatibility.WARNING if doubts else QoSCompatibility.OK), "".join(doubts)
+    if (
+        offered.liveliness == LivelinessPolicy.AUTOMATIC
+        and asked.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
+    ):
+        errors.append("Publisher's liveliness is automatic and subscription's is manual by topic")
+    if not _promises(offered.liveliness_lease_duration, asked.liveliness_lease_duration):
+        errors.append(
+            "Subscription liveliness lease duration is less than publisher"
+            if offered.liveliness_lease_duration.nanoseconds
+            else "Subscription has a liveliness lease duration, but publisher does not"
+        )
+    return errors
+
+
+def reaches(publication: Any, subscription: Any) -> bool:
+    """Return whether messages of a publication come to a subscription; the twin's always fit."""
+    sender = getattr(publication.on_connect, "__self__", None)
+    receiver = getattr(subscription.deliver, "__self__", None)
+    offered, asked = getattr(sender, "qos_profile", None), getattr(receiver, "qos_profile", None)
+    return offered is None or asked is None or misfit_of(offered, asked) is None
 
 
 qos_profile_unknown = QoSProfile(

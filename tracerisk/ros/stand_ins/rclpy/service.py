@@ -66,7 +66,7 @@ class Service(ServiceEnd):
         self._enqueue(request, answers.append)
         run().scheduler.wait_until(
             lambda: bool(answers),
-            reason=f"something that spins the node of service {self.srv_name}",
+            reason=f"something that spins the node of service {self._full_name}",
             kind="unmet",
         )
         return answers[0]

@@ -35,11 +35,13 @@ class ServiceEnd(Entity):
     ) -> None:
         super().__init__(node, callback_group)
         self.srv_type = srv_type
+        self._full_name = srv_name
         self.srv_name = srv_name
+        """The name as it was given, neither expanded nor remapped."""
         self.qos_profile = qos_profile
         self._introspection = Introspection(node, srv_type, srv_name)
 
-    service_name = property(attrgetter("srv_name"), doc="The service's name.")
+    service_name = property(attrgetter("_full_name"), doc="The service's name.")
 
     def configure_introspection(
         self, clock: Any, service_event_qos_profile: QoSProfile, introspection_state: Any

@@ -20,7 +20,7 @@ from ._run import run
 from .callback_groups import CallbackGroup
 from .event_handler import SubscriptionEventCallbacks
 from .executors import await_or_execute
-from .qos import QoSProfile, misfit_of
+from .qos import QoSProfile, misfit_of, reaches
 
 
 class Subscription(Entity):
@@ -61,9 +61,7 @@ class Subscription(Entity):
         self.event_handlers = event_callbacks.create_event_handlers(
             callback_group, self, given_name or topic
         )
-        self._events = EndpointEvents(
-            node, self.event_handlers, qos_profile, lambda: list(self._subscription.publications)
-        )
+        self._events = EndpointEvents(node, self.event_handlers, qos_profile, self._heard)
         self._subscription = run().graph.subscribe(
             topic,
             msg_type._ros_type,
@@ -108,7 +106,11 @@ class Subscription(Entity):
         """Return how many publishers it hears."""
         with self.handle:
             run().scheduler.touch()
-        return len(self._subscription.publications)
+        return len(self._heard())
+
+    def _heard(self) -> list[Any]:
+        ends = self._subscription.publications
+        return [end for end in ends if reaches(end, self._subscription)]
 
     def destroy(self) -> None:
         """Leave the topic, and drop what waits."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from ._entity import Call, Entity
 from ._handle import GONE
+from ._rclpy_pybind11 import RCLError
 from ._run import run
 from .callback_groups import CallbackGroup
 from .clock import Clock
@@ -59,6 +60,8 @@ class Timer(Entity):
         context: Context | None = None,
         autostart: bool = True,
     ) -> None:
+        if timer_period_ns < 0:
+            raise RCLError("failed to create timer: timer period must be non-negative")
         super().__init__(node, callback_group)
         self.callback = callback
         self._asked: Any = None

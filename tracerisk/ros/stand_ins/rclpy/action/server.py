@@ -10,10 +10,12 @@ from rclpy._action_server import (
     default_goal_callback,
     default_handle_accepted_callback,
 )
+from rclpy._rclpy_pybind11 import GoalEvent
 
 __all__ = [
     "ActionServer",
     "CancelResponse",
+    "GoalEvent",
     "GoalResponse",
     "RCLError",
     "ServerGoalHandle",
