@@ -170,7 +170,9 @@ def test_a_node_may_have_no_such_services_and_they_are_no_sign_of_work(run_ros2)
         names = [name for name, _ in silent.get_service_names_and_types()]
         rclpy.create_node("arm")
         with_them = [name for name, _ in silent.get_service_names_and_types()]
-        assert len(with_them) == 6
+        # Both have the service that describes types, "arm" the six of parameters too.
+        assert names == ["/silent/get_type_description"]
+        assert len(with_them) == 8
         import threading
 
         threading.Event().wait()
