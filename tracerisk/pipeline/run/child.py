@@ -200,6 +200,7 @@ def _run(
         root,
         lambda: watch.has_commanded,
         scenario_world.unused,
+        scenario_world.unanswered,
         values,
         script=script,
         in_source=lambda source: asked_in_file(source, 2 if is_ros2 else 1),

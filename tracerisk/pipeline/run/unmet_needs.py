@@ -57,7 +57,8 @@ class UnmetNeeds:
     controller is `script`.
     `drafts` says when the end notes what a scenario could say for every need, however it came.
 
-    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end.
+    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end;
+    `unanswered` returns the goals that it sent without a result: words, place, whether taken.
 
     `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
     what is in them. `shift` returns by how much to move assumed poses whose goals were not reached.
@@ -68,6 +69,7 @@ class UnmetNeeds:
     root: Path
     has_commanded: Callable[[], bool]
     unused: Callable[[], Iterable[tuple[str, Location]]]
+    unanswered: Callable[[], Iterable[tuple[str, Location, bool]]]
     values: UsableValues
     script: Path = Path()
     in_source: Callable[[Path], Iterable[Missed]] = lambda _: ()
@@ -102,6 +104,7 @@ class UnmetNeeds:
         for text, place in self.unused():
             here = replace(place, file=Path(place.file).name)
             self.runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
+        cause, message = self._judge_unanswered(cause, message)
         scheduler = self.runtime.scheduler
         named = scheduler.needs.named_in(message, scheduler.now_ns) if cause == "raised" else ()
         sought = scheduler.needs.sought_in_vain
@@ -109,6 +112,7 @@ class UnmetNeeds:
         shows_risk = cause in GOOD_ENDS and self.has_commanded()
         if self.drafts == "always" or (self.drafts == "without_risk" and not shows_risk):
             self._note_drafts(shows_risk=shows_risk)
+        message += self._judge_too_late(shows_risk=shows_risk)
         plain = JudgedEnd(cause, message, location)
         if shows_risk:
             self._note_unmet()
@@ -145,6 +149,40 @@ class UnmetNeeds:
             text = f"{message}; nothing provides {self.listed(unmet)}{also}"
             return replace(plain, message=text, scenario=lines)
         return replace(plain, message=f"{message}{also}", scenario=lines)
+
+    def _judge_unanswered(self, cause: EndCause, message: str) -> tuple[EndCause, str]:
+        """Report goals of a scenario without a result; return how the run then ended, in words.
+
+        That nobody takes a goal although nothing else can happen is a deadlock.
+        """
+        untaken = []
+        if cause == "cycles":
+            return cause, message
+        for text, place, is_taken in self.unanswered():
+            if cause == "duration" and is_taken:
+                continue
+            untaken += [] if is_taken else [text]
+            here = replace(place, file=Path(place.file).name)
+            self.runtime.recorder.finding("unprovided", f"in the scenario, {text}", here)
+        if untaken and cause == "quiescent":
+            return "deadlock", "; ".join((message, *untaken))
+        return cause, message
+
+    def _judge_too_late(self, *, shows_risk: bool) -> str:
+        """Report subscriptions that came after the only message; return words for a stuck run."""
+        texts = []
+        for each in self.runtime.graph.too_late():
+            text = (
+                f"the message on {each.need.name} was published before the controller subscribed, "
+                "and a volatile subscription does not get it; subscribe with the durability "
+                "TRANSIENT_LOCAL"
+            )
+            texts.append(f"; {text}")
+            if shows_risk:
+                place = self.below_root(each.location)
+                name = each.need.name
+                self.runtime.recorder.finding("unprovided", text, place, object_name=name)
+        return "" if shows_risk else "".join(texts)
 
     def _further(self, asked: Iterable[Missed]) -> tuple[Missed, ...]:
         """Return what of that which sources ask for by name nothing would give."""

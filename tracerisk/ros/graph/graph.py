@@ -150,6 +150,10 @@ class Subscription:
     closed: bool = False
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for the controller's own."""
+    takes_latched: bool = True
+    """Whether it gets what was latched before it came; in ROS 2 only if it is transient local."""
+    has_missed_latched: bool = False
+    """Whether something was latched before it came, and it has received nothing at all."""
     on_close: list[Callable[[], None]] = field(default_factory=list)
     made_ns: int = 0
 
@@ -171,6 +175,7 @@ class Subscription:
             return
         if publication.on_received is not None and self.by_controller:
             publication.on_received(self)
+        self.has_missed_latched = False
         self.deliver(message, publication)
 
     def close(self) -> None:
@@ -343,8 +348,9 @@ class Graph:
         node: str,
         on_disconnect: Callable[[Publication], None] | None = None,
         by_controller: bool = True,
+        takes_latched: bool = True,
     ) -> Subscription:
-        """Begin to receive from a topic; what is latched is delivered at once.
+        """Begin to receive from a topic; if it `takes_latched`, what is latched comes at once.
 
         `by_controller` is False for the twin's own: they make no controller listen.
         """
@@ -356,6 +362,7 @@ class Graph:
         subscription = Subscription(
             self, topic, type_name, node, deliver, on_disconnect, by_controller, place
         )
+        subscription.takes_latched = takes_latched
         entry = self._topics.setdefault(topic, _Topic())
         for other in entry.publications:
             self._warn_of_types(topic, other.type_name, type_name)
@@ -393,8 +400,12 @@ class Graph:
                 return
             if publication.on_connect is not None:
                 publication.on_connect(subscription)
-            if publication.latched is not None:
+            if publication.latched is None:
+                return
+            if subscription.takes_latched:
                 subscription.receive(publication.latched, publication)
+            else:
+                subscription.has_missed_latched = True
 
         self.when_connected(publication, subscription, connect)
 
@@ -413,6 +424,15 @@ class Graph:
             for topic in self._topics.values()
             for each in topic.subscriptions
             if each.by_controller and each.place is not None and not each.publications
+        )
+
+    def too_late(self) -> tuple[Missed, ...]:
+        """Return the topics from which the controller gets nothing: it asks for no old message."""
+        return tuple(
+            Missed(Need("topic", each.topic, each.type_name), 0, 0, each.place)
+            for topic in self._topics.values()
+            for each in topic.subscriptions
+            if each.by_controller and each.place is not None and each.has_missed_latched
         )
 
     def unheard(self) -> tuple[Missed, ...]:

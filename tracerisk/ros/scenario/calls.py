@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.runtime import Runtime
@@ -69,6 +70,7 @@ class ScenarioCall:
         self._is_ros2 = hasattr(interfaces, "action")
         self._is_sent = False
         self._is_answered: Callable[[], bool] = lambda: False
+        self._goals: list[ActionGoal] = []
         self._before = before
         self._rests = 0
         self._served_for = 0
@@ -93,6 +95,20 @@ class ScenarioCall:
         if self._is_sent:
             return None
         return f"nobody served {self._kind} {self._name}", self._location
+
+    @property
+    def unanswered(self) -> Iterator[tuple[str, Location, bool]]:
+        """Each goal without a result: in words, its place, and whether the server has taken it.
+
+        The thread of a service's call shows by itself what it waits for.
+        """
+        for goal in self._goals:
+            if goal.state.is_terminal:
+                continue
+            is_taken = goal.state is not GoalState.PENDING
+            became = "accepted and never ended" if is_taken else "never taken by its server"
+            sent = f"the goal of action {self._name} sent at {goal.sent_ns / 1e9:g} s"
+            yield f"{sent} was {became}", self._location, is_taken
 
     def _on_served(self, change: str, name: str, type_name: str) -> None:
         if change == "served" and (name, type_name) == (self._name, self._type):
@@ -152,6 +168,7 @@ class ScenarioCall:
             self._message.make(self._schedule.now_ns),
             goal_id=number.to_bytes(16, "big") if self._is_ros2 else f"{NODE}-{number}",
         )
+        self._goals.append(goal)
         self._is_answered = lambda: goal.state.is_terminal
 
     def _call(self, server: ServiceServer) -> None:

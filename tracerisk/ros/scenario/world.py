@@ -48,6 +48,10 @@ class ScenarioWorld:
             ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
         ]
 
+    def unanswered(self) -> tuple[tuple[str, Location, bool], ...]:
+        """Return the goals that it sent and that have no result, as `ScenarioCall.unanswered`."""
+        return tuple(found for call in self._calls for found in call.unanswered)
+
     def unused(self) -> tuple[tuple[str, Location], ...]:
         """Return what nobody made use of, in words and with its place: a name may be mistaken."""
         found = [

@@ -152,6 +152,7 @@ class Publisher:
                 self._events.note_misfit(misfit)
                 return
             if not asked.is_latching:
+                subscription.has_missed_latched |= bool(self._history)
                 return
         lifespan_ns = span_ns(self.qos_profile.lifespan)
         for message, sent_ns in self._history:

@@ -67,6 +67,7 @@ class Subscription(Entity):
             msg_type._ros_type,
             self._deliver,
             node=node.get_fully_qualified_name(),
+            takes_latched=qos_profile.is_latching,
         )
         self._events.watch(topic)
 
