@@ -14,7 +14,7 @@ from dataclasses import replace
 from tracerisk.errors import Location
 from tracerisk.outcome.changes import Tolerances, outcome_changes
 from tracerisk.outcome.kept import kept_outcome, outcome_summary
-from tracerisk.outcome.outcome import GripperUse, Outcome, Rest
+from tracerisk.outcome.outcome import CellUse, GripperUse, Outcome, Rest
 from tracerisk.trace import GAPS, Reason, Trace, VerdictKind
 from tracerisk.worlds.world import World
 from tracerisk.worlds.world_run import WorldRun
@@ -89,8 +89,28 @@ def differences(
     if world.gripper is not None:
         # Whether the first command moves a gripper is the world's doing.
         old, new = _without_first_grip(old), _without_first_grip(new)
-    changes = outcome_changes(old, new, wide)
-    return (*changes.result, *changes.lost)
+    if not is_endless(nominal):
+        changes = outcome_changes(old, new, wide)
+        return (*changes.result, *changes.lost)
+    # Where in its cycle a loop without an end is cut says nothing.
+    old, new = _first(old, len(old.steps) * 3 // 4), _first(new, len(old.steps))
+    return outcome_changes(old, new, wide).lost
+
+
+def is_endless(trace: Trace) -> bool:
+    """Return whether a run is of a loop without an end, which something else ended."""
+    return trace.end.cause in ("cycles", "duration")
+
+
+def _first(outcome: Outcome, number: int) -> Outcome:
+    """Return an outcome with its first steps alone."""
+    kept = outcome.steps[:number]
+    return replace(
+        outcome,
+        rests=tuple(step for step in kept if isinstance(step, Rest)),
+        grips=tuple(step for step in kept if isinstance(step, GripperUse)),
+        cell=tuple(step for step in kept if isinstance(step, CellUse)),
+    )
 
 
 def _without_passed(old: Outcome, new: Outcome, tolerances: Tolerances) -> Outcome:

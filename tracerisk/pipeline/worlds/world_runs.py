@@ -22,11 +22,14 @@ from tracerisk.pipeline.scenarios.rounds import draft_scenario
 from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.trace.run_files import EVENTS, LOST_ON_THE_WAY
 from tracerisk.pipeline.workspace.controller import load_controller
-from tracerisk.pipeline.worlds.comparison import Lost, compared
+from tracerisk.pipeline.worlds.comparison import Lost, compared, is_endless
 from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
 from tracerisk.worlds.world import World, world_named
 from tracerisk.worlds.world_run import WorldRun
+
+_MORE, _MORE_S = 1.1, 3.0
+"""A loop without an end goes on for so many times as long as in the run itself, and more [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +136,7 @@ def in_world(nominal: Nominal, world: World) -> WorldRun:
                 with_scenario(nominal.settings),
                 world.name,
                 RunOptions(folder, quiet=True),
-                duration_s=longest_s(nominal),
+                duration_s=_longest_s(nominal),
             )
         except MachineError:
             raise
@@ -143,6 +146,14 @@ def in_world(nominal: Nominal, world: World) -> WorldRun:
         recording = read_recording(events) if events.exists() else Recording()
         tolerances = Tolerances.of(nominal.settings)
         return compared(world, nominal.trace, done.trace, tolerances, _lost(recording))
+
+
+def _longest_s(nominal: Nominal) -> float:
+    """Return how long a run in a world may take [s]; a loop without an end as long as the run."""
+    if not is_endless(nominal.trace):
+        return longest_s(nominal)
+    simulated_s = nominal.trace.end.simulated_s or nominal.run.request.duration_s
+    return min(nominal.run.request.duration_s, _MORE * simulated_s + _MORE_S)
 
 
 def _lost(recording: Recording) -> tuple[Lost, ...]:

@@ -1,6 +1,7 @@
 """PlanningSceneInterface: the objects of the planning scene."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -34,16 +35,17 @@ class PlanningSceneInterface:
     """Add, remove, attach and ask for objects; every client sees the same scene.
 
     The objects are bodies of the twin, which planning avoids.
-    `ns` is taken and changes nothing. A change is in force when the call returns; if not
-    `synchronous`, it is a message on a topic, which who asks at once does not see yet, and which
-    is lost in some worlds right after the interface was made.
+    `ns` is taken and changes nothing. A change is in force when the call returns; if `synchronous`
+    is False, it is a message on a topic, which who asks at once does not see yet. Unless it is
+    True, a message is lost in some worlds right after the interface was made.
     """
 
     def __init__(
-        self, ns: str = "", synchronous: bool = False, service_timeout: float = 5.0
+        self, ns: str = "", synchronous: bool | None = None, service_timeout: float = 5.0
     ) -> None:
         self._server = server()
-        self._synchronous = synchronous
+        self._changing = self._server.by_topic if synchronous is False else nullcontext
+        self._is_by_topic = not synchronous
         self._made_ns = current().scheduler.now_ns
 
     # Add
@@ -324,27 +326,23 @@ class PlanningSceneInterface:
         fill_poses(described, Pose)
         return described
 
-    def _send(self, topic: str, act: Callable[[], None]) -> None:
-        """Change the scene as a message does, which is lost before move_group is connected."""
+    def _send(self, topic: str, change: Callable[[], None]) -> None:
+        """Change the scene; a message is lost before move_group is connected."""
         carrier = current().graph.carrier
-        if carrier.connected_ns(topic, self._made_ns) > current().scheduler.now_ns:
+        if (
+            self._is_by_topic
+            and carrier.connected_ns(topic, self._made_ns) > current().scheduler.now_ns
+        ):
             carrier.note_lost(f"a message on {topic} is lost", asking_place())
-        else:
-            # A plan waits for joint states that are newer than the message: see `by_topic`.
-            with self._server.by_topic():
-                act()
+            return
+        with self._changing():
+            change()
 
     def _apply(self, message: Any) -> None:
-        if self._synchronous:
-            self._change(message)
-        else:
-            self._send("/collision_object", partial(self._change, message))
+        self._send("/collision_object", partial(self._change, message))
 
     def _apply_attached(self, message: Any) -> None:
-        if self._synchronous:
-            self._change_attached(message)
-        else:
-            self._send("/attached_collision_object", partial(self._change_attached, message))
+        self._send("/attached_collision_object", partial(self._change_attached, message))
 
     def _change(self, message: Any) -> None:
         scene = self._server.scene
