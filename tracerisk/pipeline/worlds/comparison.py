@@ -43,7 +43,8 @@ def compared(
         for reason in trace.verdict.open_reasons
         if reason.code not in _ASSUMED and _key(reason) not in known
     ]
-    is_worse = _RANK[trace.verdict.kind] > _RANK[nominal.verdict.kind]
+    # What makes it partial alone is in its reasons.
+    is_worse = _RANK[trace.verdict.kind] > max(_RANK[nominal.verdict.kind], _RANK["partial"])
     differs = differences(world, nominal, trace, tolerances)
     if is_worse and not new and not differs:
         differs = (f"the run ends differently: {trace.end.message}",)
