@@ -40,7 +40,10 @@ def cell(panda: Robot) -> tuple[Robot, str]:
 
 @pytest.fixture
 def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
-    """Run a program of moveit_commander on the robot in virtual time; at full speed."""
+    """Run a program of moveit_commander on the robot in virtual time; at full speed.
+
+    That it is for Noetic is assumed, unless `is_known`.
+    """
     robot, scene = cell
     twin = Twin.build(robot, load_scene(scene))
     tracer = Tracer()
@@ -48,10 +51,11 @@ def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran
     events = tmp_path / "events.jsonl"
     with events.open("wb", buffering=0) as stream, StandInFinder():
         recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
-        graph, rules = Graph(scheduler, tracer), DistroRules("noetic", lambda *_: None)
-        runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
+        graph = Graph(scheduler, tracer)
 
-        def run_program(program: str) -> Ran:
+        def run_program(program: str, *, is_known: bool = False) -> Ran:
+            rules = DistroRules("noetic", None if is_known else lambda *_: None)
+            runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
             source = PREAMBLE + textwrap.dedent(program)
             code = compile(source, str(tmp_path / "program.py"), "exec")
             names: dict[str, Any] = {"__name__": "__main__"}

@@ -152,6 +152,48 @@ def test_a_plan_read_as_before_noetic_is_taken_and_reported(run, use):
     assert "use plan()[1]" in ran.findings[0]
 
 
+_OLDER_PATHS = (
+    "arm.compute_cartesian_path([pose.pose], 0.01, 0.0)",
+    "arm.compute_cartesian_path([pose.pose], 0.01, 0.0, True)",
+    "arm.compute_cartesian_path([pose.pose], 0.01, jump_threshold=0.0)",
+    "arm.compute_cartesian_path([pose.pose], 0.01, 0.0, avoid_collisions=False)",
+    "arm.compute_cartesian_path([pose.pose], 0.01, 0.0, True, moveit_msgs.msg.Constraints())",
+)
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    list(
+        zip(
+            _OLDER_PATHS,
+            (
+                "(MoveGroupInterface, list, float, float)\ndid not match C++ signature",
+                "unknown constraint type <class 'bool'>",
+                "unexpected keyword argument 'jump_threshold'",
+                "multiple values for argument 'avoid_collisions'",
+                "from 0 to 2 positional arguments but 3 were given",
+            ),
+            strict=True,
+        )
+    ),
+)
+def test_a_path_with_a_jump_threshold_raises_where_noetic_is_known(run, call, error):
+    assert error in run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True)["error"]
+
+
+@pytest.mark.parametrize("call", _OLDER_PATHS)
+def test_a_path_with_a_jump_threshold_is_taken_and_reported_where_noetic_is_assumed(run, call):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n")
+    assert ran["error"] == ""
+    assert [each.kind for each in ran.recording.findings] == ["distro_assumed"]
+
+
+@pytest.mark.parametrize("given", ["", ", False", ", True, moveit_msgs.msg.Constraints()"])
+def test_a_path_by_the_present_arguments_is_taken_without_a_word(run, given):
+    ran = run(f"{START}\npath, fraction = arm.compute_cartesian_path([pose.pose], 0.01{given})\n")
+    assert (ran["fraction"], ran.findings) == (1.0, [])
+
+
 def test_a_value_of_a_joint_that_follows_another_leads_nowhere(run):
     ran = run(
         f"""{START}

@@ -10,6 +10,7 @@ import pytest
 
 from tests.ran import Ran
 from tests.traced_run import run_traced
+from tracerisk.config import RosDistro
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.time.scheduler import RunOver
 
@@ -53,12 +54,19 @@ def run(tmp_path: Path) -> Callable[..., RanAndOver]:
     """Run a program of MoveItPy on the Panda, traced and in virtual time, as the command does."""
 
     def run_program(
-        program: str, packages: Mapping[str, Path] = MappingProxyType({})
+        program: str,
+        packages: Mapping[str, Path] = MappingProxyType({}),
+        distro: RosDistro | None = None,
     ) -> RanAndOver:
         script = tmp_path / "program.py"
         script.write_text(PREAMBLE + textwrap.dedent(program))
         ran, over = run_traced(
-            script, Interfaces2(), duration_s=100.0, packages=packages, has_topics=False
+            script,
+            Interfaces2(),
+            duration_s=100.0,
+            packages=packages,
+            has_topics=False,
+            distro=distro,
         )
         return RanAndOver(**vars(ran), over=over)
 

@@ -173,3 +173,35 @@ waited = monitor.wait_for_current_robot_state()
     assert ran["start"] == pytest.approx(-2.6, abs=0.005)
     assert ran["ready"] == pytest.approx(-2.3562, abs=1e-4)
     assert ran["waited"] is True
+
+
+_OLDER_CALLS = (
+    "panda.execute(path, blocking=True, controllers=[])",
+    "panda.execute('panda_arm', path)",
+    "panda.execute('panda_arm', path, blocking=True)",
+    "panda.execute(path)",
+    "panda.execute(path, True)",
+)
+_PLANNED = """
+arm.set_goal_state(configuration_name="ready")
+path = arm.plan().trajectory
+error = ""
+try:
+    CALL
+except TypeError as raised:
+    error = str(raised)
+"""
+
+
+@pytest.mark.parametrize("call", _OLDER_CALLS)
+def test_older_arguments_of_execute_are_refused_in_jazzy(run, call):
+    ran = run(_PLANNED.replace("CALL", call), distro="jazzy")
+    assert ran["error"].startswith("execute(): incompatible function arguments. The following")
+    assert "Invoked with: " in ran["error"]
+    assert ran.recording.commands == ()
+
+
+@pytest.mark.parametrize("call", [*_OLDER_CALLS, "panda.execute(path, controllers=[])"])
+def test_arguments_of_execute_of_every_build_are_taken_in_humble(run, call):
+    ran = run(_PLANNED.replace("CALL", call), distro="humble")
+    assert (ran["error"], ran.findings, len(ran.recording.commands)) == ("", [], 1)

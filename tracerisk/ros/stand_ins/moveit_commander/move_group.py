@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import nullcontext
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,41 @@ def _take_as_older_plan(attribute: str) -> None:
         "AttributeError: use plan()[1]",
         object_name="plan",
     )
+
+
+def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
+    """Return `avoid_collisions` and `path_constraints` of a call of compute_cartesian_path.
+
+    Where the distribution is assumed, the arguments of earlier releases are taken and reported.
+    """
+    has_threshold_first = bool(given) and (
+        (isinstance(given[0], Real) and not isinstance(given[0], Integral))
+        or (len(given) > 1 and isinstance(given[1], bool))
+        or "avoid_collisions" in named
+    )
+    is_older = has_threshold_first or "jump_threshold" in named
+    distro = current().distro
+    if is_older and (distro.is_assumed or distro.value("cartesian-jump-threshold")):
+        server().execution.report(
+            "distro_assumed",
+            "compute_cartesian_path() is taken for what it was up to MoveIt 1.1.14, with "
+            "jump_threshold; in Noetic its arguments are (waypoints, eef_step, avoid_collisions, "
+            "path_constraints), and this raises an error: leave jump_threshold out",
+            object_name="compute_cartesian_path",
+        )
+        named.pop("jump_threshold", None)
+        given = given[1:] if has_threshold_first else given
+    return _present_path_arguments(*given, **named)
+
+
+def _present_path_arguments(
+    avoid_collisions: Any = True, path_constraints: Any = None
+) -> tuple[Any, Any]:
+    return avoid_collisions, path_constraints
+
+
+_present_path_arguments.__name__ = "compute_cartesian_path"
+_present_path_arguments.__qualname__ = _present_path_arguments.__name__
 
 
 def _check_is_message(trajectory: Any) -> None:
@@ -176,29 +212,37 @@ class MoveGroupCommander(GroupPickPlace):
         self,
         waypoints: Sequence[Any],
         eef_step: float,
-        jump_threshold: float | bool = 0.0,
-        avoid_collisions: Any = True,
-        path_constraints: Any = None,
+        *others: Any,
+        **named: Any,
     ) -> tuple[Any, float]:
         """Plan straight lines of the end effector through poses, in steps of `eef_step` [m].
 
         Returns the RobotTrajectory and the fraction of the way that it covers. It is timed for
         the rated speeds whatever the scaling factors, as MoveIt does; see retime_trajectory.
-        From Noetic on there is no `jump_threshold`: a bool in its place is `avoid_collisions`.
-        The path ends in any case where the joints would have to jump.
+        The other arguments are `avoid_collisions` and `path_constraints`. Earlier releases had
+        `jump_threshold` before them, which is taken where nothing says that the program is for
+        Noetic. The path ends in any case where the joints would have to jump.
+
+        Raises:
+            ArgumentError: an argument is of another type.
+            MoveItCommanderException: the constraints are no Constraints.
+            TypeError: there are more arguments, or others.
         """
-        if isinstance(jump_threshold, bool):
-            if path_constraints is None and not isinstance(avoid_collisions, bool):
-                path_constraints = avoid_collisions
-            avoid_collisions = jump_threshold
-        check_arguments("compute_cartesian_path", (eef_step, "double"))
+        avoid_collisions, path_constraints = _path_arguments(*others, **named)
         if path_constraints and not isinstance(path_constraints, Constraints):
             raise MoveItCommanderException(
                 f"Unable to set path constraints, unknown constraint type {type(path_constraints)}"
             )
+        listed = [conversions.pose_to_list(one) for one in waypoints]
+        check_arguments(
+            "compute_cartesian_path",
+            (listed, "boost::python::list"),
+            (eef_step, "double"),
+            (avoid_collisions, "bool"),
+        )
         link = self._link("", "plan a path for")
         poses = []
-        for waypoint in [conversions.pose_to_list(one) for one in waypoints]:
+        for waypoint in listed:
             goal = self._pose_goal_or_none(link, waypoint)
             if goal is None:
                 return RobotTrajectory(), -1.0

@@ -9,6 +9,8 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from tracerisk.ros.graph.runtime import current
+
 from ..core.controller_manager import ExecutionStatus
 from ..core.robot_model import RobotModel
 from ..core.robot_trajectory import RobotTrajectory
@@ -17,11 +19,12 @@ from ._planning_component import PlanningComponent
 from ._scene_monitor import PlanningSceneMonitor
 from ._trajectory_execution_manager import TrajectoryExecutionManager
 
-_FORMS = (
-    "execute(): incompatible function arguments. It takes (robot_trajectory, controllers=[]), or "
-    "as in older versions (robot_trajectory, blocking=True) or "
-    "(group_name, robot_trajectory, blocking=True)"
+_FORM = (
+    "execute(): incompatible function arguments. The following argument types are supported:\n"
+    "    1. (self: moveit.planning.MoveItPy, robot_trajectory: "
+    "moveit.core.robot_trajectory.RobotTrajectory, controllers: list[str])"
 )
+_FORMS = f"{_FORM}, or in Humble (group_name, robot_trajectory, blocking=True)"
 
 
 class MoveItPy:
@@ -64,11 +67,12 @@ class MoveItPy:
     def execute(self, *args: Any, **kwargs: Any) -> ExecutionStatus:
         """Execute a trajectory: (robot_trajectory, controllers); return the status at the end.
 
-        Older versions took (group_name, robot_trajectory, blocking=True): without blocking the
-        status is RUNNING, and the motion goes on.
+        In Humble it takes (group_name, robot_trajectory, blocking=True): without blocking the
+        status is RUNNING, and the motion goes on. There, the forms of later builds from source
+        are taken too; where the distribution is assumed, every form is.
 
         Raises:
-            TypeError: the arguments are of no version of the library.
+            TypeError: the arguments are of no version of the library that may be meant.
         """
         names = ["robot_trajectory", "controllers"]
         if args and isinstance(args[0], str):
@@ -79,6 +83,11 @@ class MoveItPy:
         known = {"robot_trajectory", "controllers", "blocking", "group_name"}
         if len(args) > len(names) or "robot_trajectory" not in given or set(given) - known:
             raise TypeError(_FORMS)
+        if set(given) != {"robot_trajectory", "controllers"}:
+            distro = current().distro
+            if not distro.is_assumed and not distro.value("moveit-py-older-execute"):
+                raise TypeError(f"{_FORM}\n\nInvoked with: {_invoked_with(self, args, kwargs)}")
+            distro.decided("moveit-py-older-execute")
         trajectory = given["robot_trajectory"]
         if trajectory is not None and not isinstance(trajectory, RobotTrajectory):
             raise TypeError(f"{_FORMS}; the trajectory is of type {type(trajectory).__name__}")
@@ -120,6 +129,12 @@ class MoveItPy:
     def _parameter(self, name: str, default: Any) -> Any:
         found = self._node.get_parameter_or(name, None)
         return default if found.value is None else found.value
+
+
+def _invoked_with(self: Any, args: Sequence[Any], kwargs: Mapping[str, Any]) -> str:
+    text = ", ".join(repr(value) for value in (self, *args))
+    named = ", ".join(f"{key}={value!r}" for key, value in kwargs.items())
+    return f"{text}; kwargs: {named}" if named else text
 
 
 def _flagged(flag: str, values: Sequence[str]) -> list[str]:
