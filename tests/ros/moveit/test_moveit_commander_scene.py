@@ -492,9 +492,53 @@ def test_a_plan_right_after_knows_what_was_changed_by_topic(run):
         + """
 arm.set_named_target("ready"); arm.go()
 scene.add_box("box", arm.get_current_pose(), size=(0.02, 0.02, 0.1))
-arm.attach_object("box", "panda_hand", ["panda_leftfinger", "panda_rightfinger"])
+robot = moveit_commander.RobotCommander()
+arm.attach_object("box", "panda_hand", robot.get_link_names())
 arm.shift_pose_target(2, -0.1)
 done = arm.go()
 """
     )
     assert ran["done"]
+
+
+_HELD = """
+from geometry_msgs.msg import PoseStamped
+arm.set_named_target("ready"); arm.go()
+pose = PoseStamped()
+pose.header.frame_id = "panda_hand"
+pose.pose.orientation.w = 1.0
+pose.pose.position.z = Z
+"""
+
+
+@pytest.mark.parametrize(
+    ("height", "attach", "done"),
+    [
+        (0.11, 'scene.attach_box("panda_hand", "box", pose, (0.1, 0.1, 0.1))', False),
+        (0.11, 'scene.attach_sphere("panda_hand", "box", pose, 0.04)', False),
+        (
+            0.11,
+            'scene.attach_box("panda_hand", "box", pose, (0.1, 0.1, 0.1), ["panda_hand"])',
+            False,
+        ),
+        (
+            0.11,
+            'scene.add_box("box", pose, (0.1,) * 3); arm.attach_object("box", "panda_hand")',
+            False,
+        ),
+        (0.11, 'scene.attach_box("panda_hand", "box", pose, (0.1, 0.1, 0.1), FINGERS)', True),
+        (0.17, 'scene.attach_box("panda_hand", "box", pose, (0.1, 0.1, 0.1))', True),
+        (0.03, 'scene.attach_box("panda_hand", "box", pose, (0.05, 0.05, 0.05))', True),
+    ],
+)
+def test_what_is_attached_may_touch_its_link_and_no_other(run, height, attach, done):
+    ran = run(
+        SCENE
+        + 'FINGERS = ["panda_leftfinger", "panda_rightfinger"]\n'
+        + _HELD.replace("Z", str(height))
+        + attach
+        + "\nrospy.sleep(0.5)\ntarget = [0.8, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]\n"
+        + "done = arm.go(target)\n"
+    )
+    assert ran["done"] is done
+    assert any("the arm begins in collision" in text for text in ran.findings) is not done

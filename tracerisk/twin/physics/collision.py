@@ -179,6 +179,10 @@ class CollisionWorld:
             # An attached body meets the links and what stands in the world.
             kind, meets = (_BODY, _LINK) if body.link is None else (_LINK, _LINK | _BODY)
             added = add_body(spec, body, parent, contype=kind, conaffinity=meets)
+            if body.link is not None:
+                # MuJoCo leaves out what neighbours in the tree do; by a joint of its own, which
+                # stays at 0, a body is a neighbour of its link alone, and not of its fingers.
+                added.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, name=f"{added.name}/held")
             for geom in added.geoms:
                 geom.margin = CLEAR
         try:
