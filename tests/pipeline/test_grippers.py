@@ -109,3 +109,48 @@ def test_a_grasp_that_ends_at_another_width_aborts_its_command(tmp_path, example
     assert all(each["words"].startswith(f"{begin}0.000") for each in aborted)
     assert [each["words"].partition("epsilon allow ")[2] for each in aborted] == missed
     assert outcome.code == bool(missed)
+
+
+GRIPPER_COMMAND = """\
+import actionlib
+import rospy
+from control_msgs.msg import GripperCommandAction, GripperCommandGoal
+
+rospy.init_node("c")
+hand = actionlib.SimpleActionClient("/franka_gripper/gripper_action", GripperCommandAction)
+hand.wait_for_server()
+
+def take(position, effort=20.0):
+    goal = GripperCommandGoal()
+    goal.command.position, goal.command.max_effort = position, effort
+    print("state", hand.send_goal_and_wait(goal))
+
+"""
+
+
+@pytest.mark.parametrize(
+    ("calls", "states", "words"),
+    [
+        ("take(0.0)", [3], []),
+        ("take(0.04); take(0.002)", [3, 3], []),
+        ("take(0.04); take(0.01)", [3, 4], ["0.0150 to 0.0250 m"]),
+        ("take(0.04); take(0.01, 0.0)", [3, 3], []),
+        ("take(0.08)", [4], ["position 0.08 is out of range"]),
+        (
+            "rospy.set_param('/franka_gripper/default_grasp_epsilon/inner', 0.03)\n"
+            "take(0.04); take(0.01)",
+            [3, 3],
+            [],
+        ),
+    ],
+)
+def test_gripper_action_of_franka_grasps_with_the_epsilon_of_its_node(
+    tmp_path, example_in, calls, states, words
+):
+    example = example_in(tmp_path)
+    example.write("README.md", "# ROS Noetic\n")
+    example.write("c.py", f"{GRIPPER_COMMAND}{calls}\ntake(0.04)\n")
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda")
+    said = outcome.out + outcome.err
+    assert [int(each[:1]) for each in said.split("state ")[1:]] == [*states, 3]
+    assert all(each in said for each in words)

@@ -23,6 +23,10 @@ GRIPPER_COMMAND = "control_msgs/GripperCommand"
 PARALLEL_COMMAND = "control_msgs/ParallelGripperCommand"
 _CONTROLLER = "GripperActionController"
 _GOAL_TOLERANCE = 0.01  # of that controller by default, in all distributions [rad or m]
+_FRANKA_ACTION = re.compile(r"(^|/)(franka|panda|fr3|fer)\w*_gripper/gripper_action$")
+_GRASP_EPSILON = 0.005  # of franka_gripper by default [m]
+_SAME_WIDTH = 1e-4  # of franka_gripper [m]
+_LEAST_FORCE = 1e-4  # with which franka_gripper grasps in ROS 1 [N]
 _FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
@@ -90,6 +94,9 @@ class GripperServer(TwinNode):
         }
 
     def _gripper_command(self, goal: ActionGoal) -> None:
+        if _FRANKA_ACTION.search(goal.client.name):
+            self._franka_command(goal)
+            return
         command = goal.message.command
         # ROS 2's controller of the same name may take effort 0 for "whatever it needs".
         effort = float(command.max_effort) if command.max_effort > 0.0 else None
@@ -101,6 +108,76 @@ class GripperServer(TwinNode):
             self._end_grip(goal, result, motion, result.position - wanted)
 
         self._start(goal, lambda _: wanted, effort, end)
+
+    def _franka_command(self, goal: ActionGoal) -> None:
+        """Move or grasp as the action `gripper_action` of franka_gripper; position: of a finger.
+
+        To close is to grasp the width that is asked for, which fails where the fingers stop
+        farther from it than the node's `default_grasp_epsilon`. Its nodes take no width beyond
+        the range.
+        """
+        command = goal.message.command
+        # In ROS 2 the force does not matter; in ROS 1 nothing is grasped without one.
+        is_grasp_by_force = self._runtime.distro.name == "noetic"
+
+        def width(gripper: Gripper) -> float:
+            return width_at(self._twin.robot, gripper, self._measured(gripper)[0])
+
+        def asked(gripper: Gripper) -> float:
+            return width_at(self._twin.robot, gripper, _first(command.position))
+
+        gripper = self._gripper(goal)
+        if gripper is None:
+            return
+        wanted = asked(gripper)
+        least, most = (
+            width_at(self._twin.robot, gripper, end) for end in (gripper.least, gripper.opening)
+        )
+        if not least - _SAME_WIDTH <= wanted <= most + _SAME_WIDTH:
+            message = (
+                f"position {_first(command.position):g} is out of range, for that is "
+                f"[{gripper.least:g}, {gripper.opening:g}] for one finger"
+            )
+            goal.accept()
+            self._report(goal, message)
+            goal.abort(None, message)
+            return
+        is_grasp = wanted < width(gripper) and (
+            not is_grasp_by_force or abs(command.max_effort) >= _LEAST_FORCE
+        )
+        inner, outer = self._epsilon(goal.client.name)
+
+        def misses(motion: Motion, gripper: Gripper) -> str:
+            if not is_grasp:
+                return _stall(motion, gripper)
+            found = width(gripper)
+            if wanted - inner <= found <= wanted + outer:
+                return ""
+            return (
+                f"the fingers stopped at a width of {found:.4f} m; {wanted:.4f} m was asked for, "
+                f"and default_grasp_epsilon allows {wanted - inner:.4f} to {wanted + outer:.4f} m"
+            )
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            result = self._messages.part(goal.client.type_name, "Result")
+            if motion.outcome == "succeeded":
+                result.position, result.reached_goal = width(gripper), True
+            goal.end(motion.outcome, result, motion.message)
+
+        effort = float(command.max_effort) if is_grasp and command.max_effort > 0.0 else None
+        # A grasp closes until something is held, as that of the action `grasp`.
+        to = gripper_ends(self._twin.robot, gripper).closed if is_grasp else command.position
+        self._start(goal, lambda _: _first(to), effort, end, misses)
+
+    def _epsilon(self, action: str) -> tuple[float, float]:
+        """Return how much narrower and wider than asked for a grasp may be [m]."""
+        node = action.rpartition("/")[0]
+        found = []
+        for side in ("inner", "outer"):
+            name = f"{node}/default_grasp_epsilon/{side}"
+            tree = self._graph.parameters
+            found.append(float(tree.get(name)) if tree.has(name) else _GRASP_EPSILON)
+        return found[0], found[1]
 
     def _parallel_command(self, goal: ActionGoal) -> None:
         """Move the fingers as ROS 2's parallel_gripper_action_controller, by one position."""
