@@ -10,6 +10,7 @@ def test_joints_are_commanded_and_read_by_topics(run_on):
         "iiwa7_stack",
         """
 import rospy
+from geometry_msgs.msg import PoseStamped
 from iiwa_msgs.msg import JointPosition, CartesianPose
 rospy.init_node('stream')
 state = []
@@ -22,12 +23,12 @@ command.publish(goal)
 rospy.sleep(4.0)
 reached = [getattr(state[-1].position, f'a{n}') for n in range(1, 8)]
 pose = rospy.wait_for_message('/iiwa/state/CartesianPose', CartesianPose).poseStamped.pose
-line = rospy.Publisher('/iiwa/command/CartesianPoseLin', CartesianPose, queue_size=1)
+line = rospy.Publisher('/iiwa/command/CartesianPoseLin', PoseStamped, queue_size=1)
 rospy.sleep(0.5)
-target = CartesianPose()
-target.poseStamped.header.frame_id = 'iiwa_link_0'
-target.poseStamped.pose = pose
-target.poseStamped.pose.position.z -= 0.05
+target = PoseStamped()
+target.header.frame_id = 'iiwa_link_0'
+target.pose = pose
+target.pose.position.z -= 0.05
 before = pose.position.z + 0.05
 line.publish(target)
 rospy.sleep(4.0)
@@ -80,3 +81,34 @@ def test_who_imports_its_messages_and_names_no_robot_drives_an_iiwa(example):
     assert [each["ref"]["name"] for each in found["trace"]["functions"]] == ["turn"]
     (reason,) = found["verdict"]["reasons"]
     assert (reason["code"], reason["object"]) == ("robot-assumed", "iiwa7_stack")
+
+
+@pytest.mark.parametrize(
+    ("topic", "package", "kind"),
+    [
+        ("/iiwa/command/CartesianPose", "iiwa_msgs", "CartesianPose"),
+        ("/iiwa/command/CartesianPoseLin", "iiwa_msgs", "CartesianPose"),
+        ("/iiwa/command/JointPosition", "sensor_msgs", "JointState"),
+    ],
+)
+def test_a_command_of_another_type_moves_nothing_and_both_types_are_named(
+    run_on, topic, package, kind
+):
+    ran = run_on(
+        "iiwa7_stack",
+        f"""
+import rospy
+import iiwa_msgs.msg
+from {package}.msg import {kind}
+rospy.init_node('wrong')
+iiwa_msgs.msg.JointPosition()
+command = rospy.Publisher('{topic}', {kind}, queue_size=1)
+rospy.sleep(0.5)
+command.publish({kind}())
+rospy.sleep(1.0)
+""",
+    )
+    (words,) = [each for each in ran.findings if "no message arrives" in each]
+    assert topic in words
+    assert f"published as {package}/{kind}, and iiwa_stack takes " in words
+    assert ran.recording.commands == ()

@@ -72,7 +72,7 @@ home = call(MoveHome, 'move_gohome', wait=True)
     assert ran["there"][2] == pytest.approx(ran["here"][2], abs=2.0)
     # To where the tool is already.
     assert ran["again"].ret == 0
-    assert (ran["short"].ret, ran["short"].message) == (-1, "a pose has 6 values, not 2")
+    assert (ran["short"].ret, ran["short"].message) == (997, "a pose has 6 values, not 2")
     assert ran["far"].ret == 1
     assert ran["errors"][0] == 21
     assert ran["refused"].ret == 1
@@ -160,3 +160,21 @@ error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
     assert ran["blocked"].ret == 1
     assert ran["error"] == 31
     assert any("move_joint was aborted" in each for each in ran.findings)
+
+
+@pytest.mark.parametrize(
+    ("service", "call"),
+    [
+        ("MoveCartesian, 'set_position'", "pose=[300.0, 0.0, 250.0]"),
+        ("MoveCartesian, 'set_tool_position'", "pose=[10.0]"),
+        ("MoveCartesian, 'set_position'", "pose=[1.0] * 5"),
+    ],
+)
+def test_a_request_of_the_wrong_length_is_answered_with_997(run_on, service, call):
+    ran = run_on(
+        "xarm6",
+        HEAD2 + f"answer = call({service}, {call}, wait=True)\n",
+        ros=2,
+    )
+    assert ran["answer"].ret == 997
+    assert ran.recording.commands == ()

@@ -13,6 +13,7 @@ from tracerisk.ros.controller.thread import undisturbed
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
@@ -317,6 +318,24 @@ class DescribedDriver(TwinNode):
                     self._listen(each, name, type_name)
                 else:
                     self._publish(each, name, type_name)
+                return
+        if kind == "subscribed_topics" and any(map(self._messages.is_used, self._driver.packages)):
+            self._note_other_type(name, type_name)
+
+    def _note_other_type(self, topic: str, type_name: str) -> None:
+        """Say that a topic of the driver is published with another type: nothing arrives."""
+        for each in self._interfaces:
+            # A name of one word may be another node's.
+            if each.kind != "subscribed_topics" or "/" not in each.name.strip("/"):
+                continue
+            is_heard = any(one.type_name == type_name for one in self._graph.subscriptions(topic))
+            if is_named(each.name, topic) and type_name != ANY_TYPE and not is_heard:
+                takes = " or ".join(each.types)
+                self._streams.refuse(
+                    topic,
+                    f"it is published as {type_name}, and {self._driver.name} takes {takes}: no "
+                    "message arrives",
+                )
                 return
 
     def _listen(self, interface: Interface, name: str, type_name: str) -> None:
