@@ -1,17 +1,14 @@
 """The services of a controller manager: its controllers can be listed, loaded and switched.
 
-Whatever is switched, the twin's joints can be commanded: nobody knows which of the controllers the
-bring-up of the robot has started.
+What is known to be inactive takes no commands: `ControllerStates`.
 """
 
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.declared_controllers import DeclaredController, DeclaredControllers
+from tracerisk.ros.robot.bring_up.states import BROADCASTS, TYPES, ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 
@@ -19,39 +16,22 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "controller_manager_msgs"
-BROADCASTER = "joint_state_broadcaster"
-_TYPES = {
-    "follow_joint_trajectory": "JointTrajectoryController",
-    "gripper_command": "GripperActionController",
-}
-_BROADCASTS = DeclaredController((), "JointStateBroadcaster")
 _STRICT = 2
 UNKNOWN_ALONE = "switch-of-unknown-alone"
 CONFLICT = "switch-resource-conflict"
 
 
-def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
-    """Return the controllers of the robot, and those that files of the workspace declare."""
-    robot = runtime.twin.robot
-    known = {
-        each.name: DeclaredController(each.joints, _TYPES[each.type]) for each in robot.controllers
-    }
-    declared = runtime.client(DeclaredControllers)
-    return known | dict(declared.of_robot(joint.name for joint in robot.joints))
-
-
 class ControllerManager(TwinNode):
     """Answers for the controllers of the twin's robot, under any namespace.
 
-    The robot's controllers, and those of its joints that files of the workspace declare, are loaded
-    from the beginning. Of those that command the same joints one runs: one that files declare, and
-    of these one for trajectories. Others are loaded as they are named.
+    Those of `ControllerStates` are loaded from the beginning, others as they are named.
     """
 
     node = "/controller_manager"
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
+        self._states = runtime.client(ControllerStates)
         for name, kind, handle in (
             ("list_controllers", "ListControllers", self._list),
             ("list_controller_types", "ListControllerTypes", self._list_types),
@@ -67,40 +47,16 @@ class ControllerManager(TwinNode):
         if result is not None:
             answer.ok = result
 
-    @cached_property
-    def _controllers(self) -> dict[str, DeclaredController]:
-        known = robot_controllers(self._runtime)
-        known.setdefault(BROADCASTER, _BROADCASTS)
-        return known
-
-    @cached_property
-    def _running(self) -> set[str]:
-        running: list[str] = []
-        for name in sorted(self._controllers, key=self._rank):
-            if not self._conflicts(name, running):
-                running.append(name)
-        return set(running)
-
-    def _rank(self, name: str) -> tuple[bool, bool]:
-        """Return how late a controller is started: those of files, and of trajectories, first."""
-        controller = self._controllers[name]
-        return not controller.settings, "Trajectory" not in controller.type
-
-    def _conflicts(self, name: str, running: Iterable[str]) -> list[str]:
-        """Return the controllers of some that command joints which another one commands, too."""
-        own = set(self._controllers[name].joints)
-        return [other for other in running if own & set(self._controllers[other].joints)]
-
     def _list(self, request: Any, answer: Any) -> None:
-        answer.controller = [self._state(name) for name in self._controllers]
+        answer.controller = [self._state(name) for name in self._states.all]
 
     def _state(self, name: str) -> Any:
-        controller = self._controllers[name]
+        controller = self._states.all[name]
         joints, kind = controller.joints, controller.type
         is_declared = "/" in kind
         state = self._messages.new(f"{PACKAGE}/ControllerState")
         state.name = name
-        is_running = name in self._running
+        is_running = name in self._states.running
         if hasattr(state, "claimed_interfaces"):
             state.state = "active" if is_running else "inactive"
             state.type = kind if is_declared else f"{_snake(kind)}/{kind}"
@@ -117,21 +73,21 @@ class ControllerManager(TwinNode):
         return state
 
     def _list_types(self, request: Any, answer: Any) -> None:
-        answer.types = [f"position_controllers/{kind}" for kind in _TYPES.values()]
-        answer.base_classes = ["controller_interface::ControllerBase"] * len(_TYPES)
+        answer.types = [f"position_controllers/{kind}" for kind in TYPES.values()]
+        answer.base_classes = ["controller_interface::ControllerBase"] * len(TYPES)
 
     def _load(self, request: Any, answer: Any) -> bool:
-        self._controllers.setdefault(request.name, _BROADCASTS)
+        self._states.all.setdefault(request.name, BROADCASTS)
         return True
 
     def _configure(self, request: Any, answer: Any) -> bool:
-        return request.name in self._controllers
+        return request.name in self._states.all
 
     def _unload(self, request: Any, answer: Any) -> bool:
         # As the real ones: a controller that runs is not unloaded.
-        ok = request.name in self._controllers and request.name not in self._running
+        ok = request.name in self._states.all and request.name not in self._states.running
         if ok:
-            del self._controllers[request.name]
+            del self._states.all[request.name]
         return ok
 
     def _switch(self, request: Any, answer: Any) -> bool:
@@ -143,30 +99,29 @@ class ControllerManager(TwinNode):
             self._commands.report(
                 "service_refused",
                 f"switch_controller switched nothing: start {', '.join(start) or 'none'}, stop "
-                f"{', '.join(stop) or 'none'}; running: {', '.join(sorted(self._running))}",
+                f"{', '.join(stop) or 'none'}; running: {', '.join(sorted(self._states.running))}",
                 object_name="switch_controller",
             )
         return ok
 
     def _switched(self, start: list[str], stop: list[str], *, is_strict: bool) -> bool:
-        rules, known = self._runtime.distro, self._controllers
+        rules, known = self._runtime.distro, self._states.all
         if rules.value(UNKNOWN_ALONE) == "fails" and any(
             names and not any(name in known for name in names) for names in (stop, start)
         ):
             return False
-        stopped = [name for name in stop if name in self._running]
-        running = self._running - set(stopped)
+        stopped = [name for name in stop if name in self._states.running]
+        running = self._states.running.difference(stopped)
         idle = [name for name in dict.fromkeys(start) if name in known and name not in running]
         started: list[str] = []
         for name in idle:
-            if not self._conflicts(name, (*running, *started)):
+            if not self._states.conflicts(name, (*running, *started)):
                 started.append(name)
         if len(started) < len(idle) and rules.value(CONFLICT) == "nothing is switched":
             return False
         if is_strict and (len(stopped) < len(stop) or len(started) < len(start)):
             return False
-        self._running -= set(stopped)
-        self._running |= set(started)
+        self._states.switch(stopped, started)
         return True
 
 

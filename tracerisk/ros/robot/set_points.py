@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.ros.robot.messages import TwinMessages
@@ -72,6 +74,7 @@ class SetPoints(TrajectoryNode):
         super().__init__(runtime, messages)
         self._declared = runtime.client(DeclaredControllers)
         self._controllers = runtime.client(TrajectoryControllers)
+        self._states = runtime.client(ControllerStates)
         self._streams = CommandStreams(self._commands)
         self._takers = {
             TRAJECTORY: self._take_trajectory,
@@ -88,7 +91,7 @@ class SetPoints(TrajectoryNode):
             if type_name == JOINT_STATE_TYPE and name.endswith(f"/{_FEEDBACK}"):
                 self._note_feedback(name)
             return
-        take = self._if_commanded(self._takers[type_name])
+        take = self._if_commanded(self._if_active(self._takers[type_name]))
 
         def deliver(message: Any, publication: Publication) -> None:
             if not publication.by_controller:
@@ -103,6 +106,17 @@ class SetPoints(TrajectoryNode):
             take(message, publication)
 
         self._hear(name, type_name, deliver)
+
+    def _if_active(self, take: Callable[[str, Any], None]) -> Callable[[str, Any], None]:
+        """Return what passes on what its controller takes in the state that it is in."""
+
+        def deliver(topic: str, message: Any) -> None:
+            if refusal := self._states.refusal(topic):
+                self._refuse(topic, refusal)
+            else:
+                take(topic, message)
+
+        return deliver
 
     def _by_joints(self, topic: str, message: Any) -> Any | None:
         """Return a trajectory by the names of the robot's own joints, None where it moves none."""

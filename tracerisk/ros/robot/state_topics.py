@@ -19,7 +19,7 @@ from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.robot.controllers import robot_controllers
+from tracerisk.ros.robot.bring_up.states import robot_controllers
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.robot.state_order import StateOrder

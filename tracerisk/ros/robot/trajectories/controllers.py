@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.errors import Location, one_of
-from tracerisk.ros.robot.controllers import robot_controllers
+from tracerisk.ros.robot.bring_up.states import robot_controllers
 from tracerisk.ros.robot.trajectories.checks import (
     EFFORT,
     END_VELOCITY,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import Location
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectories.controllers import (
     TrajectoryController,
@@ -58,6 +59,7 @@ class FollowServer(TrajectoryNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._controllers = runtime.client(TrajectoryControllers)
+        self._states = runtime.client(ControllerStates)
 
     def on_goal(self, goal: ActionGoal) -> None:
         """Take a goal or reject it."""
@@ -69,6 +71,9 @@ class FollowServer(TrajectoryNode):
                 goal.accept()
                 goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
                 return
+        if refusal := self._states.refusal(goal.client.name):
+            self._refuse(goal, TrajectoryCode.INVALID_GOAL, refusal)
+            return
         controller = self._controllers.of(goal.client.name, asked.trajectory.joint_names)
         try:
             trajectory = self._trajectory(goal, asked, controller)

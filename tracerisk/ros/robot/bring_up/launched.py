@@ -1,0 +1,76 @@
+"""Which controllers files of the workspace say that are started, or loaded without a start.
+
+They are read as text, for what counts is written in launch files of three formats, in shell scripts
+and in the commands of a README.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+
+_MOST_FILES = 300
+_MOST_BYTES = 200_000
+_NAMES = re.compile(r"\.launch(\.py|\.xml|\.yaml)?$|launch.*\.py$|\.sh$|\.bash$|\.md$|\.rst$")
+_STARTS = re.compile(
+    r"spawner|spawn\b|initial_joint_controller|activate_joint_controller|switch_controller"
+    r"|set_controller_state|load_controller|--activate|--start|start_controllers"
+    r"|activate_controllers|name=[\"']controllers[\"']",
+)
+_SIMULATES = re.compile(
+    r"gazebo|gz_sim|ros_gz|ros_ign|ur_simulation|webots|isaac|mujoco|coppelia"
+    r"|ros2_control_node",
+    re.IGNORECASE,
+)
+_HELD = ("--inactive", "--stopped", "--load-only", "stopped_controllers")
+
+
+class LaunchedControllers:
+    """What the workspace's files say of starting controllers."""
+
+    def __init__(self, folders: Iterable[Path]) -> None:
+        self._texts = tuple(islice(_texts(folders), _MOST_FILES))
+
+    @property
+    def has_own_bring_up(self) -> bool:
+        """Whether a file starts the robot otherwise than by its driver: by a simulator, say."""
+        return any(_SIMULATES.search(text) for text in self._texts)
+
+    def starts(self, name: str) -> bool:
+        """Whether a file that starts or switches controllers names this one, and not to hold it."""
+        word = re.compile(rf"(?<![\w/]){re.escape(name)}(?![\w/])")
+        for text in self._texts:
+            if not _STARTS.search(text):
+                continue
+            for found in word.finditer(text):
+                line = _line(text, found.start())
+                if not any(held in line for held in _HELD):
+                    return True
+        return False
+
+
+def _line(text: str, at: int) -> str:
+    start, end = text.rfind("\n", 0, at) + 1, text.find("\n", at)
+    return text[start : len(text) if end < 0 else end]
+
+
+def _texts(folders: Iterable[Path]) -> Iterator[str]:
+    roots: dict[Path, None] = {}
+    for top in folders:
+        if top.parent.name == "src":
+            # What a README beside `src` says is said of the whole workspace.
+            roots[top.parent.parent] = None
+        for folder, inner, files in os.walk(top):
+            inner[:] = sorted(name for name in inner if not name.startswith("."))
+            yield from _read(Path(folder, file) for file in sorted(files))
+    for root in roots:
+        yield from _read(sorted(path for path in root.iterdir() if path.is_file()))
+
+
+def _read(paths: Iterable[Path]) -> Iterator[str]:
+    for path in paths:
+        if _NAMES.search(path.name) and path.stat().st_size <= _MOST_BYTES:
+            yield path.read_text(encoding="utf-8", errors="replace")

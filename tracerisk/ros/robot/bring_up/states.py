@@ -1,0 +1,147 @@
+"""The controllers of a run and their states, as far as anything says which these are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from tracerisk.ros.graph.declared_controllers import DeclaredController, DeclaredControllers
+from tracerisk.ros.robot.bring_up.drivers import BringUp, bring_up_of
+from tracerisk.ros.robot.bring_up.launched import LaunchedControllers
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
+
+TYPES = {
+    "follow_joint_trajectory": "JointTrajectoryController",
+    "gripper_command": "GripperActionController",
+}
+BROADCASTER = "joint_state_broadcaster"
+BROADCASTS = DeclaredController((), "JointStateBroadcaster")
+
+
+def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
+    """Return the controllers of the robot, and those that files of the workspace declare."""
+    robot = runtime.twin.robot
+    known = {
+        each.name: DeclaredController(each.joints, TYPES[each.type]) for each in robot.controllers
+    }
+    declared = runtime.client(DeclaredControllers)
+    return known | dict(declared.of_robot(joint.name for joint in robot.joints))
+
+
+class ControllerStates:
+    """The controllers, and which of them run: `runtime.client(ControllerStates)`.
+
+    Where the bring-up of the driver is known, and no file of the workspace starts the robot
+    otherwise, it says which do. Else those of the robot and of the workspace's files are loaded,
+    and of those for the same joints one is taken to run: one that files declare, and of these one
+    for trajectories. Nobody knows that, and a controller is known to be inactive once it was
+    switched off.
+    """
+
+    is_of_world = True
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._runtime = runtime
+        self._switched: set[str] = set()
+
+    @cached_property
+    def all(self) -> dict[str, DeclaredController]:
+        """The loaded controllers by their names."""
+        known = robot_controllers(self._runtime)
+        if self._bring_up is None:
+            known.setdefault(BROADCASTER, BROADCASTS)
+            return known
+        made, robot = self._bring_up, self._runtime.twin.robot
+        driven = {each.name for each in robot.controllers}
+        first = next(iter(made.active))
+        joints = known[first].joints
+        loaded = {
+            name: DeclaredController(() if name in made.idle else joints, kind)
+            for name, kind in (*made.active.items(), *made.inactive.items())
+        }
+        others = {
+            name: each
+            for name, each in known.items()
+            if name not in loaded and (name not in driven or each.joints != joints)
+        }
+        return loaded | others
+
+    @cached_property
+    def running(self) -> set[str]:
+        """The names of those that run."""
+        running: list[str] = []
+        made = self._bring_up
+        held = set() if made is None else {*made.inactive}
+        for name in sorted(self.all, key=self._rank):
+            if name not in held and not self.conflicts(name, running):
+                running.append(name)
+        return set(running)
+
+    def _rank(self, name: str) -> tuple[bool, bool, bool]:
+        """Return how late a controller is started.
+
+        The driver's come first, then those of files, and of trajectories.
+        """
+        made, controller = self._bring_up, self.all[name]
+        is_drivers = made is not None and name in made.active
+        return not is_drivers, not controller.settings, "Trajectory" not in controller.type
+
+    def conflicts(self, name: str, running: Iterable[str]) -> list[str]:
+        """Return the controllers of some that command joints which another one commands, too."""
+        own = set(self.all[name].joints)
+        return [other for other in running if own & set(self.all[other].joints)]
+
+    def switch(self, stopped: Iterable[str], started: Iterable[str]) -> None:
+        """Stop and start controllers."""
+        for name in stopped:
+            self.running.discard(name)
+            self._switched.add(name)
+        for name in started:
+            self.running.add(name)
+            self._switched.add(name)
+
+    def refusal(self, interface: str) -> str:
+        """Return why the controller of an action or topic takes nothing; empty where it does."""
+        name = next(
+            (part for part in reversed(interface.split("/")[:-1]) if part in self.all), None
+        )
+        if name is None or name in self.running:
+            return ""
+        made = self._bring_up
+        if name in self._switched:
+            why = "it was switched off"
+        elif made is not None and name in made.inactive:
+            why = f"the bring-up of {made.driver} loads it and does not start it"
+        else:
+            return ""
+        state = "stopped" if self._runtime.distro.name == "noetic" else "inactive"
+        return (
+            f"controller '{name}' is {state}: {why}; start it in place of "
+            f"{self._of_same_joints(name)} with service switch_controller"
+        )
+
+    def _of_same_joints(self, name: str) -> str:
+        others = sorted(self.conflicts(name, self.running))
+        return " and ".join(f"'{other}'" for other in others) or "none"
+
+    @cached_property
+    def _bring_up(self) -> BringUp | None:
+        """The bring-up of the driver, without what files of the workspace start."""
+        runtime = self._runtime
+        made = bring_up_of(runtime.twin.robot, is_ros2=runtime.distro.name != "noetic")
+        if made is None:
+            return None
+        files = LaunchedControllers(runtime.packages.values())
+        if files.has_own_bring_up:
+            return None
+        if any(files.starts(name) for name in made.inactive):
+            return None
+        arm = {joint.name for joint in runtime.twin.robot.arm_joints}
+        for name, declared in robot_controllers(runtime).items():
+            if declared.settings and name not in made.inactive and name not in made.active:
+                if arm.intersection(declared.joints):
+                    return None  # a cell with controllers of its own
+        return made
