@@ -40,11 +40,16 @@ wait(4.0)
 """
 VELOCITY = """\
 import rospy
+from controller_manager_msgs.srv import SwitchController, SwitchControllerRequest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
 rospy.init_node("jog")
 group = rospy.Publisher("/joint_group_vel_controller/command", Float64MultiArray, queue_size=10)
+rospy.ServiceProxy("/controller_manager/switch_controller", SwitchController)(
+    SwitchControllerRequest(
+        start_controllers=["joint_group_vel_controller"],
+        stop_controllers=["scaled_pos_joint_traj_controller"], strictness=2))
 rospy.sleep(0.5)
 
 def jog(speed, times=10):

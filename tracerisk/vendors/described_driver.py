@@ -14,6 +14,7 @@ from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 
+_PLAYING = "PLAYING"  # of a driver whose state says whether its program runs
 _NEEDED: Mapping[InterfaceKind, NeedKind] = {
     "services": "service",
     "actions": "action",
@@ -182,6 +184,8 @@ class DescribedDriver(TwinNode):
             else:
                 found = request.raw(value)
                 self._state[name] = found.decode() if isinstance(found, bytes) else found
+                if name == "program" and found == _PLAYING:
+                    self._runtime.client(ControllerStates).program_started()
 
     def _do(
         self,

@@ -12,6 +12,7 @@ import numpy as np
 
 from tracerisk.errors import one_of
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
@@ -118,6 +119,7 @@ class TrajectoryExecution:
         self._runtime = runtime
         self._twin: Twin = runtime.twin
         self._commands = runtime.client(TwinCommands)
+        self._states = runtime.client(ControllerStates)
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
@@ -145,7 +147,9 @@ class TrajectoryExecution:
         if not others and self._moves_nothing(trajectory, rules):
             self.give_way(by if preempts else None)
             return self._answer_empty()
-        refusal = _busy(others[0]) if others else self._refusal(trajectory, rules, first)
+        refusal: str | None = self._states.without_program(trajectory.joints) or None
+        if refusal is None:
+            refusal = _busy(others[0]) if others else self._refusal(trajectory, rules, first)
         motion: Motion | None = None
         if refusal is None:
             for each in before:

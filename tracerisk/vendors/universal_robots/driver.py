@@ -7,11 +7,13 @@ branches, or calls what is not known here, moves nothing from there on, and is r
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
 
 _TYPE = "std_msgs/String"
 _TOPICS = ("script_command", "URScript")
+_SECONDARY = re.compile(r"\s*sec\s")
+"""The beginning of a program that runs beside the one by which the driver moves the arm."""
 _LAST_JOINT = "wrist_3_joint"
 _BASE = "base"
 _OUTPUTS = (
@@ -51,6 +55,7 @@ class ScriptTopics(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._running: _Program | None = None
+        self._states = runtime.client(ControllerStates)
         if any(joint.name.endswith(_LAST_JOINT) for joint in self._twin.robot.arm_joints):
             self._graph.watch(self._on_change)
 
@@ -62,6 +67,8 @@ class ScriptTopics(TwinNode):
         if not publication.by_controller:
             return
         topic = publication.topic
+        if not _SECONDARY.match(str(message.data)):
+            self._states.script_came(topic)
         before, self._running = self._running, _Program(self._commands, topic, str(message.data))
         if before is not None:
             before.is_over = True

@@ -18,6 +18,8 @@ TYPES = {
     "gripper_command": "GripperActionController",
 }
 BROADCASTER = "joint_state_broadcaster"
+_MODERN = "/URScript"
+"""The end of the topic of ur_modern_driver for scripts."""
 BROADCASTS = DeclaredController((), "JointStateBroadcaster")
 
 
@@ -46,6 +48,7 @@ class ControllerStates:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._switched: set[str] = set()
+        self._script_topic = ""
 
     @cached_property
     def all(self) -> dict[str, DeclaredController]:
@@ -102,12 +105,57 @@ class ControllerStates:
         for name in started:
             self.running.add(name)
             self._switched.add(name)
+            if self._script_topic.endswith(_MODERN) and self.all[name].joints:
+                self.program_started()
+
+    def script_came(self, topic: str) -> None:
+        """Note that a script on a topic has ended the program by which the driver moves the arm."""
+        self._script_topic = topic
+
+    def program_started(self) -> None:
+        """Note that the program by which the driver moves the arm runs again."""
+        self._script_topic = ""
+
+    def lost_arm(self, interface: str) -> str:
+        """Return why the controller of an action takes goals and moves nothing; empty if it does.
+
+        ur_modern_driver leaves its controllers running where a script has ended its program.
+        """
+        is_modern = self._script_topic.endswith(_MODERN)
+        return self.without_program(self._joints(interface)) if is_modern else ""
+
+    def without_program(self, joints: Iterable[str]) -> str:
+        """Return why the driver moves none of some joints of the arm; empty where it does."""
+        arm = {joint.name for joint in self._runtime.twin.robot.arm_joints}
+        if not self._script_topic or not arm.intersection(joints):
+            return ""
+        again = (
+            "stop and start the controller with service switch_controller"
+            if self._script_topic.endswith(_MODERN)
+            else "start it with service resend_robot_program, or play of the dashboard"
+        )
+        return (
+            f"the script that came on {self._script_topic} ended the program by which the driver "
+            f"moves the arm; {again}, or wrap a script that moves nothing in `sec`"
+        )
+
+    def _joints(self, interface: str) -> Iterable[str]:
+        """Return the joints of the controller of an interface; of the arm if it is not known."""
+        name = self._named(interface)
+        if name is not None:
+            return self.all[name].joints
+        return [joint.name for joint in self._runtime.twin.robot.arm_joints]
+
+    def _named(self, interface: str) -> str | None:
+        """Return the controller whose action or topic it is, if it is known."""
+        parts = reversed(interface.split("/")[:-1])
+        return next((part for part in parts if part in self.all), None)
 
     def refusal(self, interface: str) -> str:
         """Return why the controller of an action or topic takes nothing; empty where it does."""
-        name = next(
-            (part for part in reversed(interface.split("/")[:-1]) if part in self.all), None
-        )
+        if words := self.without_program(self._joints(interface)):
+            return words
+        name = self._named(interface)
         if name is None or name in self.running:
             return ""
         made = self._bring_up

@@ -71,6 +71,11 @@ class FollowServer(TrajectoryNode):
                 goal.accept()
                 goal.succeed(self._result(TrajectoryCode.SUCCESSFUL))
                 return
+        if lost := self._states.lost_arm(goal.client.name):
+            goal.accept()
+            self._report_refused(goal, lost)
+            goal.abort(self._result(TrajectoryCode.PATH_TOLERANCE_VIOLATED, lost), lost)
+            return
         if refusal := self._states.refusal(goal.client.name):
             self._refuse(goal, TrajectoryCode.INVALID_GOAL, refusal)
             return
