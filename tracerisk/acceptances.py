@@ -19,6 +19,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "command-left-on",
     "command-rejected",
     "command-replaced",
+    "command-timed-out",
     "companion-failed",
     "duration-cut",
     "error-logged",

@@ -36,6 +36,7 @@ CommandEnd = Literal[
     "replaced",  # another command took its joints
     "cancelled",  # the controller stopped or cancelled it
     "left_on",  # a velocity that nobody took back, until the end of the run or a limit
+    "timed_out",  # a velocity that was sent once, until the driver ended it
     "aborted",  # it ended short of its goal by itself
     "refused",  # a goal that was not taken
     "ignored",  # a message that moved nothing

@@ -378,8 +378,10 @@ class DescribedDriver(TwinNode):
             return
         if case.effect == "velocity" and "joints" in case.roles:
             asked = arm.motions.speeds(case, request)
-            for_s = request.seconds(case.roles.get("duration")) or None
-            self._streams.go_on_at(topic, kind, asked, for_s)
+            duration = case.roles.get("duration")
+            for_s = request.seconds(duration) or None
+            is_timeout = duration is not None and duration.is_drivers
+            self._streams.go_on_at(topic, kind, asked, for_s, is_timeout=is_timeout)
             if not any(asked.values()):
                 arm.motion.stop()
             return

@@ -111,6 +111,11 @@ class Value:
     default: Any = None
     map: Mapping[Any, Any] | None = None
 
+    @property
+    def is_drivers(self) -> bool:
+        """Whether the driver gives it, and no field of the message."""
+        return all(path.startswith("$") for path in self.paths)
+
 
 @dataclass(frozen=True, slots=True)
 class Output:

@@ -261,7 +261,8 @@ class Servo(TwinNode):
         return self._twin.jacobian(named, tool, self._arm.joints)
 
     def _go(self, topic: str, kind: str, asked: dict[str, float]) -> None:
-        self._streams.go_on_at(topic, kind, asked, self.settings.incoming_command_timeout or None)
+        for_s = self.settings.incoming_command_timeout or None
+        self._streams.go_on_at(topic, kind, asked, for_s, is_timeout=True)
 
     # Its services, and what it says of itself
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.instrument.helper_rule import call_path
-from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands
+from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands, unit_of
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.motion.streams import SetPointStream
 from tracerisk.twin.physics.builder import STEP_S
@@ -136,10 +136,11 @@ class CommandStreams:
         *,
         is_set_point: bool,
         taken: Taken | None = None,
+        timed_out: str = "",
     ) -> None:
         """Move the twin; a set-point goes on with what came before it from the same place.
 
-        `taken` is as in `to_position`.
+        `taken` is as in `to_position`, `timed_out` what to say where no other comes in time.
         """
         if is_set_point and trajectory.leads == "to_goal" and trajectory.duration_s <= SHORT_S:
             goal, due_s = trajectory.position[-1], trajectory.duration_s
@@ -153,7 +154,7 @@ class CommandStreams:
         if taken is not None:
             taken(motion, trajectory)
         if is_set_point:
-            self._go_on(topic, kind, motion, trajectory.joints)
+            self._go_on(topic, kind, motion, trajectory.joints, timed_out=timed_out)
             return
         self._streams.pop(topic, None)
         self._commands.begin(kind, motion, self._commands.stack())
@@ -175,6 +176,8 @@ class CommandStreams:
         motion: Motion,
         joints: tuple[str, ...],
         way: SetPointStream | None = None,
+        *,
+        timed_out: str = "",
     ) -> None:
         """Take a motion for the next of a stream, a new command where it is of another place."""
         stack = self._commands.stack()
@@ -183,26 +186,37 @@ class CommandStreams:
         if stream is not None and stream.place == place:
             # In the place of the one before, whose end is not the command's.
             stream.way = way
+            if stream.command.motion.outcome != "succeeded":
+                stream.command.timed_out = ""  # it came in time
             self._commands.lead(stream.command, motion, DWELL_NS)
             return
         due_ns = self._commands.scheduler.now_ns + DWELL_NS
         command = self._commands.begin(kind, motion, stack, keep_until_ns=due_ns)
+        command.timed_out = timed_out
         self._streams[topic] = _Stream(command, place, joints, way)
         self._commands.lead(command, None, DWELL_NS)
 
     def go_on_at(
-        self, topic: str, kind: str, asked: Mapping[str, float], for_s: float | None
+        self,
+        topic: str,
+        kind: str,
+        asked: Mapping[str, float],
+        for_s: float | None,
+        *,
+        is_timeout: bool = False,
     ) -> None:
         """Move joints at velocities [rad/s or m/s], which end after `for_s` without another.
 
-        With `None` they go on until another.
+        With `None` they go on until another. `is_timeout`: the driver ends them, and the sender
+        did not ask for that.
         """
         now_ns = self._commands.scheduler.now_ns
         trajectory = self._velocities.next(asked, now_ns, for_s)
         if not any(asked.values()):
             self._commands.stop(tuple(asked))
         elif trajectory is not None:
-            self.follow(topic, kind, trajectory, is_set_point=True)
+            said = _timed_out(self._commands.twin, asked, for_s) if is_timeout and for_s else ""
+            self.follow(topic, kind, trajectory, is_set_point=True, timed_out=said)
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         """Report that a message moved nothing, and why."""
@@ -213,3 +227,13 @@ class CommandStreams:
             object_name=topic,
             may_stream=True,
         )
+
+
+def _timed_out(twin: Twin, asked: Mapping[str, float], for_s: float) -> str:
+    """Return what to say of velocities that the driver ends."""
+    name, speed = max(asked.items(), key=lambda pair: abs(pair[1]))
+    unit = unit_of(twin.robot.joint(name))
+    return (
+        f"the velocity of joint '{name}' ({speed:.3g} {unit}/s) was sent once, and the driver "
+        f"ended it after its time-out of {for_s:.3g} s"
+    )

@@ -67,6 +67,8 @@ class LiveCommand:
     """How far the earlier set-points of the stream have led [rad or m]."""
     has_led_on: bool = False
     """Whether it leads elsewhere than where it was issued to."""
+    timed_out: str = ""
+    """What to say where the driver ends a velocity that is not sent again; empty if it was."""
 
 
 class TwinCommands:
@@ -273,6 +275,8 @@ class TwinCommands:
             return "cancelled" if motion.replaced_by is None else "replaced"
         if motion.leads == "on" and (motion.ended_ns or 0) - command.commanded_ns > _LEFT_NS:
             return "left_on"
+        if motion.outcome == "succeeded" and command.timed_out:
+            return "timed_out"
         return "arrived" if motion.outcome == "succeeded" else "aborted"
 
     def _record_end(self, command: LiveCommand, end: CommandEnd) -> None:
@@ -299,10 +303,19 @@ class TwinCommands:
         elif end == "left_on":
             words, moving = self._left_on(command)
             self.report("left_on", words, command.stack, object_name=moving)
+        elif end == "timed_out":
+            unit = unit_of(self.twin.robot.joint(motion.joints[0]))
+            self.report(
+                "timed_out",
+                f"{command.timed_out}, with {way.whole:.2g} {unit} done; send it at a rate for as "
+                "long as it is to move",
+                command.stack,
+                object_name=command.object_name,
+            )
 
     def _way_done(self, motion: Motion, way: Way) -> float:
         """Return the fraction of its way that a motion has done, 1 where it is as good as there."""
-        units = {_unit(self.twin.robot.joint(name)) for name in motion.joints}
+        units = {unit_of(self.twin.robot.joint(name)) for name in motion.joints}
         return 1.0 if way.left <= min(_AS_GOOD_AS_THERE[unit] for unit in units) else way.done
 
     def _left_on(self, command: LiveCommand) -> tuple[str, str]:
@@ -319,17 +332,17 @@ class TwinCommands:
         ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
         joint = self.twin.robot.joint(name)
         words = (
-            f"the velocity of joint '{name}' ({speed:.3g} {_unit(joint)}/s) was left on: it moved "
-            f"for {(ended_ns - command.commanded_ns) / 1e9:.1f} s more, "
+            f"the velocity of joint '{name}' ({speed:.3g} {unit_of(joint)}/s) was left on: "
+            f"it moved for {(ended_ns - command.commanded_ns) / 1e9:.1f} s more, "
         )
         if motion.outcome == "preempted":
             words += "up to the end of the run"
         elif motion.outcome == "aborted":
             words += f"until something held it ({motion.message})"
         elif min(abs(goal - joint.lower), abs(goal - joint.upper)) <= _AT_LIMIT:
-            words += f"until its limit at {goal:.4g} {_unit(joint)}"
+            words += f"until its limit at {goal:.4g} {unit_of(joint)}"
         else:
-            words += f"until it could go no further, at {goal:.4g} {_unit(joint)}"
+            words += f"until it could go no further, at {goal:.4g} {unit_of(joint)}"
         return f"{words}; send a velocity of zero when it is to stop", name
 
     def _is_over(self, command: LiveCommand) -> bool:
@@ -357,5 +370,6 @@ class TwinCommands:
             self.poll()
 
 
-def _unit(joint: Joint) -> str:
+def unit_of(joint: Joint) -> str:
+    """Return the unit of a joint's position."""
     return "m" if joint.type == "prismatic" else "rad"

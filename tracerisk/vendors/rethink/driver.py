@@ -136,7 +136,7 @@ class BaxterDriver(TwinNode):
             self._streams.refuse(topic, fault)
         elif message.mode == _VELOCITY:
             for_s = self._timeout_s.get(_side(topic), _TIMEOUT_S)
-            self._streams.go_on_at(topic, "joint_velocity_command", asked, for_s)
+            self._streams.go_on_at(topic, "joint_velocity_command", asked, for_s, is_timeout=True)
         else:
             joints = tuple(asked)
             target = np.array([min(max(asked[n], known[n].lower), known[n].upper) for n in joints])
