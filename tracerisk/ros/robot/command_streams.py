@@ -215,7 +215,11 @@ class CommandStreams:
         if not any(asked.values()):
             self._commands.stop(tuple(asked))
         elif trajectory is not None:
-            said = _timed_out(self._commands.twin, asked, for_s) if is_timeout and for_s else ""
+            said = (
+                _timed_out(self._commands.twin, asked, for_s, trajectory)
+                if is_timeout and for_s
+                else ""
+            )
             self.follow(topic, kind, trajectory, is_set_point=True, timed_out=said)
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
@@ -229,11 +233,16 @@ class CommandStreams:
         )
 
 
-def _timed_out(twin: Twin, asked: Mapping[str, float], for_s: float) -> str:
-    """Return what to say of velocities that the driver ends."""
+def _timed_out(
+    twin: Twin, asked: Mapping[str, float], for_s: float, trajectory: JointTrajectory
+) -> str:
+    """Return what to say of velocities that the driver ends, which a trajectory is the way of."""
     name, speed = max(asked.items(), key=lambda pair: abs(pair[1]))
     unit = unit_of(twin.robot.joint(name))
+    here, _ = twin.reference((name,))
+    done = trajectory.position[-1][trajectory.joints.index(name)] - here[0]
     return (
         f"the velocity of joint '{name}' ({speed:.3g} {unit}/s) was sent once, and the driver "
-        f"ended it after its time-out of {for_s:.3g} s"
+        f"ended it after its time-out of {for_s:.3g} s, {done:.2f} {unit} from where it began; "
+        "send it at a rate for as long as it is to move"
     )

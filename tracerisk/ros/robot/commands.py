@@ -304,14 +304,8 @@ class TwinCommands:
             words, moving = self._left_on(command)
             self.report("left_on", words, command.stack, object_name=moving)
         elif end == "timed_out":
-            unit = unit_of(self.twin.robot.joint(motion.joints[0]))
-            self.report(
-                "timed_out",
-                f"{command.timed_out}, with {way.whole:.2g} {unit} done; send it at a rate for as "
-                "long as it is to move",
-                command.stack,
-                object_name=command.object_name,
-            )
+            name = command.object_name
+            self.report("timed_out", command.timed_out, command.stack, object_name=name)
 
     def _way_done(self, motion: Motion, way: Way) -> float:
         """Return the fraction of its way that a motion has done, 1 where it is as good as there."""
