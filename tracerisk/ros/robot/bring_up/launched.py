@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 
@@ -67,10 +68,14 @@ def _texts(folders: Iterable[Path]) -> Iterator[str]:
             inner[:] = sorted(name for name in inner if not name.startswith("."))
             yield from _read(Path(folder, file) for file in sorted(files))
     for root in roots:
-        yield from _read(sorted(path for path in root.iterdir() if path.is_file()))
+        with suppress(OSError):
+            yield from _read(sorted(path for path in root.iterdir() if path.is_file()))
 
 
 def _read(paths: Iterable[Path]) -> Iterator[str]:
     for path in paths:
-        if _NAMES.search(path.name) and path.stat().st_size <= _MOST_BYTES:
-            yield path.read_text(encoding="utf-8", errors="replace")
+        try:
+            if _NAMES.search(path.name) and path.stat().st_size <= _MOST_BYTES:
+                yield path.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue  # nobody may read it, or it is a link to nowhere

@@ -188,8 +188,11 @@ class ControllerStates:
         if any(files.starts(name) for name in made.inactive):
             return None
         arm = {joint.name for joint in runtime.twin.robot.arm_joints}
-        for name, declared in robot_controllers(runtime).items():
-            if declared.settings and name not in made.inactive and name not in made.active:
-                if arm.intersection(declared.joints):
-                    return None  # a cell with controllers of its own
-        return made
+        has_own = any(
+            declared.settings
+            and name not in made.inactive
+            and name not in made.active
+            and arm.intersection(declared.joints)
+            for name, declared in robot_controllers(runtime).items()
+        )
+        return None if has_own else made
