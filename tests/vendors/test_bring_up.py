@@ -225,6 +225,7 @@ STARTED = {
         "src/cell/start.sh",
         f"ros2 control switch_controllers --activate {FORWARD} --deactivate scaled",
     ),
+    "a program of a simulator": ("src/cell/cell/lift.py", "import gazebo_ros_link_attacher"),
     "a simulator": ("src/cell/launch/cell.launch.py", "FindPackageShare('ros_gz_sim')"),
 }
 NOT_STARTED = {

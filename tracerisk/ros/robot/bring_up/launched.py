@@ -16,6 +16,7 @@ from pathlib import Path
 _MOST_FILES = 300
 _MOST_BYTES = 200_000
 _NAMES = re.compile(r"\.launch(\.py|\.xml|\.yaml)?$|launch.*\.py$|\.sh$|\.bash$|\.md$|\.rst$")
+_SOURCES = re.compile(r"\.py$|^package\.xml$")  # a program of a simulator asks for its services
 _STARTS = re.compile(
     r"spawner|spawn\b|initial_joint_controller|activate_joint_controller|switch_controller"
     r"|set_controller_state|load_controller|--activate|--start|start_controllers"
@@ -33,12 +34,14 @@ class LaunchedControllers:
     """What the workspace's files say of starting controllers."""
 
     def __init__(self, folders: Iterable[Path]) -> None:
-        self._texts = tuple(islice(_texts(folders), _MOST_FILES))
+        folders = tuple(folders)
+        self._texts = tuple(islice(_texts(folders, _NAMES), _MOST_FILES))
+        self._sources = tuple(islice(_texts(folders, _SOURCES), _MOST_FILES))
 
     @property
     def has_own_bring_up(self) -> bool:
         """Whether a file starts the robot otherwise than by its driver: by a simulator, say."""
-        return any(_SIMULATES.search(text) for text in self._texts)
+        return any(_SIMULATES.search(text) for text in (*self._texts, *self._sources))
 
     def starts(self, name: str) -> bool:
         """Whether a file that starts or switches controllers names this one, and not to hold it."""
@@ -58,7 +61,7 @@ def _line(text: str, at: int) -> str:
     return text[start : len(text) if end < 0 else end]
 
 
-def _texts(folders: Iterable[Path]) -> Iterator[str]:
+def _texts(folders: Iterable[Path], names: re.Pattern[str]) -> Iterator[str]:
     roots: dict[Path, None] = {}
     for top in folders:
         if top.parent.name == "src":
@@ -66,16 +69,16 @@ def _texts(folders: Iterable[Path]) -> Iterator[str]:
             roots[top.parent.parent] = None
         for folder, inner, files in os.walk(top):
             inner[:] = sorted(name for name in inner if not name.startswith("."))
-            yield from _read(Path(folder, file) for file in sorted(files))
+            yield from _read((Path(folder, file) for file in sorted(files)), names)
     for root in roots:
         with suppress(OSError):
-            yield from _read(sorted(path for path in root.iterdir() if path.is_file()))
+            yield from _read(sorted(path for path in root.iterdir() if path.is_file()), names)
 
 
-def _read(paths: Iterable[Path]) -> Iterator[str]:
+def _read(paths: Iterable[Path], names: re.Pattern[str]) -> Iterator[str]:
     for path in paths:
         try:
-            if _NAMES.search(path.name) and path.stat().st_size <= _MOST_BYTES:
+            if names.search(path.name) and path.stat().st_size <= _MOST_BYTES:
                 yield path.read_text(encoding="utf-8", errors="replace")
         except OSError:
             continue  # nobody may read it, or it is a link to nowhere
