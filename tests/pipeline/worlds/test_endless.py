@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tests.pipeline.worlds.test_comparison import depends, run
+from tracerisk.trace import Reason, Verdict
 
 CYCLE = ((0.0, 0.0), (0.5, 0.2))
 
@@ -24,3 +25,10 @@ def test_a_place_that_no_cycle_comes_to_depends():
     nominal = endless(*CYCLE, *CYCLE, *CYCLE, *CYCLE)
     other = ((0.0, 0.0), (1.0, 0.2))
     assert depends(nominal, endless(*other, *other, *other, *other)).depends
+
+
+def test_what_the_gripper_holds_when_it_is_cut_says_nothing():
+    reason = Reason("never-released", "partial", "the hand is closed at the end")
+    cut = replace(endless(*CYCLE, *CYCLE, *CYCLE, *CYCLE), verdict=Verdict("partial", (reason,)))
+    assert not depends(endless(*CYCLE, *CYCLE, *CYCLE, *CYCLE), cut).depends
+    assert depends(run(*CYCLE), replace(run(*CYCLE), verdict=cut.verdict)).depends

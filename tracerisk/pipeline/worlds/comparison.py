@@ -27,6 +27,8 @@ _WIDER = 5.0
 _RANK: dict[VerdictKind, int] = {"complete": 0, "partial": 1, "faulted": 2, "stuck": 3}
 _ASSUMED = GAPS | {"input-assumed", "robot-assumed", "duration-cut", "command-cut"}
 """The codes of reasons that say what was assumed or left out, and not what went wrong."""
+_OF_CUT = frozenset({"command-left-on", "never-grasped", "never-released"})
+"""The codes of reasons that say how a loop without an end stood when it was cut."""
 _STREAM = 4
 """A topic that gets as many messages in both runs is one whose messages are not counted."""
 
@@ -38,10 +40,11 @@ def compared(
     assert nominal.verdict is not None
     assert trace.verdict is not None
     known = Counter(_key(reason) for reason in nominal.verdict.open_reasons)
+    left_out = _ASSUMED | (_OF_CUT if is_endless(nominal) else frozenset())
     new = [
         reason
         for reason in trace.verdict.open_reasons
-        if reason.code not in _ASSUMED and _key(reason) not in known
+        if reason.code not in left_out and _key(reason) not in known
     ]
     # What makes it partial alone is in its reasons.
     is_worse = _RANK[trace.verdict.kind] > max(_RANK[nominal.verdict.kind], _RANK["partial"])
