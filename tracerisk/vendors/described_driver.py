@@ -327,7 +327,7 @@ class DescribedDriver(TwinNode):
             self._note_other_type(name, type_name)
 
     def _note_other_type(self, topic: str, type_name: str) -> None:
-        """Say that a topic of the driver is published with another type: nothing arrives."""
+        """Report that a topic of the driver is published with another type: nothing arrives."""
         for each in self._interfaces:
             # A name of one word may be another node's.
             if each.kind != "subscribed_topics" or "/" not in each.name.strip("/"):
