@@ -143,6 +143,22 @@ def test_a_client_of_ros2_finds_a_service_later_than_the_master_knows_it(schedul
     scheduler.run_main(main)
 
 
+def test_the_master_knows_all_services_of_a_node_at_the_same_time(scheduler):
+    graph = Graph(scheduler, world=World("apart", "", "", discovery_s=(0.2, 1.0)))
+
+    def main():
+        for name in ("/one", "/other"):
+            graph.serve(
+                name, "std_srvs/Trigger", lambda request: request, node="/cell", is_callback=False
+            )
+        assert graph.service("/other") is None
+        assert graph.wait_for_service("/one")
+        assert scheduler.now_ns > 0
+        assert graph.service("/other") is not None
+
+    scheduler.run_main(main)
+
+
 def test_a_goal_is_lost_before_its_server_is_found(scheduler):
     graph = Graph(scheduler, world=UNCONNECTED)
     actions = Runtime(scheduler, graph).client(Actions)

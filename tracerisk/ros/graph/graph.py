@@ -509,8 +509,22 @@ class Graph:
         """Return whether the controller has found a server of the cell."""
         if server.is_callback:
             return True
-        sought_ns = self._sought_ns.get(server.name, 0)
-        return self.carrier.connected_ns(server.name, sought_ns) <= self.scheduler.now_ns
+        return self._found_ns(server) <= self.scheduler.now_ns
+
+    def _found_ns(self, server: ServiceServer) -> int:
+        """Return when the controller finds a server of the cell [ns]."""
+        if server.name in self._sought_ns:
+            return self.carrier.connected_ns(server.name, self._sought_ns[server.name])
+        # The master knows all that a node serves once that has started.
+        return self.carrier.connected_ns(server.node, 0)
+
+    def _wake_when_found(self, name: str, type_name: str | None) -> None:
+        """Have who waits for a service look again when the controller finds its server."""
+        if self.carrier.world is NOMINAL:
+            return
+        server = self._server(name, type_name)
+        if server is not None and not self._is_found(server):
+            self.scheduler.call_at(self._found_ns(server), lambda: None)
 
     def _server(self, name: str, type_name: str | None) -> ServiceServer | None:
         known = self._services.get(name)
@@ -543,9 +557,7 @@ class Graph:
         """
         if connects:
             self._sought_ns.setdefault(name, self.scheduler.now_ns)
-        due_ns = self.carrier.connected_ns(name, self._sought_ns.get(name, 0))
-        if due_ns > self.scheduler.now_ns:
-            self.scheduler.call_at(due_ns, lambda: None)  # who waits for it looks again
+        self._wake_when_found(name, type_name)
         need = Need("service", name, type_name)
         self._callers.setdefault(need, Missed(need, 0, 0, asking_place()))
 
@@ -588,9 +600,8 @@ class Graph:
             RunOver: the run is over; a wait that nothing can end is a deadlock that names the
                 service and where the controller waits.
         """
-        if self.service(name) is None and self._services.get(name) is not None:
-            due_ns = self.carrier.connected_ns(name, self._sought_ns.get(name, 0))
-            self.scheduler.call_at(due_ns, lambda: None)  # the wait looks again
+        self.service(name)
+        self._wake_when_found(name, type_name)
         text = f"service {name}" + (f" ({type_name})" if type_name else "")
         self.scheduler.wait_until(
             lambda: self._is_known(name) or unless(),
