@@ -126,3 +126,47 @@ def test_files_that_nobody_may_read_declare_nothing(example):
     example.write("c.py", FOLLOWING.replace("NAMES", "[1, 2, 3, 4]"))
     ran = example.run("trace", "c.py")
     assert "code 0" in ran.out + ran.err
+
+
+MODES = """\
+controller_manager:
+  ros__parameters:
+    outer: {type: forward_command_controller/ForwardCommandController}
+    yielding: {type: claw_controllers/YieldingController}
+outer:
+  ros__parameters:
+    joints: [hinge_3, hinge_1]
+"""
+SWITCHING = """\
+import rclpy
+from controller_manager_msgs.srv import ListControllers, SwitchController
+from rclpy.node import Node
+
+rclpy.init()
+node = Node("switcher")
+
+
+def asked(name, kind, request):
+    future = node.create_client(kind, f"/controller_manager/{name}").call_async(request)
+    rclpy.spin_until_future_complete(node, future)
+    return future.result()
+
+
+def yielding():
+    found = asked("list_controllers", ListControllers, ListControllers.Request())
+    return next(each.state for each in found.controller if each.name == "yielding")
+
+
+before = yielding()
+done = asked("switch_controller", SwitchController, SwitchController.Request(
+    activate_controllers=["yielding"], strictness=SwitchController.Request.STRICT))
+print("yielding", before, done.ok, yielding())
+"""
+
+
+def test_a_mode_that_files_declare_without_joints_is_switched_on(example):
+    claw(example)
+    example.write("config/controllers.yaml", MODES)
+    example.write("c.py", SWITCHING)
+    ran = example.run("trace", "c.py")
+    assert "yielding inactive True active" in ran.out + ran.err

@@ -58,12 +58,13 @@ class DeclaredControllers:
 
     def __init__(self, runtime: Runtime) -> None:
         self._folders = tuple(runtime.packages.values())
+        self._types: dict[str, str] = {}
 
     @cached_property
     def all(self) -> Mapping[str, DeclaredController]:
         """The controllers by their names; of several files the first counts."""
         joints: dict[str, list[tuple[str, ...]]] = {}
-        types: dict[str, str] = {}
+        types = self._types
         grippers: set[str] = set()
         settings: dict[str, dict[str, Any]] = {}
         for path in islice(_files(self._folders, b"joint"), _MOST_FILES):
@@ -97,6 +98,16 @@ class DeclaredControllers:
             for name, (moved, *others) in joints.items()
             # `joint` is said of much else than of grippers.
             if len(moved) != 1 or name not in grippers or "ripper" in types.get(name, "")
+        }
+
+    @property
+    def without_joints(self) -> Mapping[str, DeclaredController]:
+        """Those of which files give the type alone: broadcasters, and modes of a driver."""
+        known = self.all
+        return {
+            name: DeclaredController((), kind)
+            for name, kind in self._types.items()
+            if name not in known and "/" in kind and kind.endswith(("Controller", "Broadcaster"))
         }
 
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:

@@ -45,6 +45,11 @@ _UR_2 = BringUp(
         "joint_trajectory_controller": "joint_trajectory_controller/JointTrajectoryController",
         "forward_velocity_controller": "velocity_controllers/JointGroupVelocityController",
         "forward_position_controller": "position_controllers/JointGroupPositionController",
+        "forward_effort_controller": "forward_command_controller/ForwardCommandController",
+        "passthrough_trajectory_controller": "ur_controllers/PassthroughTrajectoryController",
+        "force_mode_controller": "ur_controllers/ForceModeController",
+        "freedrive_mode_controller": "ur_controllers/FreedriveModeController",
+        "tool_contact_controller": "ur_controllers/ToolContactController",
     },
     frozenset(
         {
@@ -52,6 +57,9 @@ _UR_2 = BringUp(
             "io_and_status_controller",
             "speed_scaling_state_broadcaster",
             "force_torque_sensor_broadcaster",
+            "force_mode_controller",
+            "freedrive_mode_controller",
+            "tool_contact_controller",
         }
     ),
 )

@@ -54,9 +54,10 @@ class ControllerStates:
     def all(self) -> dict[str, DeclaredController]:
         """The loaded controllers by their names."""
         known = robot_controllers(self._runtime)
+        modes = dict(self._runtime.client(DeclaredControllers).without_joints)
         if self._bring_up is None:
             known.setdefault(BROADCASTER, BROADCASTS)
-            return known
+            return modes | known
         made, robot = self._bring_up, self._runtime.twin.robot
         driven = {each.name for each in robot.controllers}
         first = next(iter(made.active))
@@ -70,7 +71,7 @@ class ControllerStates:
             for name, each in known.items()
             if name not in loaded and (name not in driven or each.joints != joints)
         }
-        return loaded | others
+        return modes | loaded | others
 
     @cached_property
     def running(self) -> set[str]:
@@ -78,6 +79,15 @@ class ControllerStates:
         running: list[str] = []
         made = self._bring_up
         held = set() if made is None else {*made.inactive}
+        # A mode of a driver that commands no joints begins where a program asks for it.
+        held |= {
+            name
+            for name, each in self.all.items()
+            if not each.joints
+            and "State" not in each.type
+            and "roadcaster" not in each.type
+            and (made is None or name not in made.active)
+        }
         for name in sorted(self.all, key=self._rank):
             if name not in held and not self.conflicts(name, running):
                 running.append(name)

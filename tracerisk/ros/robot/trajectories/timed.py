@@ -71,7 +71,9 @@ def _first_point(asked: Asked) -> int:
     """
     times = asked.times_s()
     if asked.rules.value(PAST_POINTS) == "dropped":
-        first = next((at for at, time in enumerate(times) if time > STEP_S), len(times))
+        # Without a stamp the trajectory itself begins at that update.
+        begin_s = STEP_S if nanoseconds(asked.message.header.stamp) else 0.0
+        first = next((at for at, time in enumerate(times) if time > begin_s), len(times))
         if first == len(times):
             one = len(times) == 1
             what = "its point is dropped: it" if one else "all its points are dropped: the last"
