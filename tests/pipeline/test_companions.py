@@ -92,8 +92,11 @@ class Server(Node):
         self.create_service(Trigger, "go", self.go)
 
     def go(self, request, response):
-        point = JointTrajectoryPoint(positions=[0.5], time_from_start=Duration(sec=1))
-        self.out.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
+        point = JointTrajectoryPoint(
+            positions=[0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785],
+            time_from_start=Duration(sec=1))
+        names = [f"panda_joint{n}" for n in range(1, 8)]
+        self.out.publish(JointTrajectory(joint_names=names, points=[point]))
         response.success = True
         return response
 
@@ -260,9 +263,11 @@ class Tender(LifecycleNode):
         if not self.next.wait_for_service(timeout_sec=1.0):
             return
         answer = await self.next.call_async(Trigger.Request())
-        point = JointTrajectoryPoint(positions=[float(answer.message)])
+        point = JointTrajectoryPoint(
+            positions=[float(answer.message), -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
         point.time_from_start = Duration(sec=1)
-        self.out.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
+        names = [f"panda_joint{n}" for n in range(1, 8)]
+        self.out.publish(JointTrajectory(joint_names=names, points=[point]))
 
 
 rclpy.init()

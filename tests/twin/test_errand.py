@@ -113,7 +113,7 @@ def test_the_gripper_does_not_move_while_only_the_arm_does(errand, activity, nam
     assert (hand.grasping_s > 0.0) == carries
 
 
-@pytest.mark.parametrize("name", ["init", "pick"])
+@pytest.mark.parametrize("name", ["pick"])
 def test_gripper_and_arm_move_where_both_should(errand, activity, name: str):
     mask = visit_mask(errand, name, 0)
     for element in ("panda_hand", "panda_joint4"):

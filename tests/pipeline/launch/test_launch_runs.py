@@ -60,8 +60,11 @@ class Turner(Node):
         joints = self.get_parameter("joints").value
         angle = self.get_parameter("angle").value
         self.get_logger().info(f"{self.get_fully_qualified_name()} turns by {angle}")
-        point = JointTrajectoryPoint(positions=[angle], time_from_start=Duration(sec=1))
-        self.out.publish(JointTrajectory(joint_names=joints, points=[point]))
+        others = [f"panda_joint{n}" for n in range(2, 8)]
+        point = JointTrajectoryPoint(
+            positions=[angle, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785],
+            time_from_start=Duration(sec=1))
+        self.out.publish(JointTrajectory(joint_names=[*joints, *others], points=[point]))
         self.destroy_timer(next(self.timers))
 
 
