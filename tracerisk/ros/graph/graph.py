@@ -519,7 +519,7 @@ class Graph:
         return self.carrier.connected_ns(server.node, 0)
 
     def _wake_when_found(self, name: str, type_name: str | None) -> None:
-        """Have who waits for a service look again when the controller finds its server."""
+        """Wake whoever waits for a service when the controller finds its server."""
         if self.carrier.world is NOMINAL:
             return
         server = self._server(name, type_name)

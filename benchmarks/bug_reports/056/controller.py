@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""Turns the flange of a UR5e by 0.4 rad with the velocity controller."""
+import rospy
+from controller_manager_msgs.srv import SwitchController, SwitchControllerRequest
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+SPEED = 0.2
+ANGLE = 0.4
+
+
+def flange():
+    state = rospy.wait_for_message("/joint_states", JointState)
+    return state.position[state.name.index("wrist_3_joint")]
+
+
+def switch():
+    service = rospy.ServiceProxy("/controller_manager/switch_controller", SwitchController)
+    service.wait_for_service()
+    request = SwitchControllerRequest()
+    request.start_controllers = ["joint_group_vel_controller"]
+    request.stop_controllers = ["scaled_pos_joint_traj_controller"]
+    request.strictness = SwitchControllerRequest.STRICT
+    return service(request).ok
+
+
+def main():
+    rospy.init_node("ur5e_flange")
+    publisher = rospy.Publisher(
+        "/joint_group_vel_controller/command", Float64MultiArray, queue_size=1)
+    if not switch():
+        raise RuntimeError("the controllers were not switched")
+    while publisher.get_num_connections() == 0:
+        rospy.sleep(0.1)
+    before = flange()
+    rate = rospy.Rate(50)
+    for _ in range(int(50 * ANGLE / SPEED)):
+        publisher.publish(Float64MultiArray(data=[0.0, 0.0, 0.0, 0.0, 0.0, SPEED]))
+        rate.sleep()
+    rospy.sleep(3.0)
+    rospy.loginfo("turned by %.2f", flange() - before)
+
+
+if __name__ == "__main__":
+    main()
