@@ -51,9 +51,14 @@ def matrix_of(quaternion: Sequence[float]) -> Matrix:
     )
 
 
+def skew(vector: Iterable[float]) -> Matrix:
+    """Return the matrix (3, 3) that makes the cross product with a vector."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
 def about(axis: Triple, angle: float) -> Matrix:
     """Return the rotation matrix of a turn by `angle` [rad] about an axis (Rodrigues)."""
-    x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
-    cross: Matrix = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    cross = skew(np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis))
     turn: Matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
     return turn

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.geometry.frames import skew
+
 Array = NDArray[np.float64]
 _MOST_STEPS = 20
 _SMALL = 1e-6
@@ -68,14 +70,9 @@ def _jacobian(screws: Array, positions: Array) -> Array:
     return columns
 
 
-def _skew(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
 def _adjoint(pose: Array) -> Array:
     turn, place = pose[:3, :3], pose[:3, 3]
-    return np.block([[turn, np.zeros((3, 3))], [_skew(place) @ turn, turn]])
+    return np.block([[turn, np.zeros((3, 3))], [skew(place) @ turn, turn]])
 
 
 def _exponential(twist: Array) -> Array:
@@ -84,7 +81,7 @@ def _exponential(twist: Array) -> Array:
     if angle < _SMALL:
         pose[:3, 3] = twist[3:]
         return pose
-    axis = _skew(twist[:3] / angle)
+    axis = skew(twist[:3] / angle)
     square = axis @ axis
     pose[:3, :3] = np.eye(3) + np.sin(angle) * axis + (1 - np.cos(angle)) * square
     lever = np.eye(3) * angle + (1 - np.cos(angle)) * axis + (angle - np.sin(angle)) * square
@@ -102,7 +99,7 @@ def _logarithm(pose: Array) -> Array:
         # A half turn: its axis is the column of R + 1 that is longest.
         doubled = turn + np.eye(3)
         longest = int(np.argmax(np.linalg.norm(doubled, axis=0)))
-        axis = _skew(doubled[:, longest] / np.linalg.norm(doubled[:, longest]))
+        axis = skew(doubled[:, longest] / np.linalg.norm(doubled[:, longest]))
     else:
         axis = (turn - turn.T) / (2 * np.sin(angle))
     square = axis @ axis

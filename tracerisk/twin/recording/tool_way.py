@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.geometry.frames import rotation, skew
 from tracerisk.outcome.arm import Arm, ArmFrame, Position
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def tool_places(arm: Arm, positions: Array) -> Array:
                 # Rodrigues' formula, for a turn of its own of each point.
                 sine, cosine = np.sin(position), np.cos(position)
                 along = (points @ axis)[:, None] * axis
-                across = points @ _turned(frame.axis)
+                across = points @ _skew(frame.axis).T
                 points = points * cosine + across * sine + along * (1.0 - cosine)
         points = points @ _rotation(frame.rpy).T + np.asarray(frame.xyz_m)
     return points
@@ -88,10 +88,4 @@ def tool_places(arm: Arm, positions: Array) -> Array:
 
 # An arm has few frames, and a run asks for its tool at each of its rests.
 _rotation = lru_cache(maxsize=256)(rotation)
-
-
-@lru_cache(maxsize=256)
-def _turned(axis: Position) -> Array:
-    """Return the matrix by which rows are turned into their cross product with an axis."""
-    x, y, z = axis
-    return np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+_skew = lru_cache(maxsize=256)(skew)

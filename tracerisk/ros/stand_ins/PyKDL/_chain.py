@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ._frames import Frame, Rotation, cross_matrix
+from tracerisk.geometry import frames
+
+from ._frames import Frame, Rotation
 from ._joints import RigidBodyInertia
 from ._values import Array, Twist, Vector, ordered, reader, refused
 
@@ -70,7 +72,7 @@ class Joint:
 
     def _turn(self, q: float) -> Array:
         """Return the rotation matrix at a position (Rodrigues)."""
-        moved, cross = self._scale * q + self._offset, cross_matrix(self._axis._v)
+        moved, cross = self._scale * q + self._offset, frames.skew(self._axis._v)
         turned: Array = cross * math.sin(moved) + cross @ cross * (1.0 - math.cos(moved))
         return np.eye(3) + turned
 

@@ -108,7 +108,7 @@ class Rotation(Value):
         """Return the turn of a quaternion, which is taken as being of length 1."""
         v = np.array((x, y, z), dtype=np.float64)
         square = (w * w - v @ v) * np.eye(3) + 2.0 * np.outer(v, v)
-        return Rotation._of(square + 2.0 * w * cross_matrix(v))
+        return Rotation._of(square + 2.0 * w * frames.skew(v))
 
     def GetRPY(self) -> tuple[float, float, float]:
         """Return roll, pitch and yaw [rad]; where pitch is upright, roll is 0."""
@@ -310,9 +310,3 @@ def addDelta(a: Any, da: Any, dt: float = 1.0) -> Any:
     if isinstance(a, Vector | Screw) and type(a) is type(da):
         return a + da * dt
     raise refused("addDelta", a, da)
-
-
-def cross_matrix(v: Array) -> Array:
-    """Return the matrix (3, 3) that makes the cross product with a vector."""
-    x, y, z = v.tolist()
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

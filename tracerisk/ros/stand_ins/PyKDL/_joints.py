@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.geometry import frames
 from tracerisk.ros.imports.exported import defined as _defined
 
-from ._frames import Frame, Rotation, cross_matrix
+from ._frames import Frame, Rotation
 from ._values import (
     EPSILON,
     Array,
@@ -191,7 +192,7 @@ class RigidBodyInertia(Value):
 
 
 def _body(mass: float, centre: Array, about_centre: Array) -> Array:
-    spread = mass * cross_matrix(centre)
+    spread = mass * frames.skew(centre)
     about = about_centre + mass * ((centre @ centre) * np.eye(3) - np.outer(centre, centre))
     return np.block([[mass * np.eye(3), -spread], [spread, about]])
 

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.geometry import frames
 from tracerisk.ros.imports.exported import defined as _defined
 
 from ._chain import Chain, JointType, Segment
-from ._frames import Frame, FrameVel, cross_matrix, diff
+from ._frames import Frame, FrameVel, diff
 from ._joints import Jacobian, JntArray, JntArrayVel, JntSpaceInertiaMatrix
 from ._values import Array, Twist, Vector, Wrench, reader
 
@@ -281,7 +282,7 @@ class ChainIdSolver_RNE(SolverI):
             axis = frame.M.Inverse(segment.twist(value, 1.0 if place is not None else 0.0))
             rate, growth = (0.0, 0.0) if place is None else (q_dot[place], q_dotdot[place])
             speed = frame.Inverse(speed) + axis * rate
-            turning, shifting = (cross_matrix(each._v) for each in (speed.rot, speed.vel))
+            turning, shifting = (frames.skew(each._v) for each in (speed.rot, speed.vel))
             carrying = np.block([[turning, shifting], [np.zeros((3, 3)), turning]])
             along = Twist._of(carrying @ axis._v * rate)
             rise = frame.Inverse(rise) + axis * growth + along
