@@ -16,7 +16,7 @@ from typing import Any
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
-from tracerisk.errors import ControllerFailedError, InputError, Location
+from tracerisk.errors import InputError, Location
 from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.evidence.cells import Cell, Evidence, Stratum
 from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
@@ -26,7 +26,7 @@ from tracerisk.pipeline.evidence.cell_runs import (
     BatchDone,
     CellBatch,
     Nominal,
-    nominal_of,
+    nominal_mission,
     run_batch,
 )
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
@@ -112,17 +112,10 @@ def plan_campaign(
 
     _check_cells(1 if cells is None else cells)
     given = tuple(stated(options).items())
-    nominal = nominal_of(str(controller), given)
-    trace = nominal.trace
-    if not trace.is_usable or not trace.functions:
-        is_idle = trace.end.is_good and not trace.functions
-        message = "it commanded no hardware" if is_idle else trace.end.message
-        raise ControllerFailedError(
-            f"there is no mission to fail: {message}", trace.end.location, trace.end.scenario
-        )
+    nominal = nominal_mission(str(controller), given, "fail")
     declared = nominal.settings.evidence_cells if cells is None else cells
     _check_cells(declared)
-    robot = nominal.run.robot
+    trace, robot = nominal.trace, nominal.run.robot
     hardware = load_hardware(nominal.settings, trace.robot)
     targets = targets_of(trace, robot, hardware, nominal.settings)
     uses = unit_uses(nominal.folder, trace, robot, nominal.settings, (POWER, CONTROL))

@@ -18,7 +18,7 @@ import numpy as np
 
 from tracerisk import trace_json
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, LogError
+from tracerisk.errors import ControllerFailedError, InputError, LogError
 from tracerisk.evidence.cells import Cell
 from tracerisk.hardware.model import FaultMode
 from tracerisk.instrument.recording import Recording, read_recording
@@ -231,6 +231,23 @@ def nominal_of(controller: str, options: tuple[tuple[str, Any], ...]) -> Nominal
     with (folder / _KEPT).open("wb") as kept:
         _Pickler(kept).dump((loaded, settings, run))
     return _nominal(loaded, settings, run, folder)
+
+
+def nominal_mission(controller: str, options: tuple[tuple[str, Any], ...], purpose: str) -> Nominal:
+    """Return the run of a controller without a failure, where there is a mission in it.
+
+    `purpose` is what it is for: `fail`. Raises as `nominal_of`, and ControllerFailedError where
+    the run came to a bad end or commanded nothing.
+    """
+    nominal = nominal_of(controller, options)
+    trace = nominal.trace
+    if not trace.is_usable or not trace.functions:
+        is_idle = trace.end.is_good and not trace.functions
+        message = "it commanded no hardware" if is_idle else trace.end.message
+        raise ControllerFailedError(
+            f"there is no mission to {purpose}: {message}", trace.end.location, trace.end.scenario
+        )
+    return nominal
 
 
 class _Pickler(pickle.Pickler):

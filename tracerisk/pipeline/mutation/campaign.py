@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.errors import ControllerFailedError, InputError, TraceRiskError
-from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
+from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_mission
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
@@ -101,20 +101,13 @@ def plan_mutation(
     """Run a controller without a change, and draw what is to be tried. Raises as `mutate`."""
     if not 1 <= most <= _MOST_CHANGES:
         raise InputError(f"{most} changes; allowed: 1 to {_MOST_CHANGES}")
-    nominal = nominal_of(str(controller), given)
-    trace = nominal.trace
-    if not trace.is_usable or not trace.functions:
-        is_idle = trace.end.is_good and not trace.functions
-        message = "it commanded no hardware" if is_idle else trace.end.message
-        raise ControllerFailedError(
-            f"there is no mission to change: {message}", trace.end.location, trace.end.scenario
-        )
+    nominal = nominal_mission(str(controller), given, "change")
     sources = nominal.recording.sources
     changes = [change for file in sorted(sources) for change in _of_file(nominal, file)]
     chosen = drawn(changes, sources, most=most, seed=nominal.settings.seed)
     if not chosen:
         raise InputError("the functions that ran have no place that could be changed")
-    inputs = run_inputs(nominal.controller, trace, nominal.settings, given=dict(given))
+    inputs = run_inputs(nominal.controller, nominal.trace, nominal.settings, given=dict(given))
     parts = [inputs.fingerprint, nominal.digest]
     parts += [f"{file} {hashlib.sha256(sources[file]).hexdigest()}" for file in sorted(sources)]
     kept = nominal.controller.root / FOLDER

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.errors import ControllerFailedError, MachineError, TraceRiskError
+from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.outcome.changes import Tolerances
-from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again, nominal_of
+from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again, nominal_mission
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import stated
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -92,16 +92,7 @@ def _run(
     workers: Workers,
     progress: CellProgress | None,
 ) -> tuple[WorldRun, ...]:
-    nominal = nominal_of(str(controller), given)
-    trace = nominal.trace
-    if not trace.is_usable or not trace.functions:
-        is_idle = trace.end.is_good and not trace.functions
-        message = "it commanded no hardware" if is_idle else trace.end.message
-        raise ControllerFailedError(
-            f"there is no mission to run in other worlds: {message}",
-            trace.end.location,
-            trace.end.scenario,
-        )
+    nominal = nominal_mission(str(controller), given, "run in other worlds")
     asked = [world for world in worlds if may_differ(world, nominal)]
     folder = str(nominal.folder) if workers.executor is None else ""
     jobs = [WorldJob(str(controller), given, nominal.digest, folder, world.name) for world in asked]
