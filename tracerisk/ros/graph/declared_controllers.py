@@ -58,21 +58,24 @@ class DeclaredControllers:
 
     def __init__(self, runtime: Runtime) -> None:
         self._folders = tuple(runtime.packages.values())
-        self._types: dict[str, str] = {}
 
     @cached_property
     def all(self) -> Mapping[str, DeclaredController]:
         """The controllers by their names; of several files the first counts."""
+        return {name: each for name, each in self._declared.items() if each.joints}
+
+    @cached_property
+    def without_joints(self) -> Mapping[str, DeclaredController]:
+        """Those of which files give the type alone: broadcasters, and modes of a driver."""
+        return {name: each for name, each in self._declared.items() if not each.joints}
+
+    @cached_property
+    def _declared(self) -> Mapping[str, DeclaredController]:
         joints: dict[str, list[tuple[str, ...]]] = {}
-        types = self._types
+        types: dict[str, str] = {}
         grippers: set[str] = set()
         settings: dict[str, dict[str, Any]] = {}
-        for path in islice(_files(self._folders, b"joint"), _MOST_FILES):
-            try:
-                parameters = read_parameters(path)
-            except ScenarioError:
-                continue
-            values = _by_path(parameters)
+        for values in _settings(self._folders, b"joint"):
             for place, value in values.items():
                 above, last = place[:-1], place[-1]
                 name = above[-1] if above else ""
@@ -87,7 +90,7 @@ class DeclaredControllers:
                         own = settings.setdefault(name, {})
                         for key, each in _below(values, above):
                             own.setdefault(key, each)
-        return {
+        with_joints = {
             name: DeclaredController(
                 moved,
                 types.get(name, ""),
@@ -99,16 +102,14 @@ class DeclaredControllers:
             # `joint` is said of much else than of grippers.
             if len(moved) != 1 or name not in grippers or "ripper" in types.get(name, "")
         }
-
-    @property
-    def without_joints(self) -> Mapping[str, DeclaredController]:
-        """Those of which files give the type alone: broadcasters, and modes of a driver."""
-        known = self.all
-        return {
+        alone = {
             name: DeclaredController((), kind)
-            for name, kind in self._types.items()
-            if name not in known and "/" in kind and kind.endswith(("Controller", "Broadcaster"))
+            for name, kind in types.items()
+            if name not in with_joints
+            and "/" in kind
+            and kind.endswith(("Controller", "Broadcaster"))
         }
+        return with_joints | alone
 
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
         """Return those of which a robot with these joints has every joint."""
@@ -154,17 +155,18 @@ def declared_settings(
     It is in whose namespace it stands, its own name, and its value. With `first` only those of
     the first such file come.
     """
-    for path in islice(_files(folders, word), _MOST_FILES):
-        try:
-            parameters = read_parameters(path)
-        except ScenarioError:
-            continue
-        for each in parameters:
-            for name, value in flat(f"{each.node or ''}/{each.name}", each.value):
-                *_, above, last = name.replace(".", "/").split("/")
-                yield above, last, value
-        if first and parameters:
+    for values in _settings(folders, word):
+        for place, value in values.items():
+            yield place[-2] if len(place) > 1 else "", place[-1], value
+        if first and values:
             return
+
+
+def _settings(folders: Iterable[Path], word: bytes) -> Iterator[dict[tuple[str, ...], Any]]:
+    """Yield what each YAML file below folders that holds a word sets, by the names on the way."""
+    for path in islice(_files(folders, word), _MOST_FILES):
+        with contextlib.suppress(ScenarioError):
+            yield _by_path(read_parameters(path))
 
 
 def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
