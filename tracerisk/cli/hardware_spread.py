@@ -138,10 +138,8 @@ def _checked(
     is_needed: bool = True,
 ) -> HardwareSpreads:
     from tracerisk.pipeline.results.figure_spreads import hardware_spreads
-    from tracerisk.twin.robots.robot import load_robot, robot_names
 
-    masses = load_robot(robot).masses if robot in robot_names() else None
-    load_factor = 1.0 if masses is None else masses.error_factor
+    load_factor = _load_factor(robot) if robot else 1.0
     found = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
     if is_needed and not found.figures:
         raise InputError(
@@ -150,6 +148,14 @@ def _checked(
             Location(hardware.file),
         )
     return found
+
+
+def _load_factor(robot: str) -> float:
+    """Return how far the loads of a robot may be off, by the public sources of its masses."""
+    from tracerisk.twin.robots.robot import load_robot, robot_names
+
+    masses = load_robot(robot).masses if robot in robot_names() else None
+    return 1.0 if masses is None else masses.error_factor
 
 
 def _kept_instances(
