@@ -393,7 +393,7 @@ class _Reader:
         """Return the names of required worlds; `true` requires all, `false` none."""
         from tracerisk.worlds.world import ALL, worlds_named
 
-        is_list = isinstance(value, list) and all(isinstance(each, str) for each in value)
+        is_list = isinstance(value, list) and all(isinstance(name, str) for name in value)
         if not isinstance(value, bool) and not is_list:
             self.fail(
                 "require_worlds",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.adder.blocks.block import RiskBlock
@@ -276,15 +276,19 @@ def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict
     verdict = kept_verdict(entry)
     if verdict is None:
         return None
-    held = {each.file: each.source for each in sources}
-    return verdict.with_lines(block_lines(held, {each.file: each.shown for each in sources}))
+    return verdict.with_lines(_lines_now(sources))
 
 
 def _worlds(entry: ControllerLock, sources: Sequence[CheckedSource]) -> list[WorldRun]:
     """Return the runs in worlds that the lock keeps, with the lines that the sources have now."""
-    held = {each.file: each.source for each in sources}
-    line_of = block_lines(held, {each.file: each.shown for each in sources})
+    line_of = _lines_now(sources)
     return [run.with_line(line_of) for run in kept_worlds(entry.trace)]
+
+
+def _lines_now(sources: Sequence[CheckedSource]) -> Callable[[str, int], int]:
+    """Return what gives a place of the lock the line that it has in the sources now."""
+    texts = {source.file: source.source for source in sources}
+    return block_lines(texts, {source.file: source.shown for source in sources})
 
 
 def _of_model(

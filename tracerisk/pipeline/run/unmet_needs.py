@@ -171,16 +171,16 @@ class UnmetNeeds:
     def _judge_too_late(self, *, shows_risk: bool) -> str:
         """Report subscriptions that came after the only message; return words for a stuck run."""
         texts = []
-        for each in self.runtime.graph.too_late():
+        for late in self.runtime.graph.too_late():
             text = (
-                f"the message on {each.need.name} was published before the controller subscribed, "
+                f"the message on {late.need.name} was published before the controller subscribed, "
                 "and a volatile subscription does not get it; subscribe with the durability "
                 "TRANSIENT_LOCAL"
             )
             texts.append(f"; {text}")
             if shows_risk:
-                place = self.below_root(each.location)
-                name = each.need.name
+                place = self.below_root(late.location)
+                name = late.need.name
                 self.runtime.recorder.finding("unprovided", text, place, object_name=name)
         return "" if shows_risk else "".join(texts)
 

@@ -93,10 +93,10 @@ def choose_distro(
                 None if origin is None else origin.location,
             )
         return DistroChoice(settings.ros_distro, "by the settings")
-    mentions = [each for each in _mentions(controller.root) if each.name in _SERVED[ros]]
+    mentions = [mention for mention in _mentions(controller.root) if mention.name in _SERVED[ros]]
     if not mentions:
         sourced = _of_installed(environment, installed)
-        mentions = [each for each in sourced if each.name in _SERVED[ros]]
+        mentions = [mention for mention in sourced if mention.name in _SERVED[ros]]
     return _weighed(ros, mentions)
 
 

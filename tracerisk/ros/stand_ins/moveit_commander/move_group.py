@@ -197,7 +197,7 @@ class MoveGroupCommander(GroupPickPlace):
         """
         if isinstance(trajectory, PlanResult):
             _take_as_older_plan("serialize")
-            trajectory = RobotTrajectory(joint_trajectory=trajectory.joint_trajectory)
+            trajectory = trajectory[1]
         elif not hasattr(trajectory, "joint_trajectory"):
             _check_is_message(trajectory)
             trajectory = RobotTrajectory(joint_trajectory=trajectory)
