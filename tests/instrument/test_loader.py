@@ -167,9 +167,13 @@ def test_callers_that_ask_who_called_see_the_controller(run: Run) -> None:
         step(); step2()
         """
     )
-    # The logging of Python 3.10 counts every frame that is not its own.
-    logged = ("step2", 20) if sys.version_info >= (3, 11) else ("log", 25)
-    assert ran.shown == ["step", "step", "caller_of", (str(ran.path), 15), logged]
+    *callers, warned, (function, line) = ran.shown
+    assert callers == ["step", "step", "caller_of"]
+    assert warned == (str(ran.path), 15)
+    if sys.version_info >= (3, 11):
+        assert (function, line) == ("step2", 20)
+    else:  # its logging counts every frame that is not its own, the wrapper's too
+        assert function == "log"
 
 
 def test_syntax_warnings_are_given_once_with_the_original_line(tmp_path: Path) -> None:
