@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.timing import along_path, resample
-from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, Pose
+from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, Pose
 from tracerisk.twin.robots.robot import Robot, Scaling
 from tracerisk.twin.simulation.twin import Twin
 

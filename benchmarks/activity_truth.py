@@ -24,7 +24,8 @@ import quick
 from activity_programs import PROGRAMS, Bench, Program
 from numpy.typing import NDArray
 
-from tracerisk.twin.physics.builder import STEP_S, build_spec
+from tracerisk.twin.physics.builder import build_spec
+from tracerisk.twin.physics.motion import STEP_S
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.joint_motion import runs

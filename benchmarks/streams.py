@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from tracerisk.ros.robot.command_streams import VelocityStream
 from tracerisk.trace import WEAR_EXPONENTS
 from tracerisk.twin.motion.streams import SetPointStream
-from tracerisk.twin.physics.builder import STEP_S, compile_model
-from tracerisk.twin.physics.motion import JointTrajectory
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import STEP_S, JointTrajectory
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.activity import element_activity
 from tracerisk.twin.recording.exposure import exposure

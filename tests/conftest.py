@@ -74,6 +74,14 @@ def quick_controller(*statements: str) -> str:
     return QUICK.replace("ACT", "\n    ".join(statements or ("pass",)))
 
 
+LONGEST = ("test_benchmarks.py", "test_replay_browser.py")
+"""Files that begin first, each on a core of its own, so that no core waits for them at the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in LONGEST)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What one call of the command left."""
@@ -124,6 +132,7 @@ def pytest_configure_node(node: Any) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.option.loadscopereorder = False  # of pytest-xdist: files come in the order given here
     _SERVED_AT.extend(getattr(config, "workerinput", {}).get("commands", ()))
 
 

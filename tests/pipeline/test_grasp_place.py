@@ -27,18 +27,26 @@ def test_the_middle_between_the_pads_is_where_the_twin_has_it(robot_name, scene_
     for name, position in at.items():
         physics.data.joint(name).qpos[0] = position
     mujoco.mj_kinematics(getattr(physics.model, "ptr", physics.model), physics.data)
+    header = SampleHeader(
+        robot_name,
+        scene_name,
+        step_ns=2_000_000,
+        controls=(),
+        joints=(),
+        pads=(),
+        n_pose=0,
+        base_xyz=scene.robot_xyz,
+        base_rpy=scene.robot_rpy,
+    )
     for gripper in robot.grippers:
         pads = [physics.data.site(f"{pad}/pad").xpos for pad in gripper.pads]
-        assert between_pads(robot, gripper, at, scene) == pytest.approx(np.mean(pads, axis=0))
+        assert between_pads(robot, gripper, at, header) == pytest.approx(np.mean(pads, axis=0))
 
 
 def test_the_words_name_the_place_and_the_nearest_thing():
-    robot, scene = load_robot("panda"), load_scene("empty")
+    robot = load_robot("panda")
     joints = [each.name for each in robot.joints]
     at = [robot.initial_state[name] for name in joints]
-    x, y, z = between_pads(robot, robot.grippers[0], robot.initial_state, scene)
-    thing = [1.0, 0.0, 0.0, 0.0]
-    pose = [*at, x + 0.03, y, z + 0.04, *thing, x - 1.0, y, z, *thing]
     header = SampleHeader(
         robot="panda",
         scene="empty",
@@ -46,14 +54,17 @@ def test_the_words_name_the_place_and_the_nearest_thing():
         controls=(),
         joints=tuple(joints),
         pads=(),
-        n_pose=len(pose),
+        n_pose=len(at) + 14,
         free_bodies=("cube", "ball"),
         free_at=(len(at), len(at) + 7),
     )
+    x, y, z = between_pads(robot, robot.grippers[0], robot.initial_state, header)
+    thing = [1.0, 0.0, 0.0, 0.0]
+    pose = [*at, x + 0.03, y, z + 0.04, *thing, x - 1.0, y, z, *thing]
     none = np.empty((1, 0))
     samples = Samples(header, none, np.array([at]), none, none, none, np.array([pose]))
-    words = grasp_place(robot, robot.grippers[0], scene, samples, 0)
+    words = grasp_place(robot, robot.grippers[0], samples, 0)
     assert abs(y) < 1e-6, "it would be shown with a sign"
     assert words == f"at ({x:.3f}, 0.000, {z:.3f}) m, 0.050 m from cube, the nearest object"
     assert math.dist((x, y, z), pose[len(at) : len(at) + 3]) == pytest.approx(0.05)
-    assert grasp_place(robot, robot.grippers[0], scene, samples, 10**9) == ""
+    assert grasp_place(robot, robot.grippers[0], samples, 10**9) == ""

@@ -9,7 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from tracerisk.twin.physics.builder import STEP_S, compile_model
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import STEP_S
 from tracerisk.twin.physics.physics import (
     DmControlPhysics,
     MujocoPhysics,

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.pipeline.trace.recorded_run import FALL_M, Fall
-from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
 from tracerisk.twin.recording.slips import Slips
@@ -20,7 +19,7 @@ TIP_RAD = math.radians(45.0)
 Flags = NDArray[np.bool_]
 
 
-def falls(samples: Samples, contacts: RunContacts | None, scene: str) -> tuple[Fall, ...]:
+def falls(samples: Samples, contacts: RunContacts | None) -> tuple[Fall, ...]:
     """Return what fell, tipped or slipped after the robot had touched or held it, in order of time.
 
     What the robot never touched is left out: a scene may let it settle when the run begins.
@@ -28,7 +27,7 @@ def falls(samples: Samples, contacts: RunContacts | None, scene: str) -> tuple[F
     if contacts is None or not len(samples.poses):
         return ()
     names = [body.name for body in contacts.log.bodies]
-    slips = Slips(samples, contacts, load_scene(scene))
+    slips = Slips(samples, contacts)
     found = [
         fall
         for name, at in zip(samples.header.free_bodies, samples.header.free_at, strict=True)

@@ -9,19 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tracerisk.geometry.frames import rotation
-from tracerisk.twin.recording.samples import POSE_EVERY, Samples
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.gripper_ends import pad_centres
 
 if TYPE_CHECKING:
-    from tracerisk.twin.physics.scene import Scene
     from tracerisk.twin.robots.robot import Gripper, Robot
 
 Point = tuple[float, float, float]
 
 
-def grasp_place(
-    robot: Robot, gripper: Gripper, scene: Scene, samples: Samples, time_ns: int
-) -> str:
+def grasp_place(robot: Robot, gripper: Gripper, samples: Samples, time_ns: int) -> str:
     """Return where the middle between a gripper's pads was, and what stood nearest, in words.
 
     Places are those of the scene, as the objects of a scenario have them; distances are to the
@@ -31,7 +28,7 @@ def grasp_place(
     if not 0 <= step < samples.n_steps:
         return ""
     at = dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
-    place = between_pads(robot, gripper, at, scene)
+    place = between_pads(robot, gripper, at, samples.header)
     words = f"at ({', '.join(_millimetres(each) for each in place)}) m"
     things = _things(samples, step)
     if not things:
@@ -43,10 +40,12 @@ def grasp_place(
     return f"{words}, {_millimetres(far)} m from {name}, the nearest object"
 
 
-def between_pads(robot: Robot, gripper: Gripper, at: Mapping[str, float], scene: Scene) -> Point:
+def between_pads(
+    robot: Robot, gripper: Gripper, at: Mapping[str, float], header: SampleHeader
+) -> Point:
     """Return the middle between a gripper's pads [m] for positions of the joints, in the scene."""
     middle = np.mean(pad_centres(robot, gripper, at), axis=0)
-    middle = rotation(scene.robot_rpy) @ middle + scene.robot_xyz
+    middle = rotation(header.base_rpy) @ middle + header.base_xyz
     return float(middle[0]), float(middle[1]), float(middle[2])
 
 

@@ -32,7 +32,6 @@ from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
-from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import Samples
@@ -113,7 +112,7 @@ def run_verdict(
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
         missed=tuple(_missed(ran, calls)),
-        falls=falls(samples, contacts, ran.scene) if samples is not None else (),
+        falls=falls(samples, contacts) if samples is not None else (),
         mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
@@ -259,7 +258,6 @@ def _commands(
     joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
     place_of = {command.id: place for place, command in enumerate(recording.commands)}
-    stage = None
     for number, command in enumerate(recording.commands):
         gripper = next((grippers[name] for name in command.elements if name in grippers), None)
         is_arms = any(name not in grippers for name in command.elements)
@@ -292,8 +290,7 @@ def _commands(
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
             if issued.grip == "closes" and not issued.holds:
-                stage = stage or load_scene(ran.scene)
-                place = grasp_place(robot, gripper, stage, samples, command.issue_ns)
+                place = grasp_place(robot, gripper, samples, command.issue_ns)
                 issued = replace(issued, place=place)
         yield issued
 

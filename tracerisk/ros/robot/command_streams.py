@@ -17,8 +17,7 @@ from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands, unit_of
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.motion.streams import SetPointStream
-from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.twin.faults.fault import Fault
-from tracerisk.twin.physics.builder import STEP_NS
+from tracerisk.twin.physics.motion import STEP_NS
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Gripper, Robot
 

@@ -49,6 +49,7 @@ class Clearance:
         self._robot = robot
         self._world = self._alone = CollisionWorld(robot)
         self._columns = self._alone.columns([joint.name for joint in robot.joints])
+        self._has_bodies = False
         self._rule: PathRule | None = None
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> None:
@@ -57,16 +58,17 @@ class Clearance:
         Raises RobotError for a body that cannot be built, and then keeps those before.
         """
         self._world = CollisionWorld(self._robot, bodies, allowed, by_build=self._world.by_build)
+        self._has_bodies = bool(bodies)
 
     @contextmanager
     def among(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> Iterator[None]:
         """Take `bodies` for all that is declared within the block; raise as `declare`."""
-        before = self._world
+        before = self._world, self._has_bodies
         self.declare(bodies, allowed)
         try:
             yield
         finally:
-            self._world = before
+            self._world, self._has_bodies = before
 
     @contextmanager
     def keeping(self, rule: PathRule) -> Iterator[None]:
@@ -143,7 +145,7 @@ class Clearance:
                 message = f"the {end} breaks the path constraints: {reason}"
                 failure = failure or PlanningError("no_plan", message)
                 continue
-            if segment_is_free(begin, goal, is_free, FINE):
+            if segment_is_free(begin, goal, is_free, self._resolutions[-1]):
                 return [begin, goal]
             free.append(goal)
             if len(free) == _MOST_GOALS:
@@ -161,8 +163,8 @@ class Clearance:
         path: list[Array] | None = None
         clear = [goal for goal in free if not nears(goal)]
         if clear and not nears(begin):
-            path = _connected(begin, clear, room, is_clear, ruled, _CLEAR_ITERATIONS)
-        path = path or _connected(begin, free, room, is_free, ruled, ITERATIONS)
+            path = self._connected(begin, clear, room, is_clear, ruled, _CLEAR_ITERATIONS)
+        path = path or self._connected(begin, free, room, is_free, ruled, ITERATIONS)
         if path is None:
             within = " that keeps to the path constraints" if self._rule is not None else ""
             raise PlanningError(
@@ -171,6 +173,38 @@ class Clearance:
                 "was found",
             )
         return path
+
+    def _connected(
+        self,
+        begin: Array,
+        goals: Sequence[Array],
+        room: tuple[Array, Array],
+        is_free: Callable[[Array], bool],
+        excess: Callable[[Array], Array] | None,
+        iterations: int,
+    ) -> list[Array] | None:
+        """Return a path that is free at the finest resolution, None where none was found."""
+        finest = self._resolutions[-1]
+        path: list[Array] | None = None
+        for resolution in self._resolutions:
+            path = connect(
+                begin, goals, *room, is_free, excess, iterations=iterations, resolution=resolution
+            )
+            if path is None or all(
+                segment_is_free(a, b, is_free, finest) for a, b in pairwise(path)
+            ):
+                break
+        return path
+
+    @property
+    def _resolutions(self) -> tuple[float, ...]:
+        """How closely a path is looked at: that of its search, and that of what was found.
+
+        Bodies and rules may be thinner than the steps of a search; links are not, and MoveIt looks
+        no closer.
+        """
+        is_thin = self._has_bodies or self._rule is not None
+        return (RESOLUTION, FINE) if is_thin else (RESOLUTION,)
 
     def free_share(
         self,
@@ -250,25 +284,6 @@ class Clearance:
         if rule is None:
             return lambda _: None, lambda _: np.zeros(0)
         return lambda values: rule.breach(whole(values)), lambda values: rule.excess(whole(values))
-
-
-def _connected(
-    begin: Array,
-    goals: Sequence[Array],
-    room: tuple[Array, Array],
-    is_free: Callable[[Array], bool],
-    excess: Callable[[Array], Array] | None,
-    iterations: int,
-) -> list[Array] | None:
-    """Return a path that is free however closely it is looked at, None where none was found."""
-    path: list[Array] | None = None
-    for resolution in (RESOLUTION, FINE):
-        path = connect(
-            begin, goals, *room, is_free, excess, iterations=iterations, resolution=resolution
-        )
-        if path is None or all(segment_is_free(a, b, is_free, FINE) for a, b in pairwise(path)):
-            break
-    return path
 
 
 def _room(members: Sequence[Joint], ends: Sequence[Array]) -> tuple[Array, Array]:

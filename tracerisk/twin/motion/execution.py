@@ -17,8 +17,13 @@ from numpy.typing import NDArray
 from tracerisk.errors import one_of
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.motion.timing import along_path, resample
-from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, Leads, MotionOutcome, PlanningError
+from tracerisk.twin.physics.motion import (
+    STEP_S,
+    JointTrajectory,
+    Leads,
+    MotionOutcome,
+    PlanningError,
+)
 from tracerisk.twin.robots.robot import Gripper, Joint, Robot
 
 Array = NDArray[np.float64]

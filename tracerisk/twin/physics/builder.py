@@ -13,15 +13,13 @@ from typing import Any
 from tracerisk.errors import RobotError
 from tracerisk.geometry.rotation import quaternion_of
 from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.motion import STEP_S
 from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.robots.robot import Attachment, Gripper, Joint, Link, Robot, without_stiffness
 
 with no_display():
     import mujoco
-
-STEP_NS = 2_000_000
-STEP_S = STEP_NS * 1e-9
 
 # Collision classes. A pair meets if contype of one has a bit of conaffinity of the other:
 # the robot does not meet itself, for primitive hulls of neighbouring links overlap.

@@ -12,6 +12,11 @@ from numpy.typing import NDArray
 from tracerisk.errors import TraceRiskError
 from tracerisk.geometry.frames import triple
 
+STEP_NS = 2_000_000
+"""The step of the simulation [ns]."""
+STEP_S = STEP_NS * 1e-9
+"""The same [s]."""
+
 MotionOutcome = Literal["active", "succeeded", "aborted", "preempted"]
 Leads = Literal[
     "to_goal",  # to its last point, where it is to be

@@ -45,6 +45,7 @@ class SampleHeader:
     `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
     one: three coordinates [m], then the quaternion, w first. `round_bodies` are those that look
     the same however they are turned about their own z axis, `balls` however they are turned.
+    `base_xyz` [m] and `base_rpy` [rad] are where the robot's base stands in the scene.
     """
 
     robot: str
@@ -58,6 +59,8 @@ class SampleHeader:
     free_at: tuple[int, ...] = ()
     round_bodies: tuple[str, ...] = ()
     balls: tuple[str, ...] = ()
+    base_xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    base_rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def width(self) -> int:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from tracerisk.geometry.frames import matrix_of, rotation
 from tracerisk.outcome.arm import tool_pose
-from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
@@ -36,7 +35,6 @@ class Slips:
 
     samples: Samples
     contacts: RunContacts
-    scene: Scene
 
     def has_slipped(self, hold: Hold, poses: Array) -> bool:
         """Return whether an object slipped out of the hand that held it.
@@ -66,7 +64,7 @@ class Slips:
         link = self._hand(hold.holder)
         if link is None or last < hold.start:
             return np.eye(3)
-        arm, base = arm_to(self.contacts.robot, link), rotation(self.scene.robot_rpy)
+        arm, base = arm_to(self.contacts.robot, link), rotation(self.samples.header.base_rpy)
         columns = [self.samples.header.joints.index(name) for name in arm.joints]
         begin, end = (
             matrix_of(tool_pose(arm, self.samples.position[step, columns].tolist())[1])
@@ -110,8 +108,9 @@ class Slips:
         arm = arm_to(self.contacts.robot, link)
         columns = [self.samples.header.joints.index(name) for name in arm.joints]
         in_base = tool_places(arm, self.samples.position[rows][:, columns])
-        hand = in_base @ rotation(self.scene.robot_rpy).T
-        found: Array = np.linalg.norm(poses[first:stop, :3] - hand - self.scene.robot_xyz, axis=1)
+        header = self.samples.header
+        hand = in_base @ rotation(header.base_rpy).T + header.base_xyz
+        found: Array = np.linalg.norm(poses[first:stop, :3] - hand, axis=1)
         return found
 
     def _hand(self, holder: str) -> str | None:

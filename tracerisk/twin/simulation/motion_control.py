@@ -19,8 +19,7 @@ from tracerisk.twin.motion.execution import (
     check_trajectory,
 )
 from tracerisk.twin.motion.timing import resample
-from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory, MotionOutcome, PlanningError
+from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, MotionOutcome, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 from tracerisk.twin.simulation.simulation import Simulation
 

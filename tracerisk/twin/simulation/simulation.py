@@ -14,9 +14,8 @@ from tracerisk.outcome.outcome import FLOOR
 from tracerisk.twin.faults.armed import ArmedFaults
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.faults.sensing import SensorFaults
-from tracerisk.twin.physics.builder import STEP_NS
 from tracerisk.twin.physics.declared import Declared, logged_bodies, rebuild
-from tracerisk.twin.physics.motion import JointState, Pose
+from tracerisk.twin.physics.motion import STEP_NS, JointState, Pose
 from tracerisk.twin.physics.physics import begin_physics, is_unstable
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody, body_name
@@ -359,6 +358,8 @@ class Simulation:
                 for thing in self.scene.objects
                 if all(shape.kind == "sphere" for shape in thing.shapes)
             ),
+            base_xyz=self.scene.robot_xyz,
+            base_rpy=self.scene.robot_rpy,
         )
 
     def _body_pose(self, name: str) -> Pose:

@@ -17,8 +17,7 @@ from tracerisk.twin.faults.fault import Fault, check_faults
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
-from tracerisk.twin.physics.builder import STEP_NS
-from tracerisk.twin.physics.motion import LinkTarget, Pose
+from tracerisk.twin.physics.motion import STEP_NS, LinkTarget, Pose
 from tracerisk.twin.physics.placement import offset
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody

@@ -17,8 +17,7 @@ from tracerisk.ros.robot.trajectory_messages import (
     fastest_s,
     slopes_at,
 )
-from tracerisk.twin.physics.builder import STEP_S
-from tracerisk.twin.physics.motion import JointTrajectory
+from tracerisk.twin.physics.motion import STEP_S, JointTrajectory
 from tracerisk.twin.simulation.twin import Twin
 
 START = "trajectory-start"
