@@ -10,6 +10,7 @@ then it has the wall time alone.
 from __future__ import annotations
 
 import contextlib
+import gc
 import math
 import os
 import resource
@@ -327,6 +328,7 @@ def limit_memory() -> None:
 
 def end_with(main: Callable[[], int]) -> NoReturn:
     """Run `main` of a limited process and end with its code, or with that of a lack of memory."""
+    gc.enable()
     try:
         code = main()
     except MemoryError:

@@ -15,6 +15,7 @@ if __name__ == "__main__":
 
 import atexit
 import contextlib
+import gc
 import importlib.util
 import json
 import os
@@ -45,6 +46,9 @@ def main() -> None:
         _stay_behind(plan)
         if plan["readable"] is not None:
             _restrict(plan)
+    # What is imported stays, and to look through it takes longer than many a run: the module turns
+    # the collection of garbage on when its work begins.
+    gc.disable()
     with end.code_noted():
         runpy.run_module(module, run_name="__main__", alter_sys=True)
 

@@ -114,8 +114,6 @@ def main() -> int:
     request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     lower_limit(resource.RLIMIT_AS, request.memory_limit_mb * _MB)
-    # What is imported by now stays: to look through it for garbage takes longer than many a run.
-    gc.freeze()
     folder = Path(request.folder)
     with (folder / STACKS).open("w") as stacks:
         # The parent asks where an endless loop stands before it ends the process.
@@ -132,6 +130,9 @@ def recorded(
     The run gives the recorder's clock, the only one of its list.
     """
     folder = Path(request.folder)
+    # What is imported by now stays; what a controller makes is collected as ever.
+    gc.freeze()
+    gc.enable()
     with (folder / EVENTS).open("wb", buffering=0) as stream, SampleWriter(folder) as samples:
         # The recorder's clock and the tracer know each other only through the scheduler.
         clock: list[Callable[[], int]] = [lambda: 0]

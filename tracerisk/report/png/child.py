@@ -7,6 +7,7 @@ machine's.
 
 from __future__ import annotations
 
+import gc
 import io
 import json
 import math
@@ -37,6 +38,7 @@ _GEOMS = {
 
 def main() -> int:
     """Draw the pictures of standard input into the folder of the command line."""
+    gc.enable()
     request = json.load(sys.stdin)
     folder = Path(sys.argv[1])
     width, height = request["size"]
