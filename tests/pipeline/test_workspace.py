@@ -122,3 +122,47 @@ def test_files_are_listed_in_order_and_a_pipe_is_none(tmp_path):
     found = [(Path(folder).name, files) for folder, files in searched(tmp_path, environments=False)]
     assert found == [(tmp_path.name, []), ("a", ["c.py"]), ("b", ["a.py", "link.py", "z.py"])]
     assert list(searched(tmp_path / "none")) == []
+
+
+DEEP = {
+    # what: (the package, the controller's folder), below the top of a repository
+    "six folders down, beside the script": (
+        "ws/src/course/submodules/wrapper/arm_msgs", "ws/src/course/submodules/wrapper/scripts"),
+    "nine folders down": ("ws/src/a/b/c/d/e/f/arm_msgs", "ws/src/pick"),
+    "in another branch as deep": ("ws/src/a/b/c/d/arm_msgs", "ws/src/z/y/x/w/v/scripts"),
+    "far below the top, the script too": ("p/q/r/s/t/u/arm_msgs", "p/q/r/s/t/u/v/w/pick"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", DEEP)
+def test_packages_are_found_at_any_depth(what, tmp_path):
+    there, here = DEEP[what]
+    (tmp_path / ".git").mkdir()
+    arm = package(tmp_path / there)
+    own = tmp_path / here
+    if own.name == "pick":
+        package(own)
+    else:
+        own.mkdir(parents=True)
+    assert find_workspace(own).packages["arm_msgs"] == arm
+
+
+@pytest.mark.parametrize("folder", [".git", "build", "node_modules", "venv"])
+def test_packages_are_not_looked_for_in_what_is_no_source(folder, tmp_path):
+    (tmp_path / ".git").mkdir()
+    own = package(tmp_path / "pick")
+    package(tmp_path / folder / "lib" / "arm_msgs")
+    (tmp_path / "venv").mkdir(exist_ok=True)
+    (tmp_path / "venv" / "pyvenv.cfg").touch()
+    assert list(find_workspace(own).packages) == ["pick"]
+
+
+def test_a_search_that_ends_early_has_looked_around_the_controller(monkeypatch, tmp_path):
+    (tmp_path / ".git").mkdir()
+    for number in range(40):
+        (tmp_path / "data" / f"run_{number:02}" / "frames").mkdir(parents=True)
+    own, near = package(tmp_path / "z" / "y" / "pick"), package(tmp_path / "z" / "y" / "arm_msgs")
+    far = package(tmp_path / "zz" / "a" / "b" / "c" / "base_msgs")
+    assert find_workspace(own).packages == {"arm_msgs": near, "base_msgs": far, "pick": own}
+    monkeypatch.setattr("tracerisk.pipeline.workspace.workspace.MOST_ENTRIES", 20)
+    assert find_workspace(own).packages == {"arm_msgs": near, "pick": own}

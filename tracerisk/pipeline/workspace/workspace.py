@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 import re
+import time
+from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
@@ -13,11 +15,16 @@ from tracerisk.text.patterns import pattern
 
 PACKAGE_FILE = "package.xml"
 _INTERFACES = ("msg", "srv", "action")
+_ENVIRONMENT = "pyvenv.cfg"  # lies at the top of an environment of Python
 _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+MOST_ENTRIES = 100_000
+"""How many files and folders a search for packages looks at."""
+LONGEST_SEARCH_S = 10.0
+"""How long a search for packages takes: folders may lie on a slow disk [s]."""
 TESTS = frozenset({"test", "tests"})
 _UPWARDS = 4
-_DEEPEST = 5
+_REPOSITORY = ".git"
 _SOURCES = "src"  # where a workspace keeps its packages
 _TOP_FILES = ("readme", "licence", "license")
 _TOP_MARKS = frozenset(
@@ -98,7 +105,7 @@ def searched(
         except OSError:
             continue
         files = [each.name for each in entries if _is_file(each)]
-        if not environments and "pyvenv.cfg" in files:
+        if not environments and _ENVIRONMENT in files:
             continue
         yield folder, files
         waiting += [
@@ -130,22 +137,24 @@ def find_workspace(root: Path) -> Workspace:
     A root that is no package has those around it where it lies in the `src` of a workspace, or
     beside that in the same repository.
 
-    Looked for upwards, at most four folders up and never beyond the repository. Without one, it is
+    Looked for upwards within the repository; without one, at most four folders up. Then it is
     the folder `src` of a workspace, or the nearest folder with what lies at the top of a
     repository (a readme, a licence, ...). Where there is neither, what lies beside a package is
     none of its own but for the packages that it depends on. So do those of the other repositories
     in the same `src`.
+    Packages at any depth are found. The search begins at `root` and goes on upwards, so that what
+    a very large project has in other places is left out first.
     Where two packages have one name, the one that contains `root` or is nearest to it wins.
     """
     top = project_top(root)
     packages: dict[str, Path] = {}
-    for folder in _packages_below(top):
+    for folder in _packages_below(top, first=root.resolve()):
         known = packages.setdefault(_name_of(folder), folder)
         if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
             packages[_name_of(folder)] = folder
     if (root / PACKAGE_FILE).is_file():
         in_sources = any(each.name == _SOURCES for each in top.parents[:_BESIDE])
-        if in_sources or (top == root.resolve() and not (top / ".git").exists()):
+        if in_sources or (top == root.resolve() and not (top / _REPOSITORY).exists()):
             packages = {**_needed_beside(root.resolve()), **packages}
         packages[_name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
@@ -190,24 +199,28 @@ def imported_names(source: str) -> set[str]:
 def project_top(root: Path) -> Path:
     """Return the folder whose files belong to one project with the controller in `root`."""
     root = root.resolve()
-    if (root / ".git").exists():
+    if (root / _REPOSITORY).exists():
         return root
-    upwards = [
-        folder for folder in root.parents[:_UPWARDS] if folder not in (Path.home(), Path("/"))
-    ]
+    above = list(
+        itertools.takewhile(lambda folder: folder not in (Path.home(), Path("/")), root.parents)
+    )
+    height = next(
+        (number for number, folder in enumerate(above) if (folder / _REPOSITORY).exists()), None
+    )
+    # Within a repository nothing is too far away.
+    upwards = above[:_UPWARDS] if height is None else above[: height + 1]
     if not (root / PACKAGE_FILE).is_file():
         # A script in no package may lie among those of a workspace all the same.
         sources = next((each for each in upwards if each.name == _SOURCES), None)
         if sources is None:
             # Or beside its folder `src`.
             top = next((each for each in upwards if _is_marked(each)), root)
-            return top if any(_packages_below(top / _SOURCES, deepest=_BESIDE)) else root
-        if not any(_packages_below(sources, deepest=_BESIDE)):
+            return top if any(_packages_below(top / _SOURCES)) else root
+        if not any(_packages_below(sources)):
             return root
         return sources.parent if _is_marked(sources.parent) else sources
-    for folder in upwards:
-        if (folder / ".git").exists():
-            return folder
+    if height is not None:
+        return above[height]
     for folder in upwards:
         if _is_marked(folder):
             return folder
@@ -255,24 +268,41 @@ def _needs_of(folder: Path) -> list[str]:
     return [*declared_needs(folder), *sorted(imported)]
 
 
-def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:
-    """Yield the folders with a `package.xml`, nearer ones first; none inside another."""
-    waiting, seen = [(top, 0)], 0
-    while waiting and seen < _MOST_FOLDERS:
-        folder, depth = waiting.pop(0)
-        seen += 1
+def _packages_below(
+    top: Path, deepest: int | None = None, first: Path | None = None
+) -> Iterator[Path]:
+    """Yield the folders with a `package.xml`, none inside another.
+
+    Those in and beside `first`, a folder below `top`, come before others, then the nearer to the
+    top. The search ends after `MOST_ENTRIES` entries or `LONGEST_SEARCH_S`.
+    """
+    waiting = deque([(top, 0)])
+    if first is not None and first != top and first.is_relative_to(top):
+        depth = len(first.parts) - len(top.parts)
+        around = [first, *first.parents[: depth - 1]]
+        waiting.extendleft((folder, len(folder.parts) - len(top.parts)) for folder in around[::-1])
+    seen: set[Path] = set()
+    entries_left, ends_at = MOST_ENTRIES, time.monotonic() + LONGEST_SEARCH_S
+    while waiting and entries_left > 0 and time.monotonic() < ends_at:
+        folder, depth = waiting.popleft()
+        if folder in seen:
+            continue
+        seen.add(folder)
         try:
             with os.scandir(folder) as entries:
-                listed = sorted(entries, key=lambda entry: entry.name)
+                listed = sorted(
+                    itertools.islice(entries, entries_left), key=lambda entry: entry.name
+                )
         except OSError:
             continue
+        entries_left -= len(listed)
         names = {entry.name for entry in listed}
-        if names.intersection(_IGNORED_MARKS):
+        if names.intersection(_IGNORED_MARKS) or _ENVIRONMENT in names:
             continue
         if PACKAGE_FILE in names:
             yield folder
             continue
-        if depth < deepest:
+        if deepest is None or depth < deepest:
             waiting += [
                 (folder / entry.name, depth + 1)
                 for entry in listed

@@ -115,9 +115,9 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
         hint = f"(did you mean '{near[0]}'?) " if near else ""
         wanted = "its definitions" if _MESSAGES.fullmatch(name) else "its sources"
         return Remedy(
-            f"{hint}it looks like a ROS package, which is neither in the controller's workspace "
-            f"nor served by tracerisk; put {wanted} into the workspace, in a folder with a "
-            "package.xml"
+            f"{hint}it looks like a ROS package, which is neither among the packages found in the "
+            f"controller's workspace nor served by tracerisk; put {wanted} into the workspace, "
+            "in a folder with a package.xml"
         )
     return Remedy(
         "put it beside the controller, or install it in the environment in which tracerisk runs"
