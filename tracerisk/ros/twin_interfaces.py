@@ -13,10 +13,14 @@ from tracerisk.ros.gazebo.services import GazeboServices
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.moveit.actions.execution_reports import ExecutionReports
 from tracerisk.ros.moveit.actions.pick_place import PICKUP, PLACE, PickPlaceServer
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
+from tracerisk.ros.robot.bring_up.display import Display
+from tracerisk.ros.robot.bring_up.node_parameters import NodeParameters
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.controllers import ControllerManager
 from tracerisk.ros.robot.grippers import GripperServer
@@ -56,6 +60,7 @@ class TwinInterfaces:
             self._types[EXECUTE_TRAJECTORY] = (moveit.on_goal, moveit.on_cancel)
             if not messages.is_ros2:
                 # MoveIt 2 has neither.
+                ExecutionReports(runtime, messages, runtime.client(MoveGroupServer).execution)
                 picking = PickPlaceServer(runtime, messages)
                 self._types[PICKUP] = (picking.pickup, picking.on_cancel)
                 self._types[PLACE] = (picking.place, picking.on_cancel)
@@ -66,6 +71,8 @@ class TwinInterfaces:
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
+        NodeParameters(runtime, messages)
+        Display(runtime, messages)
         WrenchTopics(runtime, messages)
 
     def take(self, types: Mapping[str, tuple[Handler, Handler]]) -> None:

@@ -30,6 +30,14 @@ _OF_SERVERS = {
 }
 
 
+def topics_of_action(name: str, type_name: str) -> tuple[tuple[str, str, bool], ...]:
+    """Return the topics of an action of ROS 1: name, type, and whether its server publishes it."""
+    leaves = (*_OF_CLIENTS.items(), *_OF_SERVERS.items())
+    return tuple(
+        (f"{name}/{leaf}", kind.format(type_name), leaf in _OF_SERVERS) for leaf, kind in leaves
+    )
+
+
 @dataclass(slots=True, eq=False)
 class ActionServerEnd:
     """Who serves an action: it gets goals and cancel requests by `on_goal` and `on_cancel`.
@@ -315,15 +323,16 @@ class Actions:
 
     def published_topics(self) -> set[tuple[str, str]]:
         """Return name and type of the topics that clients and servers publish in ROS 1."""
-        sides: tuple[tuple[tuple[Any, ...], dict[str, str]], ...] = (
-            (self.clients(), _OF_CLIENTS),
-            (self.servers(), _OF_SERVERS),
+        sides: tuple[tuple[tuple[Any, ...], bool], ...] = (
+            (self.clients(), False),
+            (self.servers(), True),
         )
         return {
-            (f"{end.name}/{leaf}", kind.format(end.type_name))
-            for ends, leaves in sides
+            (topic, kind)
+            for ends, are_servers in sides
             for end in ends
-            for leaf, kind in leaves.items()
+            for topic, kind, is_servers in topics_of_action(end.name, end.type_name)
+            if is_servers is are_servers
         }
 
     def clients(self) -> tuple[ActionClientEnd, ...]:

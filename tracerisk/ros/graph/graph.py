@@ -37,6 +37,7 @@ _OF_TOOLS = re.compile(
 )
 _SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
 
+_Finder = Callable[[str], tuple[str, Callable[[Any], Any], str] | None]
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
 
 
@@ -268,6 +269,7 @@ class Graph:
         self._callers: dict[Need, Missed] = {}
         self._sought_ns: dict[str, int] = {}
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
+        self._finders: list[_Finder] = []
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
 
@@ -496,6 +498,13 @@ class Graph:
         """
         self._offers.setdefault(base_name, {}).setdefault(type_name, (handle, node))
 
+    def offer_found(self, finder: _Finder) -> None:
+        """Serve what `finder` returns for a name that nobody serves or offers.
+
+        It returns type, handler and node, or None for a name that is none of its own.
+        """
+        self._finders.append(finder)
+
     def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
         """Return who serves a name, if anybody; a service of the twin's begins with that.
 
@@ -545,8 +554,15 @@ class Graph:
             # Waited for by its name alone, another vendor's was taken for it.
             kind = type_name
         else:
-            return known
+            return self._served_if_found(name) if known is None else known
         handle, node = offered[kind]
+        return self.serve(name, kind, handle, node=node, is_callback=False)
+
+    def _served_if_found(self, name: str) -> ServiceServer | None:
+        found = next(filter(None, (finder(name) for finder in self._finders)), None)
+        if found is None:
+            return None
+        kind, handle, node = found
         return self.serve(name, kind, handle, node=node, is_callback=False)
 
     def become_caller(self, name: str, type_name: str, *, connects: bool = False) -> None:

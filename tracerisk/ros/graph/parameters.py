@@ -126,10 +126,13 @@ class ParameterTree:
         return self._holds(name)
 
     def _holds(self, name: str) -> bool:
+        return self._holds_itself(name) or self._offered(name) is not None
+
+    def _holds_itself(self, name: str) -> bool:
         value: Any = self._root
         for part in _parts(name):
             if not isinstance(value, dict) or part not in value:
-                return self._offered(name) is not None
+                return False
             value = value[part]
         return True
 
@@ -154,15 +157,31 @@ class ParameterTree:
         return None
 
     def _offered(self, name: str) -> Any:
+        """Return what is offered of a name: a value, or one within a dictionary."""
         parts = _parts(name)
-        value = self._offers.get(names.SEP + names.SEP.join(parts))
-        if value is None and 1 <= len(parts) <= 2:
-            value = self._offers.get(parts[-1])
-        return None if value is None else value()
+        for end in range(len(parts), 0, -1):
+            offered = self._offers.get(names.SEP + names.SEP.join(parts[:end]))
+            if offered is None and end <= 2:
+                offered = self._offers.get(parts[end - 1])
+            value = None if offered is None else offered()
+            for part in parts[end:]:
+                value = value.get(part) if isinstance(value, dict) else None
+            if value is not None:
+                return value
+        return None
 
     def names(self) -> list[str]:
         """Return the global names of all values, sorted."""
         return sorted(_leaves("", self._root))
+
+    def offered_names(self) -> list[str]:
+        """Return the global names of what is offered, sorted."""
+        found: set[str] = set()
+        for base_name, offered in self._offers.items():
+            name = base_name if names.is_global(base_name) else f"{names.SEP}{base_name}"
+            value = None if self._holds_itself(name) else offered()
+            found.update(() if value is None else _leaves(name, value))
+        return sorted(found)
 
 
 def _parts(name: str) -> list[str]:

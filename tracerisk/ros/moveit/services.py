@@ -22,6 +22,7 @@ from tracerisk.ros.moveit.messages import (
 )
 from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, valid_fraction
 from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.scene_topics import MONITORED, SceneTopics
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
@@ -74,11 +75,13 @@ class MoveItInterfaces(TwinNode):
             ("plan_kinematic_path", "GetMotionPlan", self._motion_plan),
             ("apply_planning_scene", "ApplyPlanningScene", self._apply),
             ("get_planning_scene", "GetPlanningScene", self._get),
+            ("check_state_validity", "GetStateValidity", self._state_validity),
         ):
             self._offer(name, f"moveit_msgs/{kind}", handle)
         # As a move_group whose map is empty, for no camera fills it.
         self._offer("clear_octomap", "std_srvs/Empty", lambda *_: None)
         self._graph.watch(self._on_change)
+        SceneTopics(runtime, messages, self._fill_scene)
 
     # Actions
 
@@ -287,6 +290,19 @@ class MoveItInterfaces(TwinNode):
         if plan.trajectory is not None:
             answer.solution = self._trajectory(plan.trajectory)
 
+    def _state_validity(self, request: Any, answer: Any) -> None:
+        """Answer whether a state collides, with the names of each pair that does."""
+        pairs = self._twin.collisions(self._start(request.robot_state))
+        answer.valid = not pairs
+        contacts = []
+        for one, other in pairs:
+            contact = self._messages.new("moveit_msgs/ContactInformation")
+            contact.header.frame_id = self._server.planning_frame
+            self._now(contact.header)
+            contact.contact_body_1, contact.contact_body_2 = one, other
+            contacts.append(contact)
+        answer.contacts = contacts
+
     def _motion_plan(self, request: Any, answer: Any) -> None:
         response = answer.motion_plan_response
         plan = self._planned(request.motion_plan_request)
@@ -299,6 +315,8 @@ class MoveItInterfaces(TwinNode):
     # The planning scene
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if name.endswith(f"/{MONITORED}"):
+            return  # it says what the scene is
         if change == "advertised" and type_name in self._takers:
             take = self._takers[type_name]
             self._hear(name, type_name, lambda message, _: self._take(take, message))
@@ -312,8 +330,11 @@ class MoveItInterfaces(TwinNode):
 
     def _get(self, request: Any, answer: Any) -> None:
         # No bits ask for everything.
-        wanted = request.components.components or 0xFFFF
-        scene, kept = answer.scene, self._server.seen()
+        self._fill_scene(answer.scene, request.components.components or 0xFFFF)
+
+    def _fill_scene(self, scene: Any, wanted: int) -> None:
+        """Write the planning scene into a message, of its components those of the bits."""
+        kept = self._server.seen()
         scene.name, scene.robot_model_name = "(noname)", self._server.robot.name
         frame = self._server.planning_frame
         if wanted & (_STATE | _ATTACHED):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 
 import numpy as np
 
@@ -107,6 +107,13 @@ class Execution:
     """How it ended, or will end as soon as its motion is at rest."""
 
 
+class OnBegin(Protocol):
+    """What is called with an execution that begins."""
+
+    def __call__(self, execution: Execution, *, is_of_goal: bool) -> None:
+        """Take an execution; `is_of_goal` says whether an action's goal asked for it."""
+
+
 class TrajectoryExecution:
     """Execute one trajectory at a time, as MoveIt's manager does.
 
@@ -123,6 +130,12 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
+        self.on_begin: OnBegin = lambda *_, **__: None
+        """Called with each execution that begins, and whether it is that of an action's goal."""
+        self.on_end: Callable[[Execution], None] = lambda _: None
+        """Called with each execution that has ended."""
+        self.on_refused: Callable[[ErrorCode], None] = lambda _: None
+        """Called with the code of each motion that was asked for and not found."""
 
     def start(
         self,
@@ -175,6 +188,7 @@ class TrajectoryExecution:
             "move_group", motion, stack, lambda _: self._ended(execution), goal=goal
         )
         self._live.append(execution)
+        self.on_begin(execution, is_of_goal=goal is not None)
         if rules.watches_duration and not set(motion.elements) - set(motion.joints):
             self._watch(execution, rules.longest_s(trajectory))
         return execution
@@ -190,9 +204,10 @@ class TrajectoryExecution:
                     "goal that then fails; wait for its end first",
                 )
 
-    def refuse(self) -> None:
+    def refuse(self, code: ErrorCode = ErrorCode.FAILURE) -> None:
         """Record that a motion was asked for where the controller stands, and none was found."""
         self._commands.refuse("move_group", self._commands.stack())
+        self.on_refused(code)
 
     def wait(self, execution: Execution) -> ErrorCode:
         """Wait until an execution has ended and return its code."""
@@ -268,6 +283,7 @@ class TrajectoryExecution:
         self._live.remove(execution)
         if execution.code is None:
             execution.code = _CODE_OF_OUTCOME[execution.motion.outcome]
+        self.on_end(execution)
 
     def report(
         self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()

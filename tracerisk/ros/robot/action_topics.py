@@ -13,6 +13,7 @@ from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.robot.bring_up.system import SystemState
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
@@ -24,6 +25,7 @@ KEPT_S = 5.0
 
 _STATUS = "actionlib_msgs/GoalStatusArray"
 _GOAL_ID = "actionlib_msgs/GoalID"
+_REPORTED = {"status": _STATUS, "feedback": "ActionFeedback", "result": "ActionResult"}
 
 
 class ActionTopics(TwinNode):
@@ -42,7 +44,8 @@ class ActionTopics(TwinNode):
 
     def _on_topic(self, change: Change, name: str, type_name: str) -> None:
         action, _, leaf = name.rpartition("/")
-        if change == "subscribed" and leaf == "status" and type_name == _STATUS:
+        if change == "subscribed" and type_name.endswith(_REPORTED.get(leaf, " ")):
+            self._serve_if_of_bring_up(action)
             self._report_status(action)
         if change != "advertised" or action in self._clients:
             return
@@ -56,6 +59,15 @@ class ActionTopics(TwinNode):
             self._hear(
                 f"{action}/cancel", _GOAL_ID, lambda message, _: self._cancel(action, message)
             )
+
+    def _serve_if_of_bring_up(self, action: str) -> None:
+        """Serve an action that the bring-up has, for who listens and sends no goal."""
+        if action in self._goals or action in self._clients:
+            return
+        for name, kind, _ in self._runtime.client(SystemState).actions():
+            if name == action:
+                client = self._actions.client(name, kind, node=self.node, by_controller=False)
+                client.place = None
 
     def _send(self, action: str, message: Any) -> None:
         self._clients[action].send(message.goal, goal_id=message.goal_id.id or None)

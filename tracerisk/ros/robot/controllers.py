@@ -6,6 +6,7 @@ What is known to be inactive takes no commands: `ControllerStates`.
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.robot.bring_up.states import BROADCASTS, TYPES, ControllerStates
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 PACKAGE = "controller_manager_msgs"
 _STRICT = 2
+_ACTIVE = 3, "active"
+"""The state of hardware that runs, as lifecycle_msgs/State."""
+_COMMANDED = ("position",)
+_MEASURED = ("position", "velocity", "effort")
 UNKNOWN_ALONE = "switch-of-unknown-alone"
 CONFLICT = "switch-resource-conflict"
 
@@ -39,6 +44,9 @@ class ControllerManager(TwinNode):
             ("configure_controller", "ConfigureController", self._configure),
             ("unload_controller", "UnloadController", self._unload),
             ("switch_controller", "SwitchController", self._switch),
+            ("list_hardware_components", "ListHardwareComponents", self._list_components),
+            ("list_hardware_interfaces", "ListHardwareInterfaces", self._list_interfaces),
+            ("set_hardware_component_state", "SetHardwareComponentState", self._set_component),
             ("reload_controller_libraries", "ReloadControllerLibraries", lambda *_: True),
         ):
             self._offer(name, f"{PACKAGE}/{kind}", handle)
@@ -67,7 +75,8 @@ class ControllerManager(TwinNode):
             state.state = "running" if is_running else "stopped"
             state.type = kind if is_declared else f"position_controllers/{kind}"
             resources = self._messages.new(f"{PACKAGE}/HardwareInterfaceResources")
-            resources.hardware_interface = "hardware_interface::PositionJointInterface"
+            read = "PositionJoint" if joints else "JointState"
+            resources.hardware_interface = f"hardware_interface::{read}Interface"
             resources.resources = list(joints)
             state.claimed_resources = [resources]
         return state
@@ -75,6 +84,37 @@ class ControllerManager(TwinNode):
     def _list_types(self, request: Any, answer: Any) -> None:
         answer.types = [f"position_controllers/{kind}" for kind in TYPES.values()]
         answer.base_classes = ["controller_interface::ControllerBase"] * len(TYPES)
+
+    def _list_components(self, request: Any, answer: Any) -> None:
+        component = self._messages.new(f"{PACKAGE}/HardwareComponentState")
+        component.name, component.type = self._twin.robot.name, "system"
+        component.state.id, component.state.label = _ACTIVE
+        component.command_interfaces = self._interfaces(_COMMANDED)
+        component.state_interfaces = self._interfaces(_MEASURED)
+        answer.component = [component]
+
+    def _list_interfaces(self, request: Any, answer: Any) -> None:
+        answer.command_interfaces = self._interfaces(_COMMANDED)
+        answer.state_interfaces = self._interfaces(_MEASURED)
+
+    def _interfaces(self, kinds: Sequence[str]) -> list[Any]:
+        """Return the interfaces of the joints; a controller that runs claims what it commands."""
+        running = (self._states.all[name] for name in self._states.running)
+        claimed = {joint for controller in running for joint in controller.joints}
+        found = []
+        for joint in self._twin.robot.joints:
+            for kind in kinds:
+                interface = self._messages.new(f"{PACKAGE}/HardwareInterface")
+                interface.name, interface.is_available = f"{joint.name}/{kind}", True
+                interface.is_claimed = kinds is _COMMANDED and joint.name in claimed
+                found.append(interface)
+        return found
+
+    def _set_component(self, request: Any, answer: Any) -> bool:
+        # The robot is active; any other state would let go of it.
+        answer.state.id, answer.state.label = _ACTIVE
+        is_kept = request.target_state.label in ("", _ACTIVE[1])
+        return request.name == self._twin.robot.name and is_kept
 
     def _load(self, request: Any, answer: Any) -> bool:
         self._states.all.setdefault(request.name, BROADCASTS)

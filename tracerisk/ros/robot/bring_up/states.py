@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,10 +18,15 @@ TYPES = {
     "follow_joint_trajectory": "JointTrajectoryController",
     "gripper_command": "GripperActionController",
 }
-BROADCASTER = "joint_state_broadcaster"
+_BROADCASTERS = {
+    True: ("joint_state_broadcaster", "joint_state_broadcaster/JointStateBroadcaster"),
+    False: ("joint_state_controller", "joint_state_controller/JointStateController"),
+}
+"""The controller that publishes joint states, and its type, by whether it is of ROS 2."""
 _MODERN = "/URScript"
 """The end of the topic of ur_modern_driver for scripts."""
 BROADCASTS = DeclaredController((), "JointStateBroadcaster")
+_PUBLISHES = re.compile(r"joint_state_(controller|broadcaster)$")
 
 
 def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
@@ -56,8 +62,9 @@ class ControllerStates:
         known = robot_controllers(self._runtime)
         modes = dict(self._runtime.client(DeclaredControllers).without_joints)
         if self._bring_up is None:
-            known.setdefault(BROADCASTER, BROADCASTS)
-            return modes | known
+            name, kind = _BROADCASTERS[self._runtime.distro.name != "noetic"]
+            is_there = any(_PUBLISHES.search(each) for each in (*modes, *known))
+            return modes | known | ({} if is_there else {name: DeclaredController((), kind)})
         made, robot = self._bring_up, self._runtime.twin.robot
         driven = {each.name for each in robot.controllers}
         first = next(iter(made.active))

@@ -162,7 +162,7 @@ class MoveGroupCommander(GroupPickPlace):
         trajectory = plan.trajectory
         if trajectory is None:
             self._server.execution.give_way("move_action")
-            self._server.execution.refuse()
+            self._server.execution.refuse(plan.code)
             return not wait
         if planning_ns:
             due_ns = scheduler.now_ns + planning_ns

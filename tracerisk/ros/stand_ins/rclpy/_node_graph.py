@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.system import SystemState
+
 from ._node_names import NodeNames
 from ._rclpy_pybind11 import NodeNameNonExistentError
 from ._run import run
@@ -19,45 +22,46 @@ class NodeGraph(NodeNames):
     def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
         """Return each topic with its types: `std_msgs/msg/String`."""
         self._check_usable("failed to get topic names and types")
-        graph = run().graph
-        found = []
+        system = _system()
         run().scheduler.touch()
-        for name in graph.topic_names():
-            ends: list[Any] = [*graph.publications(name), *graph.subscriptions(name)]
-            if ends:
-                found.append((name, sorted({_full_type(end.type_name, "msg") for end in ends})))
-        return found
+        ends = {
+            name: (*system.publications(name), *system.subscriptions(name))
+            for name in system.topic_names()
+        }
+        return [
+            (name, sorted({_full_type(end.type_name, "msg") for end in ends_of_topic}))
+            for name, ends_of_topic in ends.items()
+        ]
 
     def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each service with its types: `std_srvs/srv/Trigger`."""
         self._check_usable("failed to get service names and types")
         run().scheduler.touch()
         return [
-            (server.name, [_full_type(server.type_name, "srv")])
-            for server in run().graph.services()
+            (server.topic, [_full_type(server.type_name, "srv")]) for server in _system().services()
         ]
 
     def get_node_names(self) -> list[str]:
-        """Return the names of the controller's nodes."""
-        self._check_usable("Failed to get node names")
-        return [node.get_name() for node in _living()]
+        """Return the names of all nodes, the controller's first."""
+        return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return names and namespaces of the controller's nodes."""
+        """Return names and namespaces of all nodes, the controller's first."""
         self._check_usable("Failed to get node names")
-        return [(node.get_name(), node.get_namespace()) for node in _living()]
+        run().scheduler.touch()
+        return [_split(name) for name in _node_names()]
 
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publish on a topic."""
         self._check_usable("Error in rcl_count_publishers")
         run().scheduler.touch()
-        return len(run().graph.publications(self._checked_topic(topic_name)))
+        return len(_system().publications(self._checked_topic(topic_name)))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return how many subscribe to a topic."""
         self._check_usable("Error in rcl_count_subscribers")
         run().scheduler.touch()
-        return len(run().graph.subscriptions(self._checked_topic(topic_name)))
+        return len(_system().subscriptions(self._checked_topic(topic_name)))
 
     def count_clients(self, service_name: str) -> int:
         """Return how many of the controller's clients call a service."""
@@ -70,15 +74,15 @@ class NodeGraph(NodeNames):
         self._check_usable("Error in rcl_count_services")
         run().scheduler.touch()
         name = self._checked_service(service_name)
-        return sum(server.name == name for server in run().graph.services())
+        return sum(server.topic == name for server in _system().services())
 
     def get_fully_qualified_node_names(self) -> list[str]:
-        """Return the full names of the controller's nodes."""
-        return [node.get_fully_qualified_name() for node in _living()]
+        """Return the full names of all nodes, the controller's first."""
+        return _node_names()
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
-        """Return names, namespaces and enclaves of the controller's nodes."""
-        return [(node.get_name(), node.get_namespace(), "/") for node in _living()]
+        """Return names, namespaces and enclaves of all nodes, the controller's first."""
+        return [(*_split(name), "/") for name in _node_names()]
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
         """Wait `timeout` seconds until a node is there, and return whether it is."""
@@ -98,13 +102,13 @@ class NodeGraph(NodeNames):
         Raises:
             NodeNameNonExistentError: no such node is known.
         """
-        return _topics_of(self._known(node_name, node_namespace), run().graph.publications)
+        return _topics_of(self._known(node_name, node_namespace), _system().publications)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> list[tuple[str, list[str]]]:
         """Return the topics to which a node subscribes, with their types; see the last."""
-        return _topics_of(self._known(node_name, node_namespace), run().graph.subscriptions)
+        return _topics_of(self._known(node_name, node_namespace), _system().subscriptions)
 
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
@@ -112,8 +116,8 @@ class NodeGraph(NodeNames):
         """Return the services of a node with their types; see the last but one."""
         name = self._known(node_name, node_namespace)
         return [
-            (server.name, [_full_type(server.type_name, "srv")])
-            for server in run().graph.services()
+            (server.topic, [_full_type(server.type_name, "srv")])
+            for server in _system().services()
             if server.node == name
         ]
 
@@ -152,18 +156,18 @@ class NodeGraph(NodeNames):
 
     def _endpoints(self, topic: str, kind: TopicEndpointTypeEnum) -> list[TopicEndpointInfo]:
         run().scheduler.touch()
-        graph, name = run().graph, self._checked_topic(topic)
+        system, name = _system(), self._checked_topic(topic)
         publishes = kind is TopicEndpointTypeEnum.PUBLISHER
-        ends: Any = graph.publications(name) if publishes else graph.subscriptions(name)
+        ends: Any = system.publications(name) if publishes else system.subscriptions(name)
         found = []
         for end in ends:
-            handler = end.on_connect if publishes else end.deliver
+            handler = getattr(end, "on_connect" if publishes else "deliver", None)
             profile = getattr(getattr(handler, "__self__", None), "qos_profile", None)
-            space, _, short = end.node.rpartition("/")
+            short, space = _split(end.node)
             found.append(
                 TopicEndpointInfo(
                     short,
-                    space or "/",
+                    space,
                     _full_type(end.type_name, "msg"),
                     kind,
                     qos_profile=QoSProfile(depth=10) if profile is None else profile,
@@ -173,12 +177,7 @@ class NodeGraph(NodeNames):
 
     def _known(self, node_name: str, node_namespace: str) -> str:
         name = f"{node_namespace.rstrip('/')}/{node_name}"
-        graph = run().graph
-        known = set(self.get_fully_qualified_node_names())
-        for topic in graph.topic_names():
-            known |= {end.node for end in graph.publications(topic)}
-            known |= {end.node for end in graph.subscriptions(topic)}
-        if name not in known:
+        if name not in self.get_fully_qualified_node_names():
             raise NodeNameNonExistentError(
                 f"Cannot get topic names and types for nonexistent node '{name}'"
             )
@@ -190,9 +189,24 @@ def _living() -> list[Any]:
     return [node for node in run().nodes if node.context.is_valid]
 
 
+def _system() -> SystemState:
+    return current().client(SystemState)
+
+
+def _node_names() -> list[str]:
+    own = [node.get_fully_qualified_name() for node in _living()]
+    shut_down = {node.get_fully_qualified_name() for node in run().nodes}
+    return [*own, *(name for name in _system().nodes() if name not in shut_down)]
+
+
+def _split(name: str) -> tuple[str, str]:
+    space, _, short = name.rpartition("/")
+    return short, space or "/"
+
+
 def _topics_of(node: str, ends_of: Callable[[str], Any]) -> list[tuple[str, list[str]]]:
     found = []
-    for topic in run().graph.topic_names():
+    for topic in _system().topic_names():
         types = {_full_type(end.type_name, "msg") for end in ends_of(topic) if end.node == node}
         if types:
             found.append((topic, sorted(types)))

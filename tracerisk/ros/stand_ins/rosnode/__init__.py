@@ -8,6 +8,7 @@ from __future__ import annotations
 import rospy
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.system import SystemState
 
 __all__ = ["ROSNodeException", "ROSNodeIOException", "get_node_names", "rosnode_ping"]
 
@@ -24,12 +25,7 @@ class ROSNodeIOException(ROSNodeException):
 
 def get_node_names(namespace: str | None = None) -> list[str]:
     """Return the names of the nodes, those of a namespace if one is given, sorted."""
-    graph = current().graph
-    names = {*_BRING_UP, *(server.node for server in graph.services())}
-    for topic in graph.topic_names():
-        names.update(each.node for each in graph.publications(topic))
-        names.update(each.node for each in graph.subscriptions(topic))
-    names.add(rospy.get_name())
+    names = {*_BRING_UP, *current().client(SystemState).nodes(), rospy.get_name()}
     if namespace is None:
         return sorted(names)
     begin = "/" + namespace.strip("/")

@@ -196,7 +196,7 @@ def get_param_names() -> list[str]:
     """Return the names of all parameters."""
     parameters = node().graph.parameters
     parameters.ask("/")
-    return parameters.names()
+    return sorted({*parameters.names(), *parameters.offered_names()})
 
 
 def set_param(param_name: str, param_value: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph.actions import Actions
+from tracerisk.ros.robot.bring_up.system import SystemState
 
 from ._node import NodeState, node
 from .names import resolve_name
@@ -89,7 +90,9 @@ class MasterProxy:
 
     def getParamNames(self) -> _Reply:
         """Return the names of all parameters."""
-        return 1, "Parameter names", node().graph.parameters.names()
+        parameters = node().graph.parameters
+        found = sorted({*parameters.names(), *parameters.offered_names()})
+        return 1, "Parameter names", found
 
     def getPublishedTopics(self, subgraph: str = "/") -> _Reply:
         """Return [name, type] of each topic below `subgraph` that somebody publishes."""
@@ -107,13 +110,14 @@ class MasterProxy:
         """Return who publishes, subscribes and serves what."""
         state = node()
         state.scheduler.touch()
+        system = state.runtime.client(SystemState)
         publishers, subscribers = [], []
-        for name in state.graph.topic_names():
-            if nodes := sorted({each.node for each in state.graph.publications(name)}):
+        for name in system.topic_names():
+            if nodes := sorted({each.node for each in system.publications(name)}):
                 publishers.append([name, nodes])
-            if nodes := sorted({each.node for each in state.graph.subscriptions(name)}):
+            if nodes := sorted({each.node for each in system.subscriptions(name)}):
                 subscribers.append([name, nodes])
-        services = [[each.name, [each.node]] for each in state.graph.services()]
+        services = [[each.topic, [each.node]] for each in system.services()]
         return 1, "current system state", [publishers, subscribers, services]
 
     def lookupService(self, service: str) -> _Reply:
@@ -127,7 +131,8 @@ class MasterProxy:
 
     def lookupNode(self, node_name: str) -> _Reply:
         """Return the URI of a node."""
-        if resolve_name(node_name) == node().name:
+        known = (node().name, *node().runtime.client(SystemState).nodes())
+        if resolve_name(node_name) in known:
             return 1, "node api", "http://localhost:11312/"
         return -1, f"unknown node [{node_name}]", ""
 
@@ -143,4 +148,4 @@ class MasterProxy:
 def _published(state: NodeState) -> list[tuple[str, str]]:
     """Return name and type of every topic with a publisher, those of actions among them."""
     topics = state.runtime.client(Actions).published_topics()
-    return sorted({*state.graph.published_topics(), *topics})
+    return sorted({*state.runtime.client(SystemState).published_topics(), *topics})

@@ -10,6 +10,7 @@ from roslib.message import get_service_class as _class_of
 
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.imports.exported import defined as _defined
+from tracerisk.ros.robot.bring_up.system import SystemState
 
 
 class ROSServiceException(Exception):
@@ -27,13 +28,13 @@ def get_service_list(
     begin = None if namespace is None else rospy.resolve_name(namespace).rstrip("/") + "/"
     servers = [
         server
-        for server in current().graph.services()
+        for server in current().client(SystemState).services()
         if (node is None or server.node == rospy.resolve_name(node))
-        and (begin is None or server.name.startswith(begin))
+        and (begin is None or server.topic.startswith(begin))
     ]
     if include_nodes:
-        return [[server.name, [server.node]] for server in servers]
-    return [server.name for server in servers]
+        return [[server.topic, [server.node]] for server in servers]
+    return [server.topic for server in servers]
 
 
 def get_service_type(service_name: str) -> str | None:
@@ -81,7 +82,8 @@ def call_service(
 
 def rosservice_find(service_type: str) -> list[str]:
     """Return the services of a type."""
-    return [each.name for each in current().graph.services() if each.type_name == service_type]
+    servers = current().client(SystemState).services()
+    return [each.topic for each in servers if each.type_name == service_type]
 
 
 __all__ = _defined(globals())

@@ -6,13 +6,17 @@ from typing import Any
 
 from rclpy._run import run
 
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.system import SystemState
+
 NamesAndTypes = list[tuple[str, list[str]]]
 
 
 def get_action_names_and_types(node: Any) -> NamesAndTypes:
     """Return every action that has a client or a server, with its types."""
     run().scheduler.touch()
-    return _listed(dict.fromkeys(run().actions.names_and_types()))
+    system = current().client(SystemState)
+    return _listed(dict.fromkeys(system.action_names_and_types()))
 
 
 def get_action_client_names_and_types_by_node(
@@ -30,7 +34,11 @@ def get_action_server_names_and_types_by_node(
     node: Any, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
     """Return the actions that a node serves, with their types; see the last."""
-    return _of_node(run().actions.servers(), node, remote_node_name, remote_node_namespace)
+    known = node._known(remote_node_name, remote_node_namespace)
+    beside = current().client(SystemState).actions()
+    found = _of_node(run().actions.servers(), node, remote_node_name, remote_node_namespace)
+    served = {(name, kind): None for name, kind, server in beside if server == known}
+    return sorted(dict((*_listed(served), *found)).items())
 
 
 def _of_node(ends: Any, node: Any, name: str, namespace: str) -> NamesAndTypes:
