@@ -332,7 +332,7 @@ IMPORTS = {
     "a module of a package": ("from nothere.deep import thing", "No module named 'nothere'"),
     "a ROS package": (
         "import nav2_msgs",
-        "which is neither among the packages found in the controller's workspace nor served",
+        "which is neither found in the controller's workspace nor served",
     ),
     "a name of a ROS package": ("from rospy import nope", "rospy has no 'nope'"),
 }

@@ -45,7 +45,9 @@ def test_all_missing_modules_are_reported_at_once_each_with_its_remedy(reported)
         f"'ikpy', 'kinpy' and 'roslibpy': `pip install ikpy kinpy roslibpy` in {HERE}; "
     )
     assert "'nothing_msgs': " in line
-    assert "it looks like a ROS package, which is neither among the packages found" in line
+    assert (
+        "it looks like a ROS package, which is neither found in the controller's workspace" in line
+    )
     assert "'pymycobot': it speaks to the robot on a serial port" in line
     assert "optional_module" not in line
 

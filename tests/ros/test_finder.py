@@ -106,7 +106,9 @@ def test_an_unknown_ros_package_is_reported_with_what_to_do(finder):
         importlib.import_module("geometri_msgs")
     assert raised.value.name == "geometri_msgs"
     assert "did you mean 'geometry_msgs'?" in str(raised.value)
-    assert "found in the controller's workspace nor served by tracerisk" in str(raised.value)
+    assert "neither found in the controller's workspace nor served by tracerisk" in str(
+        raised.value
+    )
     assert "put its definitions into the workspace" in str(raised.value)
     assert len(str(raised.value)) < 250
 

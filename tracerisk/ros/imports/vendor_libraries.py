@@ -18,6 +18,11 @@ from pathlib import Path
 
 VENDOR_LIBRARIES = frozenset(
     {
+        "DRFC",
+        "DR_common2",
+        "DR_error2",
+        "DR_init",
+        "DSR_ROBOT2",
         "baxter_dataflow",
         "baxter_interface",
         "interbotix_common_modules",
@@ -115,9 +120,9 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
         hint = f"(did you mean '{near[0]}'?) " if near else ""
         wanted = "its definitions" if _MESSAGES.fullmatch(name) else "its sources"
         return Remedy(
-            f"{hint}it looks like a ROS package, which is neither among the packages found in the "
-            f"controller's workspace nor served by tracerisk; put {wanted} into the workspace, "
-            "in a folder with a package.xml"
+            f"{hint}it looks like a ROS package, which is neither found in the controller's "
+            f"workspace nor served by tracerisk; put {wanted} into the workspace, in a folder with "
+            "a package.xml"
         )
     return Remedy(
         "put it beside the controller, or install it in the environment in which tracerisk runs"
