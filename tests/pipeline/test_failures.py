@@ -381,6 +381,13 @@ def test_a_broken_module_beside_the_controller_is_reported_by_its_own_line(examp
     assert "tracerisk: cell.py:2:7: not valid Python: invalid syntax" in outcome.err
 
 
+def test_an_old_name_of_python_is_reported_with_the_new_one(example):
+    example.write("controller.py", "import time\n\nimport rospy\n\ntime.clock()\n")
+    outcome = example.run("run", "controller.py", "--robot", "panda", "--no-draft")
+    assert outcome.code == 4
+    assert "no attribute 'clock'; write time.perf_counter() in place of time.clock" in outcome.err
+
+
 def test_an_unknown_group_is_reported_with_those_that_are_there(example, quick):
     source = quick().replace('"panda_arm"', '"panda_leg"')
     example.write("controller.py", source)

@@ -21,6 +21,7 @@ from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
+from tracerisk.ros.controller.removed_names import removed_name_hint
 from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.source.python_2 import METHODS, NAMES
 from tracerisk.text.printable import cut, printable
@@ -147,7 +148,9 @@ class ControllerEnd:
             # A module that it imports cannot be read or instrumented.
             self._report("not_importable", error.message, error.location)
             return
-        self._report("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
+        hint = removed_name_hint(error)
+        message = f"the controller raised {_one_text(error)}" + (f"; {hint}" if hint else "")
+        self._report("raised", message, self._place_of(error))
         _print_traceback(error)
 
     def _not_there(self, error: ModuleNotFoundError) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import caller_beyond, controller_frame, is_library
+from tracerisk.ros.controller.removed_names import removed_name_hint
 from tracerisk.ros.graph.runtime import current
 
 CALLBACK_FAILED = "callback_failed"
@@ -49,7 +50,8 @@ def callback_failed(what: str, error: BaseException) -> None:
     recorder = _recorder()
     current().scheduler.needs.note_error(str(error))
     if recorder is not None:
-        message = f"{what} raised {type(error).__name__}: {error}"
+        hint = removed_name_hint(error)
+        message = f"{what} raised {type(error).__name__}: {error}" + (f"; {hint}" if hint else "")
         place = error_place(error.__traceback__)
         recorder.finding(CALLBACK_FAILED, message, place, object_name=type(error).__name__)
 

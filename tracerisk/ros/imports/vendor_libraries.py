@@ -16,6 +16,8 @@ from functools import lru_cache
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from tracerisk.ros.controller.removed_names import REMOVED_MODULES
+
 VENDOR_LIBRARIES = frozenset(
     {
         "DRFC",
@@ -112,6 +114,8 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
             f"it speaks to {_HARDWARE[name]}, past ROS, and tracerisk simulates robots behind "
             "ROS only; command the arm through its ROS driver"
         )
+    if name in REMOVED_MODULES:
+        return Remedy(REMOVED_MODULES[name])
     distribution = distributions().get(name)
     if distribution is not None:
         return Remedy("", distribution)
