@@ -219,7 +219,42 @@ def is_valid(**joints):
 here = is_valid()
 folded = is_valid(panda_joint2=1.7, panda_joint4=-3.0, panda_joint6=3.7)
 """
+LISTENER_1 = """
+import rospy
+from sensor_msgs.msg import Image
+from std_msgs.msg import String
+
+rospy.init_node("waits")
+tool = rospy.Publisher("/gripper/serial", String, queue_size=1)
+rate = rospy.Rate(10)
+while tool.get_num_connections() == 0 and not rospy.is_shutdown():
+    rate.sleep()
+tool.publish("open")
+waited = rospy.get_time()
+pictures = rospy.Publisher("/debug", Image, queue_size=1)
+asked = [pictures.get_num_connections() for _ in range(30)]
+status = rospy.Publisher("/status", String, queue_size=1)
+beats = []
+for _ in range(30):
+    beats.append(status.get_num_connections())
+    tool.publish("alive")
+"""
+LISTENER_2 = """
+import rclpy
+from std_msgs.msg import Bool
+
+rclpy.init()
+node = rclpy.create_node("waits")
+suction = node.create_publisher(Bool, "suction/enable", 1)
+while suction.get_subscription_count() < 1:
+    rclpy.spin_once(node, timeout_sec=0.1)
+valve = node.create_publisher(Bool, "valve", 1)
+while node.count_subscribers("valve") == 0:
+    rclpy.spin_once(node, timeout_sec=0.1)
+suction.publish(Bool(data=True))
+"""
 SOURCES = {
+    "listener_1": LISTENER_1, "listener_2": LISTENER_2,
     "counts_1": COUNTS_1, "counts_2": COUNTS_2, "lists_1": LISTS_1, "lists_2": LISTS_2,
     "parameters_1": PARAMETERS_1, "parameters_2": PARAMETERS_2, "hardware": HARDWARE,
     "action_topics": ACTION_TOPICS, "scene": SCENE,
@@ -349,3 +384,21 @@ def test_move_group_publishes_its_scene_and_checks_states(ran):
     assert ran["here"] == (True, 0)
     assert not ran["folded"][0]
     assert ran["folded"][1] > 0
+
+
+@of("ran", ["listener_1"], indirect=True)
+def test_who_waits_for_a_listener_that_nobody_knows_gets_one_that_is_assumed(ran):
+    assert ran["waited"] < 1767225603
+    (finding,) = ran.recording.findings
+    assert finding.kind == "unprovided"
+    assert "nobody receives what it publishes on /gripper/serial (std_msgs/String)" in (
+        finding.message
+    )
+    # Nobody wants pictures, and who goes on with other work does not wait.
+    assert set(ran["asked"]) == set(ran["beats"]) == {0}
+
+
+@of("ran", ["listener_2"], indirect=True)
+def test_in_ros_2_a_listener_is_assumed_where_a_program_waits_for_one(ran):
+    found = [(each.kind, each.object) for each in ran.recording.findings]
+    assert found == [("unprovided", "/suction/enable"), ("unprovided", "/valve")]

@@ -157,6 +157,8 @@ class Subscription:
     """Whether something was latched before it came, and it has received nothing at all."""
     on_close: list[Callable[[], None]] = field(default_factory=list)
     made_ns: int = 0
+    is_assumed: bool = False
+    """Whether nobody knows of it, and the controller waits for it."""
 
     @property
     def publications(self) -> tuple[Publication, ...]:

@@ -71,6 +71,7 @@ class CellLog:
         self._ask(publication.topic, message)
         if _SHOWN.search(publication.type_name):
             return
+        receivers = [receiver for receiver in receivers if not receiver.is_assumed]
         if any(not receiver.by_controller for receiver in receivers):
             return  # the arm's own
         if receivers and all(receiver.process is None for receiver in receivers):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 from tracerisk.ros.robot.bring_up.system import SystemState
 
 from ._node_names import NodeNames
@@ -61,7 +62,11 @@ class NodeGraph(NodeNames):
         """Return how many subscribe to a topic."""
         self._check_usable("Error in rcl_count_subscribers")
         run().scheduler.touch()
-        return len(_system().subscriptions(self._checked_topic(topic_name)))
+        name = self._checked_topic(topic_name)
+        for publication in run().graph.publications(name):
+            if publication.by_controller:
+                current().client(AssumedListeners).count(publication)
+        return len(_system().subscriptions(name))
 
     def count_clients(self, service_name: str) -> int:
         """Return how many of the controller's clients call a service."""

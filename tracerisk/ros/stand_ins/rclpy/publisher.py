@@ -6,7 +6,9 @@ from collections import deque
 from operator import attrgetter
 from typing import Any
 
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.messages.ros2 import copy_message
+from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 
 from ._endpoint_events import EndpointEvents
 from ._endpoint_times import Watchdog, span_ns
@@ -112,6 +114,7 @@ class Publisher:
         with self.handle:
             self._check_context("failed to get subscription count")
         run().scheduler.touch()
+        current().client(AssumedListeners).count(self._publication)
         return len(self._reached())
 
     def _reached(self) -> list[Any]:

@@ -12,7 +12,9 @@ from typing import Any
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import Publication, Subscription
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.messages.ros1_base import Message, SerializationError
+from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 
 from . import core
 from ._node import node
@@ -182,7 +184,7 @@ class _PublisherImpl(_Connected):
         self.publication.publish(message, only)
 
     def get_num_connections(self) -> int:
-        return len(self.publication.subscriptions)
+        return current().client(AssumedListeners).count(self.publication)
 
     def add_listener(self, listener: SubscribeListener) -> None:
         self.listeners.append(listener)
@@ -204,7 +206,7 @@ class _PublisherImpl(_Connected):
 
     def _disconnected(self, subscription: Subscription) -> None:
         for listener in list(self.listeners):
-            listener.peer_unsubscribe(self.name, self.get_num_connections())
+            listener.peer_unsubscribe(self.name, len(self.publication.subscriptions))
 
 
 class Subscriber(Topic):
