@@ -18,7 +18,7 @@ _INTERFACES = ("msg", "srv", "action")
 _ENVIRONMENT = "pyvenv.cfg"  # lies at the top of an environment of Python
 _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
-MOST_ENTRIES = 100_000
+MOST_ENTRIES = 50_000
 """How many files and folders a search for packages looks at."""
 LONGEST_SEARCH_S = 10.0
 """How long a search for packages takes: folders may lie on a slow disk [s]."""

@@ -48,6 +48,8 @@ class ExecutionReports(TwinNode):
         execution.on_refused = self._refused
 
     def _begin(self, execution: Execution, *, is_of_goal: bool) -> None:
+        if not self._has_listeners():
+            return
         asked = _ACTIONS.get(execution.by) if not is_of_goal else None
         names = [] if asked is None else [asked]
         names += [
@@ -76,6 +78,14 @@ class ExecutionReports(TwinNode):
             name
             for name in states.running
             if "Trajectory" in states.all[name].type and moved & {*states.all[name].joints}
+        )
+
+    def _has_listeners(self) -> bool:
+        """Return whether somebody listens to any action: most programs do not."""
+        return any(
+            self._graph.subscriptions(topic)
+            for topic in self._graph.topic_names()
+            if topic.rpartition("/")[2] in _HEARD
         )
 
     def _goal(self, name: str, kind: str) -> ActionGoal | None:
