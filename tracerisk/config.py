@@ -41,6 +41,7 @@ _ALIASES = {"max_risk": "max_failure_probability"}  # older names
 _LISTS = {
     **dict.fromkeys(("args", "answers"), "strings"),
     **dict.fromkeys(("params", "drivers", "readable", "writable"), "file names"),
+    "ros_prefixes": "folders",
     **dict.fromkeys(("states", "helpers"), "qualified names"),
     "env": "names of variables",
 }
@@ -63,6 +64,8 @@ class Settings:
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `ros_distro` is the distribution of ROS whose rules a run follows, `None` for that found in the
     workspace.
+    `ros_prefixes` are folders with installed packages that count before those that the environment
+    names.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters,
     `drivers` files that describe drivers.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
@@ -89,6 +92,7 @@ class Settings:
     scenario: str | None = None
     hardware: str | None = None
     ros_distro: RosDistro | None = None
+    ros_prefixes: tuple[str, ...] = ()
     active: ActiveMode = "moving+holding"
     duration_s: float | None = None
     cpu_limit_s: float = 120.0
@@ -149,7 +153,7 @@ class Settings:
         """
         given = {name: value for name, value in options.items() if value is not None}
         if given.get("sandbox") == "require":
-            given = {"readable": (), "writable": (), "env": (), **given}
+            given = {"readable": (), "writable": (), "env": (), "ros_prefixes": (), **given}
         return replace(self, **given)
 
 
@@ -367,7 +371,7 @@ class _Reader:
 
     def _placed(self, key: str, value: Any) -> Any:
         """Return a setting with the names of files as paths."""
-        if key in ("params", "drivers", "readable", "writable"):
+        if key in ("params", "drivers", "readable", "writable", "ros_prefixes"):
             return tuple(str(self._folder / _in_home(name)) for name in value)
         is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
         if not is_name or not isinstance(value, str):

@@ -27,6 +27,7 @@ from tracerisk.errors import SandboxError
 from tracerisk.limits import Sandbox, is_secret
 from tracerisk.sandbox.fork_server import OF_LIBRARIES, forked
 from tracerisk.sandbox.kernel_features import support
+from tracerisk.sandbox.ros_prefix import without_ros
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _START = Path(__file__).with_name("start.py")
@@ -48,7 +49,8 @@ _PASSED = frozenset(
     }
 )
 _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
-_OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
+_OF_HOST = ("ROS_", "AMENT_", "CATKIN_", "CMAKE_PREFIX_PATH", "COLCON_", "RMW_")
+_LIBRARIES = "LD_LIBRARY_PATH"
 _INSTALLED = ("site-packages", "dist-packages")
 
 
@@ -96,16 +98,21 @@ def _warn_once(missing: str) -> None:
 def passed_environment(sandbox: Sandbox) -> dict[str, str]:
     """Return the variables of the environment that a stranger's code gets.
 
-    All but those of ROS where no sandbox is wanted: what the host has sourced decides nothing.
+    All but those of ROS where no sandbox is wanted: what the host has sourced decides nothing, and
+    libraries of it are not loaded.
     """
     named = _PASSED.union(sandbox.env)
-    return {
+    passed = {
         name: value
         for name, value in os.environ.items()
         if name in named
         or name.startswith(OF_LIBRARIES)
         or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
     }
+    if _LIBRARIES in passed and _LIBRARIES not in sandbox.env:
+        kept = without_ros(passed.pop(_LIBRARIES).split(os.pathsep))
+        passed |= {_LIBRARIES: os.pathsep.join(kept)} if kept else {}
+    return passed
 
 
 def start(
@@ -233,11 +240,13 @@ def _import_paths() -> list[str]:
     # The script of a notebook's kernel lies among the packages that are installed.
     apart = [each for each in scripts if each.name not in _INSTALLED]
     left_out = {os.path.realpath(each) for each in (os.curdir, *map(str, apart))}
-    return [
+    own = [
         each
         for each in sys.path
         if Path(each).is_absolute() and os.path.realpath(each) not in left_out
     ]
+    # What a sourced ROS has put there is for real nodes: stand-ins and our own libraries win.
+    return without_ros(own)
 
 
 def _interpreter() -> list[Path]:

@@ -272,7 +272,7 @@ def _given_data(given: Mapping[str, Any] | None, root: Path) -> dict[str, Any]:
 
 def _plain(name: str, value: Any, root: Path) -> Any:
     """Return a setting as JSON; a file that it names is given from the root."""
-    if name in ("params", "drivers"):
+    if name in ("params", "drivers", "ros_prefixes"):
         return [from_root(root, Path(file).resolve()) for file in value]
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
         return from_root(root, Path(value).resolve())

@@ -57,8 +57,9 @@ class ParametersAround:
     def _launched(self) -> Iterator[tuple[ParameterTree, tuple[Path, ...]]]:
         texts = launch_texts(self._root, self._workspace, 1)
         nearest = sorted(texts, key=lambda path: (is_test(path, self._root), *self._rank(path)))
+        packages = self._workspace.findable
         for path in nearest[:_MOST_READ]:
-            reading = read_roslaunch(path, self._workspace.packages)
+            reading = read_roslaunch(path, packages)
             given = {each.name: each.value for each in reading.parameters}
             if given:
                 yield _tree(given), tuple(dict.fromkeys((path, *reading.sources)))

@@ -27,7 +27,7 @@ from tracerisk.pipeline.launch_files.records import (
 )
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import Workspace, find_workspace
+from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
 from tracerisk.ros.graph import names
 from tracerisk.source.ros_version import ros_version
 
@@ -135,7 +135,7 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     if settings.launch is False:
         return LaunchChoice()
     root = controller.root.resolve()
-    workspace = find_workspace(controller.root)
+    workspace = workspace_of(controller, settings)
     script = controller.path.resolve()
     program = program_of(script, root, workspace)
     asked = asked_by(script, controller.source, workspace.python_packages)
@@ -250,10 +250,12 @@ def read_launch_files(
     Raises LimitError where reading one takes too long or too much memory.
     """
 
+    packages = workspace.findable
+
     def read(file: LaunchFile) -> LaunchReading:
         if file.ros == 2:
             return read_launch(file.path, workspace, limits)
-        return read_roslaunch(file.path, workspace.packages)
+        return read_roslaunch(file.path, packages)
 
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         return list(pool.map(read, files))

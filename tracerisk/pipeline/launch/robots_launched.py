@@ -12,7 +12,7 @@ from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
 from tracerisk.pipeline.launch_files.records import RobotSource
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import find_workspace, named_packages
+from tracerisk.pipeline.workspace.workspace import named_packages, workspace_of
 from tracerisk.source.ros_version import ros_version
 from tracerisk.twin.robots.names_in_source import LaunchedBy, LaunchedDescription
 from tracerisk.twin.workspace.description_files import distance
@@ -39,7 +39,7 @@ def launched_robots(
         return tuple(own)
     root = controller.root.resolve()
     script = controller.path.resolve()
-    workspace = find_workspace(controller.root)
+    workspace = workspace_of(controller, settings)
     ros = ros_version(script, root)
     program = program_of(script, root, workspace)
     texts = launch_texts(root, workspace, ros)

@@ -1,9 +1,10 @@
 """Read one ROS 2 launch file, in a process of its own: `python -m ...launch.launch_child`.
 
-On standard input comes JSON: `path`, `packages` (names and folders), `import_paths`; what the
-file starts goes to standard output, as JSON. A launch file is a program: it may never end, may
-print, and may do anything. So the process has limits, and it writes nothing but in
-its own temporary folder, starts no other program and speaks to nobody.
+On standard input comes JSON: `path`, `packages` (names and folders), `import_paths`, and
+`installed`, the folders of Python modules of an installed ROS. What the file starts goes to
+standard output, as JSON. A launch file is a program: it may never end, may print, and may do
+anything. So the process has limits, and it writes nothing but in its own temporary folder, starts
+no other program and speaks to nobody.
 """
 
 from __future__ import annotations
@@ -18,11 +19,13 @@ import pkgutil
 import resource
 import sys
 import tempfile
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file, robots_read
+from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
 
 if TYPE_CHECKING:
@@ -90,6 +93,9 @@ def main() -> int:
         robots: list[Described] = []
         _serve(packages, read, robots)
         sys.path += asked["import_paths"]
+        # Before what stands for modules that are not here.
+        folders = [Path(each) for each in asked["installed"]]
+        sys.meta_path.insert(len(sys.meta_path) - 1, _InstalledOrAbsent(folders, sys.modules))
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
             tempfile.tempdir = folder
@@ -192,6 +198,35 @@ def _ament_index(packages: dict[str, Path]) -> ModuleType:
         packages=module,
     )
     return module
+
+
+class _InstalledOrAbsent(InstalledLibraries):
+    """Finds modules of an installed ROS; one that does not run here is as one that is not there."""
+
+    def find_spec(
+        self, fullname: str, path: Any = None, target: Any = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """Return the spec of a module of a prefix, `None` for what is none."""
+        spec = super().find_spec(fullname, path, target)
+        if spec is not None and isinstance(spec.loader, SourceFileLoader):
+            spec.loader = _OrAbsent(spec.loader)
+        return spec
+
+
+class _OrAbsent(importlib.abc.Loader):
+    def __init__(self, loader: SourceFileLoader) -> None:
+        self._loader = loader
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Run the source; where that fails, all names of the module are absent."""
+        from tracerisk.pipeline.launch_files.placeholders import AbsentModule
+
+        try:
+            self._loader.exec_module(module)
+        except Exception:  # noqa: BLE001 - it is written for real ROS, and anything may be lacking
+            absent = AbsentModule(module.__name__)
+            absent.__path__ = []
+            sys.modules[module.__name__] = absent
 
 
 class _Submodules(importlib.abc.MetaPathFinder, importlib.abc.Loader):

@@ -61,6 +61,8 @@ def read_text(path: Path) -> str:
     Raises ParameterTextError when it is too large or cannot be read.
     """
     try:
+        if path.exists() and not path.is_file():
+            raise ParameterTextError("is no file")
         if path.stat().st_size > _MOST_BYTES:
             raise ParameterTextError(f"is larger than {_MOST_BYTES} bytes")
         return path.read_text(encoding="utf-8", errors="replace")

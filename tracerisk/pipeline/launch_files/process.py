@@ -9,6 +9,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import Location
 from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, StartedNode
+from tracerisk.pipeline.workspace.prefixes import python_folders, readable_of
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.sandbox.process import regular_within
@@ -27,10 +28,12 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
     folders = {*workspace.import_paths, *workspace.python_packages.values()}
     asked = {
         "path": str(path.resolve()),
-        "packages": {name: str(folder) for name, folder in workspace.packages.items()},
+        "packages": {name: str(folder) for name, folder in workspace.findable.items()},
         "import_paths": sorted(str(folder) for folder in folders),
+        "installed": [str(folder) for folder in python_folders(workspace.prefixes)],
     }
-    around = (path.parent, controller_root(path), *workspace.packages.values())
+    installed = readable_of(workspace.prefixes)
+    around = (path.parent, controller_root(path), *workspace.packages.values(), *installed)
     done = run_limited(
         "tracerisk.pipeline.launch_files.child",
         request=json.dumps(asked).encode(),

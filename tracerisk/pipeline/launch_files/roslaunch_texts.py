@@ -71,7 +71,7 @@ class Texts:
         return of_one_name[kind](words[0])
 
     def find(self, name: str) -> str:
-        """Return the folder of a package: its source, for nothing is installed."""
+        """Return the folder of a package."""
         if name not in self.packages:
             raise RoslaunchError(f"package '{name}' is not here")
         return str(self.packages[name])

@@ -14,7 +14,7 @@ from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
 from tracerisk.twin.robots.robot import is_model_file
 
 if TYPE_CHECKING:
@@ -85,7 +85,12 @@ def choose_robot(
 
         return stand_in(controller, origin)
     if is_model_file(settings.robot):
-        read = read_model(controller.root, settings.robot, settings.limits)
+        read = read_model(
+            controller.root,
+            settings.robot,
+            settings.limits,
+            workspace_of(controller, settings).installed,
+        )
         return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
     robot = replace(load_robot(settings.robot), chosen_by=origin)
     return RobotChoice(equipped(robot, whole))
@@ -101,11 +106,14 @@ def equipped(robot: Robot, controller: Controller) -> Robot:
     return with_assumed_gripper(robot, names_asked(controller.source).joints)
 
 
-def read_model(root: Path, name: str, limits: Limits) -> ModelFile:
+def read_model(
+    root: Path, name: str, limits: Limits, installed: Mapping[str, Path] | None = None
+) -> ModelFile:
     """Read the model file that the settings name; what it names stands in its own project.
 
     That is the controller's own root, or the nearest folder above the file that is marked as the
-    root of one; and the packages of the controller's workspace and of the file's.
+    root of one; the packages of the controller's workspace and of the file's, and those that are
+    `installed`.
     Raises RobotError when it is malformed, or names a file elsewhere; LimitError when reading it
     takes too long or too much memory.
     """
@@ -118,7 +126,7 @@ def read_model(root: Path, name: str, limits: Limits) -> ModelFile:
     except (OSError, RuntimeError) as error:
         raise RobotError(f"names no file: {error}", Location(name)) from error
     top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
-    packages = {**_own_packages(top), **_own_packages(root)}
+    packages = {**(installed or {}), **_own_packages(top), **_own_packages(root)}
     return read_model_file(path, ModelFolder(resolved.parent, top, packages), limits=limits)
 
 
@@ -132,7 +140,8 @@ def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
         return ()
     if not is_model_file(name):
         return (Path(name),)
-    return read_model(controller.root, name, settings.limits).files
+    installed = workspace_of(controller, settings).installed
+    return read_model(controller.root, name, settings.limits, installed).files
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:

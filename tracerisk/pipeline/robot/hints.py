@@ -12,10 +12,9 @@ from pathlib import Path
 
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, declared_needs
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import (
-    PACKAGE_FILE,
-    declared_needs,
     project_top,
     searched,
 )

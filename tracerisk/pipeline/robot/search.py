@@ -10,11 +10,17 @@ from tracerisk.pipeline.launch.choose import LaunchChoice
 from tracerisk.pipeline.launch.robots_launched import launched_robots
 from tracerisk.pipeline.robot.choice import RobotChoice, equipped
 from tracerisk.pipeline.robot.hints import robot_hints
+from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import find_workspace, imported_names, named_packages
+from tracerisk.pipeline.workspace.workspace import (
+    find_workspace,
+    imported_names,
+    named_packages,
+    workspace_of,
+)
 from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.index import shipped_names
@@ -145,11 +151,13 @@ class _Search:
 
     def _in_workspace(self, strings: tuple[str, ...]) -> WorkspaceRobot:
         root = self._controller.root
-        packages = find_workspace(root).packages
-        named = named_packages(root, packages, strings)
+        workspace = workspace_of(self._controller, self._settings)
+        described = installed_descriptions(root, workspace, strings)
+        packages = workspace.findable
+        named = named_packages(root, workspace.packages, strings) | described.keys()
         own = string_literals(self._controller)
         spoken = Spoken(strings, named, self._launched, self._asked.listed, own)
-        roots = (root, *packages.values())
+        roots = (root, *workspace.packages.values(), *described.values())
         return find_workspace_robot(
             roots, packages, spoken, self._controller.path, self._settings.limits
         )

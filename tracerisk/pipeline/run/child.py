@@ -48,6 +48,7 @@ from tracerisk.pipeline.trace.run_files import (
     EVENTS,
     GIVEN,
     GRAPH_USE,
+    INSTALLED,
     JOINTS_ASKED,
     LOST_ON_THE_WAY,
     ROBOT,
@@ -59,6 +60,7 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
+from tracerisk.pipeline.workspace.prefixes import python_folders, readable_of, with_interfaces
 from tracerisk.pipeline.workspace.workspace import Workspace, project_top
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.distributions.in_run import DistroRules
@@ -69,9 +71,11 @@ from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
+from tracerisk.ros.messages.interface_texts import ENDINGS as INTERFACE_ENDINGS
 from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -90,6 +94,7 @@ from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.world.start import started_in
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
+from tracerisk.sandbox.noted_reads import NotedReads
 from tracerisk.sandbox.overlay import Overlay
 from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import EndCause
@@ -172,7 +177,7 @@ def _run(
         baton=GreenletBaton() if request.greenlets else None,
     )
     clock[0] = lambda: scheduler.now_ns
-    workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
+    workspace = workspace_asked(request)
     runtime = runtime_of(request, scenario, scheduler, tracer, twin, recorder, workspace)
     cell = CellLog(runtime.graph, AskedCalls(recorder, scheduler, scenario.success).take)
     companions = Companions(request.companions, runtime, recorder)
@@ -183,8 +188,12 @@ def _run(
     leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
     drivers, more = drivers_of(request, scenario)
+    reads = NotedReads(readable_of(workspace.prefixes), INTERFACE_ENDINGS)
+    there = with_interfaces(runtime.installed)
     interfaces = (
-        Interfaces2(own, more, runtime.distro) if is_ros2 else Interfaces(workspace=own, more=more)
+        Interfaces2(own, more, runtime.distro, there, reads.add)
+        if is_ros2
+        else Interfaces(own, more, there, reads.add)
     )
     serve_twin(runtime, interfaces, drivers)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
@@ -223,6 +232,7 @@ def _run(
         runtime.client(TwinCommands).finish(cause)
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
+        recorder.note(INSTALLED, files=reads.files())
         if request.world != NOMINAL.name:
             recorder.note(LOST_ON_THE_WAY, lost=runtime.graph.carrier.lost_in(root))
         watch.run_over(cause)
@@ -245,6 +255,9 @@ def _run(
     replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
+    installed = InstalledLibraries(
+        python_folders(workspace.prefixes), libraries, interfaces.packages
+    )
     imports = ControllerFinder(
         tracer,
         root,
@@ -261,6 +274,7 @@ def _run(
         moved_files(root, workspace, recorder).active(),
         activate(runtime),
         stand_ins,
+        installed.active(),
         removed_numpy_names(),
         served_opencv_names(),
         virtual_time(scheduler, seed=request.seed, note=partial(recorder.finding, "not_simulated")),
@@ -313,6 +327,7 @@ def _run(
             run()
 
         points = BranchPoints(request, twin, samples, end, overlay, fate)
+        reads.watch()
         mark_start()
         points.begin()
         began = wall_clock()
@@ -344,6 +359,12 @@ def twin_of(
     return twin, scenario
 
 
+def workspace_asked(request: RunRequest) -> Workspace:
+    """Return the packages of a request."""
+    packages = {name: Path(each) for name, each in request.packages.items()}
+    return Workspace(packages, request.prefixes)
+
+
 def runtime_of(
     request: RunRequest,
     scenario: Scenario,
@@ -369,6 +390,7 @@ def runtime_of(
             *(each for file in request.params for each in read_parameters(Path(file))),
         ),
         packages=workspace.packages,
+        installed=workspace.installed,
         distro=_distro_of(request, recorder),
     )
 
@@ -455,7 +477,7 @@ def moved_files(root: Path, workspace: Workspace, recorder: Recorder) -> MovedFi
         )
 
     top = project_top(root)
-    return MovedFiles({root.name: root, **workspace.packages}, top, found)
+    return MovedFiles({**workspace.installed, root.name: root, **workspace.packages}, top, found)
 
 
 @contextlib.contextmanager

@@ -30,8 +30,9 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     WallTime,
 )
+from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import project_top, workspace_of
 from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.sandbox.process import OF_FORKED, end, is_contained, passed_environment, read_regular
 from tracerisk.sandbox.process import start as start_process
@@ -89,7 +90,7 @@ def run_controller(
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
     launch = choice.setup
-    workspace = find_workspace(controller.root)
+    workspace = workspace_of(controller, settings)
     with run_folders(options.keep) as (folder, written):
         request = RunRequest(
             controller=str(controller.path.resolve()),
@@ -112,6 +113,7 @@ def run_controller(
             distro=choose_distro(controller, settings),
             drafts=options.drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
+            prefixes=workspace.prefixes,
             live_speed=options.live_speed,
         )
         return run_request(controller, robot, settings, request, written, options)
@@ -214,7 +216,9 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
     companions = [path for each in request.companions for path in (each.script, each.root)]
     files = [] if request.launch is None else [str(root / each) for each in request.launch.sources]
     around = (root, project_top(root), Path(request.controller).parent, Path(os.curdir).absolute())
-    found = (*map(str, around), *request.packages.values(), *named, *companions, *files)
+    installed = map(str, readable_of(request.prefixes))
+    packages = request.packages.values()
+    found = (*map(str, around), *packages, *installed, *named, *companions, *files)
     return tuple(dict.fromkeys(each for each in found if each is not None))
 
 

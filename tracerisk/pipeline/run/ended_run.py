@@ -20,6 +20,7 @@ from tracerisk.pipeline.trace.run_files import (
     AROUND,
     DRAFTS,
     EVENTS,
+    INSTALLED,
     JOINTS_ASKED,
     LAUNCH,
     MISSION_END,
@@ -202,10 +203,28 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
             )
             lines += [] if line in lines else [line]
             files_read += given
-    if lines and found.note(STARTED) is not None:
+    used, of_prefixes = _installed(found, request, within)
+    lines += used
+    files_read += of_prefixes
+    if (lines or files_read) and found.note(STARTED) is not None:
         inputs = tuple(dict.fromkeys(files_read))
         notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
     return replace(found, notes=notes)
+
+
+def _installed(
+    recording: Recording, request: RunRequest, within: Sequence[Path]
+) -> tuple[list[str], tuple[str, ...]]:
+    """Return what a run read of an installed ROS: a line for each prefix, and the files."""
+    note = recording.note(INSTALLED) or {"files": ()}
+    read = regular_within(map(str, note["files"]), within)
+    lines = []
+    for prefix in request.prefixes:
+        count = sum(file.is_relative_to(prefix.path) for file in read)
+        if count:
+            what = "1 file" if count == 1 else f"{count} files"
+            lines.append(f"installed: {what} of {prefix.path} ({prefix.found_in})")
+    return lines, shown(read, Path(request.root))
 
 
 def _raise_failure(recording: Recording) -> None:

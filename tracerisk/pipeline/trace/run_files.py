@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.pipeline.workspace.prefixes import Prefix
 from tracerisk.pipeline.workspace.ros_distro import DistroChoice
 from tracerisk.text.read_back import read_back
 from tracerisk.twin.faults.fault import Fault
@@ -45,6 +46,8 @@ LAUNCH = "launch"
 """The note of what a launch file has given: `notes`, the lines that say so, and `inputs`, files."""
 AROUND = "around"
 """A note for each parameter that other launch files of the workspace gave: `name`, `files`."""
+INSTALLED = "installed"
+"""The note of what was read of an installed ROS and of overlays: `files`."""
 SCENARIO = "scenario"
 """The note of the scenario lines that would give a controller what it lacked: `lines`."""
 JOINTS_ASKED = "joints_asked"
@@ -181,7 +184,8 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
 
     `distro` is the distribution of ROS whose rules it follows.
-    `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
+    `packages` are those of the workspace and their folders, `prefixes` where others are installed.
+    `argv` holds what `launch` adds to
     it; `launch_notes` are the lines that describe `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
@@ -203,6 +207,7 @@ class RunRequest:
     root: str
     folder: str
     packages: Mapping[str, str]
+    prefixes: tuple[Prefix, ...]
     argv: tuple[str, ...]
     states: tuple[str, ...]
     answers: tuple[str, ...]

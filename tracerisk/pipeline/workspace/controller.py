@@ -18,7 +18,12 @@ _PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
 def from_root(root: Path, path: Path) -> str:
-    """Return a path as seen from a controller's root, with forward slashes."""
+    """Return a path as seen from a controller's root, with forward slashes.
+
+    What has nothing in common with the root, such as an installed ROS, keeps its full path.
+    """
+    if path.is_absolute() and len(path.parts) > 1 and path.parts[1:2] != root.resolve().parts[1:2]:
+        return path.as_posix()
     return Path(os.path.relpath(path, root)).as_posix()
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import DriverError
+from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
 from tracerisk.pipeline.workspace.workspace import (
-    NOT_SEARCHED,
     TESTS,
     find_workspace,
     project_top,

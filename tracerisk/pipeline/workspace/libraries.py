@@ -29,8 +29,8 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.limits import is_secret
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
+from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
 from tracerisk.pipeline.workspace.workspace import (
-    NOT_SEARCHED,
     TESTS,
     find_workspace,
     project_top,

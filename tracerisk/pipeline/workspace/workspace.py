@@ -5,23 +5,25 @@ from __future__ import annotations
 import itertools
 import os
 import re
-import time
-from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
-from tracerisk.records import dataclass
+from tracerisk.config import Settings
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.package_folders import (
+    ENVIRONMENT,
+    NOT_SEARCHED,
+    PACKAGE_FILE,
+    declared_needs,
+    name_of,
+    packages_below,
+)
+from tracerisk.pipeline.workspace.prefixes import Prefix, find_prefixes, installed_packages
+from tracerisk.records import dataclass, replace
+from tracerisk.source.ros_version import ros_version
 from tracerisk.text.patterns import pattern
 
-PACKAGE_FILE = "package.xml"
 _INTERFACES = ("msg", "srv", "action")
-_ENVIRONMENT = "pyvenv.cfg"  # lies at the top of an environment of Python
-_IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
-NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
-MOST_ENTRIES = 50_000
-"""How many files and folders a search for packages looks at."""
-LONGEST_SEARCH_S = 10.0
-"""How long a search for packages takes: folders may lie on a slow disk [s]."""
 TESTS = frozenset({"test", "tests"})
 _UPWARDS = 4
 _REPOSITORY = ".git"
@@ -35,17 +37,29 @@ _MOST_MODULES = 300
 _IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
 _BESIDE = 2
-_NEED = pattern(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
 _WORD = pattern(r"[\w.-]+")
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
-_NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
 
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
-    """The packages that can be seen from a controller: each name and the folder it stands in."""
+    """The packages that can be seen from a controller: each name and the folder it is in."""
 
     packages: Mapping[str, Path]
+    """Those of the controller's own workspace."""
+    prefixes: tuple[Prefix, ...] = ()
+    """Where other packages are installed, in the order in which they count."""
+
+    @property
+    def installed(self) -> dict[str, Path]:
+        """The packages of the prefixes that the workspace does not have itself."""
+        found = installed_packages(self.prefixes)
+        return {name: folder for name, folder in found.items() if name not in self.packages}
+
+    @property
+    def findable(self) -> dict[str, Path]:
+        """All packages that can be asked for by their names: its own and the installed ones."""
+        return {**self.packages, **self.installed}
 
     @property
     def interfaces(self) -> dict[str, Path]:
@@ -105,7 +119,7 @@ def searched(
         except OSError:
             continue
         files = [each.name for each in entries if _is_file(each)]
-        if not environments and _ENVIRONMENT in files:
+        if not environments and ENVIRONMENT in files:
             continue
         yield folder, files
         waiting += [
@@ -131,6 +145,19 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
             yield Path(folder)
 
 
+def workspace_of(controller: Controller, settings: Settings) -> Workspace:
+    """Return the packages around a controller, and those that are installed for its ROS."""
+    root = controller.root
+    prefixes = find_prefixes(
+        root,
+        project_top(root),
+        ros_version(controller.path.resolve(), root.resolve()),
+        settings.ros_prefixes,
+        settings.ros_distro,
+    )
+    return replace(find_workspace(root), prefixes=prefixes)
+
+
 def find_workspace(root: Path) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
@@ -148,15 +175,15 @@ def find_workspace(root: Path) -> Workspace:
     """
     top = project_top(root)
     packages: dict[str, Path] = {}
-    for folder in _packages_below(top, first=root.resolve()):
-        known = packages.setdefault(_name_of(folder), folder)
+    for folder in packages_below(top, first=root.resolve()):
+        known = packages.setdefault(name_of(folder), folder)
         if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
-            packages[_name_of(folder)] = folder
+            packages[name_of(folder)] = folder
     if (root / PACKAGE_FILE).is_file():
         in_sources = any(each.name == _SOURCES for each in top.parents[:_BESIDE])
         if in_sources or (top == root.resolve() and not (top / _REPOSITORY).exists()):
             packages = {**_needed_beside(root.resolve()), **packages}
-        packages[_name_of(root.resolve())] = root.resolve()
+        packages[name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
 
 
@@ -178,17 +205,8 @@ def named_packages(
         if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
             words.update(_WORD.findall(file.read_text(encoding="utf-8", errors="replace")))
     if (root / PACKAGE_FILE).is_file():
-        words.update((*declared_needs(root), _name_of(root)))
+        words.update((*declared_needs(root), name_of(root)))
     return frozenset(words & packages.keys())
-
-
-def declared_needs(root: Path) -> tuple[str, ...]:
-    """Return the packages on which the manifest in `root` says that its package depends."""
-    try:
-        text = (root / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ()
-    return tuple(_NEED.findall(text))
 
 
 def imported_names(source: str) -> set[str]:
@@ -215,8 +233,8 @@ def project_top(root: Path) -> Path:
         if sources is None:
             # Or beside its folder `src`.
             top = next((each for each in upwards if _is_marked(each)), root)
-            return top if any(_packages_below(top / _SOURCES)) else root
-        if not any(_packages_below(sources)):
+            return top if any(packages_below(top / _SOURCES)) else root
+        if not any(packages_below(sources)):
             return root
         return sources.parent if _is_marked(sources.parent) else sources
     if height is not None:
@@ -244,8 +262,8 @@ def _needed_beside(root: Path) -> dict[str, Path]:
     beside: dict[str, Path] = {}
     for folder in root.parents[:_BESIDE]:
         if folder not in (Path.home(), Path("/")):
-            for package in _packages_below(folder, deepest=_BESIDE):
-                beside.setdefault(_name_of(package), package)
+            for package in packages_below(folder, deepest=_BESIDE):
+                beside.setdefault(name_of(package), package)
     found: dict[str, Path] = {}
     waiting = [root]
     while waiting:
@@ -266,56 +284,3 @@ def _needs_of(folder: Path) -> list[str]:
         for name in imported_names(module.read_text(encoding="utf-8", errors="replace"))
     }
     return [*declared_needs(folder), *sorted(imported)]
-
-
-def _packages_below(
-    top: Path, deepest: int | None = None, first: Path | None = None
-) -> Iterator[Path]:
-    """Yield the folders with a `package.xml`, none inside another.
-
-    Those in and beside `first`, a folder below `top`, come before others, then the nearer to the
-    top. The search ends after `MOST_ENTRIES` entries or `LONGEST_SEARCH_S`.
-    """
-    waiting = deque([(top, 0)])
-    if first is not None and first != top and first.is_relative_to(top):
-        depth = len(first.parts) - len(top.parts)
-        around = [first, *first.parents[: depth - 1]]
-        waiting.extendleft((folder, len(folder.parts) - len(top.parts)) for folder in around[::-1])
-    seen: set[Path] = set()
-    entries_left, ends_at = MOST_ENTRIES, time.monotonic() + LONGEST_SEARCH_S
-    while waiting and entries_left > 0 and time.monotonic() < ends_at:
-        folder, depth = waiting.popleft()
-        if folder in seen:
-            continue
-        seen.add(folder)
-        try:
-            with os.scandir(folder) as entries:
-                listed = sorted(
-                    itertools.islice(entries, entries_left), key=lambda entry: entry.name
-                )
-        except OSError:
-            continue
-        entries_left -= len(listed)
-        names = {entry.name for entry in listed}
-        if names.intersection(_IGNORED_MARKS) or _ENVIRONMENT in names:
-            continue
-        if PACKAGE_FILE in names:
-            yield folder
-            continue
-        if deepest is None or depth < deepest:
-            waiting += [
-                (folder / entry.name, depth + 1)
-                for entry in listed
-                if entry.is_dir(follow_symlinks=False)
-                and not entry.name.startswith(".")
-                and entry.name not in NOT_SEARCHED
-            ]
-
-
-def _name_of(folder: Path) -> str:
-    try:
-        text = (folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return folder.name
-    found = _NAME.search(text)
-    return found[1] if found else folder.name

@@ -28,7 +28,8 @@ class Runtime:
 
     `argv` is the controller's command line, `seed` that of everything random.
     `parameters` are those of the scenario and of parameter files, later ones first in rank.
-    `packages` are those of the controller's workspace, each name with its folder.
+    `packages` are those of the controller's workspace, each name with its folder; `installed` those
+    that it does not have itself, of an installed ROS and of overlays.
     `distro` has the rules of the distribution of ROS that the run follows.
     `clients` holds the state of each client library, by the class of that state. `beside` is the
     runtime of the controller where this one is that of a companion: what is the world's of the
@@ -47,6 +48,20 @@ class Runtime:
     distro: DistroRules = field(default_factory=DistroRules)
     clients: dict[type, Any] = field(default_factory=dict)
     beside: Runtime | None = None
+    installed: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def findable(self) -> Mapping[str, Path]:
+        """The packages that can be asked for by their names, those of the workspace first."""
+        return {**self.packages, **self.installed}
+
+    @property
+    def searched(self) -> str:
+        """In words where packages are looked for, for the message that one is not there."""
+        known = ", ".join(self.packages) or "none"
+        count = len(self.installed)
+        there = f"; {count} are installed besides" if count else "; no ROS is installed here"
+        return f"the workspace of the controller, which has {known}{there}"
 
     def client(self, kind: Callable[[Runtime], State]) -> State:
         """Return the state of a client library, made by its class when first asked for."""

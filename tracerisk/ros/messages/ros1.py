@@ -1,7 +1,8 @@
 """ROS 1 message, service and action classes, made from the texts of their definitions.
 
-The definitions come from three places, the first that knows a name wins: folders of the
-controller's own workspace, the texts in `interfaces1.txt`, and the store of ROS Noetic in rosbags.
+The definitions come from four places, the first that knows a name wins: folders of the
+controller's own workspace, those of an installed ROS, the texts in `interfaces1.txt`, and the store
+of ROS Noetic in rosbags.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -20,7 +21,6 @@ from tracerisk.ros.messages.interface_texts import (
     InterfaceStore,
     InterfaceText,
     interface_parts,
-    interface_text,
     parsed,
     shipped_packages,
 )
@@ -88,8 +88,10 @@ class Interfaces(InterfaceStore):
         self,
         workspace: Mapping[str, Path] | None = None,
         more: Iterable[InterfaceText] = (),
+        installed: Mapping[str, Path] | None = None,
+        on_used: Callable[[Path], None] = lambda _: None,
     ) -> None:
-        super().__init__(workspace, more)
+        super().__init__(workspace, more, installed, on_used)
         self._service_parts: set[str] = set()
         self._in_making: list[str] = []
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
@@ -98,7 +100,7 @@ class Interfaces(InterfaceStore):
     def packages(self) -> tuple[str, ...]:
         """The names of all packages that are known, sorted."""
         stored = (name.split("/")[0] for name in self._store)
-        known = {*self._workspace, *shipped_packages(1), *stored}
+        known = {*self._workspace, *self._installed, *shipped_packages(1), *stored}
         known |= {package for package, _ in self._more}
         return tuple(sorted(known - {"builtin_interfaces"}))
 
@@ -253,7 +255,7 @@ class Interfaces(InterfaceStore):
     def _define(self, package: str, short: str) -> bool:
         path = self._files(package, "msg").get(short)
         if path is not None:
-            self._parse(package, short, interface_text(path), path)
+            self._parse(package, short, self._text_of(path), path)
             return True
         for suffix in (*_ACTION_PARTS, *_ACTION_WRAPPERS):
             name = short.removesuffix(suffix)
@@ -273,7 +275,7 @@ class Interfaces(InterfaceStore):
         return False
 
     def _define_action(self, package: str, path: Definition) -> None:
-        name, parts = path.stem, interface_parts(path, 3)
+        name, parts = path.stem, interface_parts(self._text_of(path), 3, path)
         for part, text in zip(_ACTION_PARTS, parts, strict=True):
             self._parse(package, name + part, text, path)
         for wrapper, text in _ACTION_WRAPPERS.items():
@@ -284,7 +286,7 @@ class Interfaces(InterfaceStore):
         if path is None:
             names = self.service_names(package)
             raise InputError(f"{package} has no service '{name}'; {one_of(names, name)}")
-        request, response = interface_parts(path, 2)
+        request, response = interface_parts(self._text_of(path), 2, path)
         self._parse(package, f"{name}Request", request, path)
         self._parse(package, f"{name}Response", response, path)
         self._service_parts |= {f"{package}/{name}Request", f"{package}/{name}Response"}

@@ -1,8 +1,9 @@
 """ROS 2 message, service and action classes, made from the texts of their definitions.
 
-The definitions come from four places, the first that knows a name wins: folders of the
-controller's own workspace, the texts in `interfaces2.txt`, the store of ROS 2 Jazzy in rosbags,
-and for packages that ROS 2 took over unchanged the texts in `interfaces1.txt`.
+The definitions come from five places, the first that knows a name wins: folders of the
+controller's own workspace, those of an installed ROS, the texts in `interfaces2.txt`, the store of
+ROS 2 Jazzy in rosbags, and for packages that ROS 2 took over unchanged the texts in
+`interfaces1.txt`.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -23,7 +24,6 @@ from tracerisk.ros.messages.interface_texts import (
     InterfaceStore,
     InterfaceText,
     interface_parts,
-    interface_text,
     parsed,
     shipped_packages,
     shipped_texts,
@@ -68,8 +68,10 @@ class Interfaces2(InterfaceStore):
         workspace: Mapping[str, Path] | None = None,
         more: Iterable[InterfaceText] = (),
         rules: DistroRules | None = None,
+        installed: Mapping[str, Path] | None = None,
+        on_used: Callable[[Path], None] = lambda _: None,
     ) -> None:
-        super().__init__(workspace, more)
+        super().__init__(workspace, more, installed, on_used)
         self._misfits = Misfits(DistroRules("humble") if rules is None else rules)
         self._defaults: dict[str, dict[str, Any]] = {}
 
@@ -79,7 +81,9 @@ class Interfaces2(InterfaceStore):
         own = shipped_packages(2)
         stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
         more = {package for package, _ in self._more}
-        return tuple(sorted({*self._workspace, *more, *own, *stored, *_UNCHANGED}))
+        return tuple(
+            sorted({*self._workspace, *self._installed, *more, *own, *stored, *_UNCHANGED})
+        )
 
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, sorted."""
@@ -189,7 +193,9 @@ class Interfaces2(InterfaceStore):
             "_ros_type": name,
         }
         parts = _PARTS[kind]
-        for part, text in zip(parts, interface_parts(path, len(parts)), strict=True):
+        for part, text in zip(
+            parts, interface_parts(self._text_of(path), len(parts), path), strict=True
+        ):
             key = f"{short}_{part}"
             self._parse(package, kind, key, text, path)
             body[part] = self._make(package, kind, key, short)
@@ -302,7 +308,7 @@ class Interfaces2(InterfaceStore):
         path = self._files(package, "msg").get(short)
         is_of_ros1 = isinstance(path, InterfaceText) and path.ros == 1
         if path is not None and not (key in self._store and is_of_ros1):
-            self._parse(package, "msg", short, interface_text(path), path)
+            self._parse(package, "msg", short, self._text_of(path), path)
         elif package not in self._workspace and key in self._store:
             self._definitions[key] = self._store[key]
         else:

@@ -57,7 +57,7 @@ def read_model_file(
     root = read_xml(text, shown)
     _check_root(root)
     if path.name.endswith(".xacro") or b"<xacro:" in text or b"xmlns:xacro" in text:
-        within = (folder.top, *folder.packages.values())
+        within = folder.allowed
         expanded = expanded_xacro(path, folder.packages, within=within, shown=shown, limits=limits)
         text, read = expanded.text, expanded.files
         root = read_xml(text, shown)

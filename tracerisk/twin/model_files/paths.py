@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from tracerisk.errors import Location, RobotError
+from tracerisk.sandbox.ros_prefix import readable_folders
 from tracerisk.twin.urdf.xml_reader import MOST_BYTES, XmlElement
 
 _PACKAGE_SCHEMES = ("package", "model")
@@ -23,6 +24,11 @@ class ModelFolder:
     base: Path
     top: Path
     packages: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def allowed(self) -> tuple[Path, ...]:
+        """The folders in which files may be."""
+        return (self.top, *readable_folders(self.packages.values()))
 
     def named(self, name: str, element: XmlElement, *, below: str = "") -> Path | None:
         """Return the file that an element names, `None` where it is not there.
@@ -62,8 +68,7 @@ class ModelFolder:
         except (OSError, RuntimeError, ValueError) as error:
             # Links in a circle, names too long, zero bytes.
             raise RobotError(f"<{tag}>: '{name[:80]}' names no file: {error}", location) from error
-        allowed = (self.top, *self.packages.values())
-        if not any(resolved.is_relative_to(folder.resolve()) for folder in allowed):
+        if not any(resolved.is_relative_to(folder.resolve()) for folder in self.allowed):
             raise RobotError(
                 f"<{tag}>: '{name}' lies outside {self.top}, and only files below it are read; "
                 "put the file there, or take this line out",

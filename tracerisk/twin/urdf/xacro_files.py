@@ -14,6 +14,7 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.sandbox.process import regular_within
+from tracerisk.sandbox.ros_prefix import readable_folders
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
 _LONGEST_REASON = 200
@@ -66,7 +67,8 @@ def expanded_xacro(
         "arguments": dict(arguments or {}),
         "within": None if within is None else [str(folder.resolve()) for folder in within],
     }
-    around = [path.parent, controller_root(path), *packages.values(), *(within or ())]
+    folders = readable_folders(packages.values())
+    around = [path.parent, controller_root(path), *folders, *(within or ())]
     done = run_limited(
         "tracerisk.twin.urdf.xacro_child",
         request=json.dumps(asked).encode(),
@@ -82,8 +84,8 @@ def expanded_xacro(
         absent = _ABSENT_PACKAGE.search(reason)
         if absent is not None:
             raise RobotError(
-                f"xacro cannot expand it: package '{absent[1]}' is not in the workspace; put it "
-                "there",
+                f"xacro cannot expand it: package '{absent[1]}' is neither in the workspace nor "
+                "installed; put it there, or source the ROS that has it",
                 Location(file),
             )
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))

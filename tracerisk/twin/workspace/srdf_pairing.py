@@ -30,8 +30,10 @@ class SetupAssistant:
 def setup_assistant(srdf: Path) -> SetupAssistant | None:
     """Return what `.setup_assistant` beside an SRDF or above it says, `None` for none."""
     for folder in list(srdf.parents)[:2]:
+        path = folder / ".setup_assistant"
         try:
-            text = (folder / ".setup_assistant").read_text(encoding="utf-8", errors="replace")
+            # A pipe would keep who reads it waiting.
+            text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
         except OSError:
             continue
         package, relative, given = (
@@ -45,6 +47,12 @@ def setup_assistant(srdf: Path) -> SetupAssistant | None:
                 dict(_XACRO_ARGUMENT.findall(given[1])) if given else {},
             )
     return None
+
+
+def noted_package(folder: Path) -> str | None:
+    """Return the package that MoveIt's setup assistant noted in a folder; `None` for none."""
+    noted = setup_assistant(folder / "config")
+    return None if noted is None else noted.package
 
 
 def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...]:

@@ -79,6 +79,7 @@ class Companions:
             (*parameters, *runtime.parameters),
             runtime.distro,
             beside=runtime,
+            installed=runtime.installed,
         )
         return NodeProcess(companion.told, own, list(argv))
 

@@ -23,13 +23,13 @@ from tracerisk.pipeline.trace.run_files import Companion
 from tracerisk.pipeline.workspace.controller import Controller, from_root, load_controller
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
 from tracerisk.pipeline.workspace.provided import Provided, provided_by
 from tracerisk.pipeline.workspace.workspace import (
-    NOT_SEARCHED,
     TESTS,
     Workspace,
-    find_workspace,
     searched,
+    workspace_of,
 )
 from tracerisk.ros.controller.needs import Need
 from tracerisk.source.python_source import parsed
@@ -63,7 +63,7 @@ def find_companions(
     """
     root = controller.root.resolve()
     script = controller.path.resolve()
-    workspace = find_workspace(controller.root)
+    workspace = workspace_of(controller, settings)
     ros = ros_version(script, root)
     passed_over = {script, *(Path(each.script) for each in known)}
     candidates = [

@@ -26,6 +26,7 @@ from tracerisk.pipeline.run.child import (
     runtime_of,
     serve_twin,
     twin_of,
+    workspace_asked,
 )
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
@@ -38,7 +39,7 @@ from tracerisk.pipeline.trace.run_files import (
     WallTime,
 )
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
-from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.pipeline.workspace.prefixes import with_interfaces
 from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
@@ -94,7 +95,7 @@ class _LiveRun:
             self._twin, duration_ns=round(request.duration_s * 1e9), tracer=tracer
         )
         clock[0] = lambda: self._scheduler.now_ns
-        self._workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
+        self._workspace = workspace_asked(request)
         self._runtime = runtime_of(
             request, scenario, self._scheduler, tracer, self._twin, recorder, self._workspace
         )
@@ -105,7 +106,9 @@ class _LiveRun:
         recorder.watch = self._watch
         note_given(recorder, scenario)
         drivers, more = drivers_of(request, scenario)
-        self._interfaces = Interfaces(workspace=self._workspace.interfaces, more=more)
+        self._interfaces = Interfaces(
+            self._workspace.interfaces, more, with_interfaces(self._runtime.installed)
+        )
         serve_twin(self._runtime, self._interfaces, drivers)
         self._watch.schedule = ScenarioWorld(self._runtime, self._interfaces, scenario).schedule
         self._end: dict[str, Any] | None = None

@@ -1,5 +1,5 @@
 # ruff: noqa: F401 - what is imported here is what the module gives
-"""Stand-in for ament_index_python: the packages of the controller's workspace."""
+"""Stand-in for ament_index_python: the packages of the workspace and the installed ones."""
 
 from tracerisk.ros.imports.exported import exported as _exported
 

@@ -1,4 +1,4 @@
-"""Where packages are: their source folders, for nothing is installed."""
+"""Where packages are: in the workspace their source folders, else where they are installed."""
 
 from __future__ import annotations
 
@@ -11,38 +11,45 @@ _NAME = re.compile(r"[a-zA-Z0-9][a-zA-Z0-9_-]+", re.ASCII)
 
 
 class PackageNotFoundError(KeyError):
-    """The workspace holds no such package."""
+    """There is no such package."""
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
-    """Return the folder of each package of the workspace."""
-    return {name: str(folder) for name, folder in current().packages.items()}
+    """Return the prefix of each package; of one of the workspace it is its folder."""
+    return {name: str(_prefix_of(folder)) for name, folder in current().findable.items()}
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return the folder of a package: its source, for it is installed nowhere.
+    """Return the prefix of a package; of one of the workspace it is its folder.
 
     Raises:
-        PackageNotFoundError: the workspace holds no such package.
+        PackageNotFoundError: there is no such package.
         ValueError: the name is none of a package.
     """
+    return str(_prefix_of(_folder_of(package_name)))
+
+
+def _folder_of(package_name: str) -> Path:
+    """Return the folder that holds a package's files."""
     if _NAME.fullmatch(package_name) is None:
         raise ValueError(f"'{package_name}' is not a valid package name")
-    packages = current().packages
+    packages = current().findable
     if package_name not in packages:
-        known = ", ".join(packages) or "none"
         raise PackageNotFoundError(
-            f"package '{package_name}' not found, searching: the workspace of the controller, "
-            f"which has {known}"
+            f"package '{package_name}' not found, searching: {current().searched}"
         )
-    return str(packages[package_name])
+    return packages[package_name]
+
+
+def _prefix_of(folder: Path) -> Path:
+    return folder.parent.parent if folder.parent.name == "share" else folder
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:
-    """Return the folder that holds a package's files, its source; see `get_package_prefix`."""
-    return get_package_prefix(package_name)
+    """Return the folder that holds a package's files; see `get_package_prefix`."""
+    return str(_folder_of(package_name))
 
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:
     """Return the folder that holds a package's files; see `get_package_prefix`."""
-    return Path(get_package_prefix(package_name))
+    return _folder_of(package_name)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tracerisk.ros.graph.runtime import current
+from .packages import get_packages_with_prefixes
 
 
 def get_search_paths() -> list[str]:
-    """Return the folders that hold the packages of the workspace."""
-    return sorted({str(folder.parent) for folder in current().packages.values()})
+    """Return the prefixes of all packages."""
+    return list(dict.fromkeys(get_packages_with_prefixes().values()))

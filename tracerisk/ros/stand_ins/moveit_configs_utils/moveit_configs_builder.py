@@ -25,13 +25,11 @@ class _WorkspaceFiles:
     """The packages of the run's workspace; what is left out is a finding, reported once."""
 
     def folder(self, package: str) -> Path | None:
-        packages = current().packages
+        packages = current().findable
         if package in packages:
             return packages[package]
-        known = ", ".join(packages) or "none"
         self._report(
-            f"package '{package}' is not in the workspace, which has {known}; its parameters are "
-            "left out"
+            f"package '{package}' is not in {current().searched}; its parameters are left out"
         )
         return None
 
@@ -41,7 +39,7 @@ class _WorkspaceFiles:
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> str | None:
         given = {name: str(value) for name, value in arguments.items()}
         try:
-            return expand_xacro(path, current().packages, arguments=given).decode()
+            return expand_xacro(path, current().findable, arguments=given).decode()
         except RobotError as error:
             self._report(f"{path.name} cannot be expanded, and is left out: {error.message}")
             return None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from .common import PACKAGE_FILE
 
+_MOST_BYTES = 256 * 1024
 _DEPENDS = ("depend", "build_depend", "run_depend", "exec_depend", "build_export_depend")
 
 
@@ -59,7 +61,7 @@ def parse_manifest_file(dirpath: str, manifest_name: str = PACKAGE_FILE) -> Mani
     """
     file = Path(dirpath) / PACKAGE_FILE
     try:
-        root = ET.fromstring(file.read_bytes())
+        root = ET.fromstring(_text_of(file))
     except ET.ParseError as error:
         raise InvalidManifest(f"[{file}] invalid XML: {error}") from error
     if root.tag != "package":
@@ -80,6 +82,17 @@ def parse_manifest_file(dirpath: str, manifest_name: str = PACKAGE_FILE) -> Mani
         depends=[Depend(name) for name in names],
         exports=list(export) if export is not None else [],
     )
+
+
+def _text_of(file: Path) -> bytes:
+    """Return what a manifest holds; no manifest is large, or defines entities."""
+    status = file.stat()
+    if not stat.S_ISREG(status.st_mode) or status.st_size > _MOST_BYTES:
+        raise InvalidManifest(f"[{file}] is no file of at most {_MOST_BYTES // 1024} kB")
+    text = file.read_bytes()
+    if b"<!ENTITY" in text:
+        raise InvalidManifest(f"[{file}] defines entities, which are not read")
+    return text
 
 
 def _text(root: ET.Element, tag: str) -> str | None:

@@ -15,10 +15,10 @@ Names = list[str]
 
 
 class RosPack:
-    """The packages of the workspace, or of those below `ros_paths`."""
+    """The packages of the workspace and the installed ones, or of those below `ros_paths`."""
 
     def __init__(self, ros_paths: Sequence[str] | None = None) -> None:
-        self._folders = dict(current().packages)
+        self._folders = dict(current().findable)
         if ros_paths is not None:
             tops = [Path(path).resolve() for path in ros_paths]
             self._folders = {
@@ -50,7 +50,7 @@ class RosPack:
         """Return the folder of a package.
 
         Raises:
-            ResourceNotFound: the workspace holds no such package.
+            ResourceNotFound: there is no such package.
         """
         if name not in self._folders:
             raise ResourceNotFound(name, self._ros_paths)
@@ -60,7 +60,7 @@ class RosPack:
         """Return what a package says of itself.
 
         Raises:
-            ResourceNotFound: the workspace holds no such package.
+            ResourceNotFound: there is no such package.
             InvalidManifest: its manifest is malformed.
         """
         return parse_manifest_file(self.get_path(name))
@@ -69,7 +69,7 @@ class RosPack:
         """Return the packages of the workspace that a package needs, indirectly too if `implicit`.
 
         Raises:
-            ResourceNotFound: the workspace holds no such package.
+            ResourceNotFound: there is no such package.
         """
         found: dict[str, None] = {}
         waiting = [name]
@@ -97,7 +97,7 @@ def get_package_name(path: str) -> str | None:
 
 def get_ros_paths(env: object = None) -> list[str]:
     """Return the folders that hold the packages of the workspace."""
-    return sorted({str(folder.parent) for folder in current().packages.values()})
+    return sorted({str(folder.parent) for folder in current().findable.values()})
 
 
 def get_ros_package_path(env: object = None) -> str:

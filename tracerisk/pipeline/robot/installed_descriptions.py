@@ -1,0 +1,63 @@
+"""The installed packages in which the robot of a controller may be described."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from tracerisk.pipeline.workspace.package_folders import declared_needs
+from tracerisk.pipeline.workspace.workspace import Workspace, named_packages
+from tracerisk.twin.workspace.srdf_pairing import noted_package
+
+_FOLDERS = ("urdf", "robots", "robot", "xacro", "srdf", "description")
+_ENDINGS = (".srdf", ".urdf", ".xacro")
+_OF_MOVEIT = "_moveit_config"
+_MOST_READ = 200
+
+
+def installed_descriptions(
+    root: Path, workspace: Workspace, strings: Iterable[str]
+) -> dict[str, Path]:
+    """Return the installed packages with robots that a controller names, and those behind them.
+
+    It names them in its `strings`, its launch files or its manifest, and a package
+    `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Behind them are the
+    packages on which they depend, as far as these describe robots.
+    """
+    installed = workspace.installed
+    if not installed:
+        return {}
+    strings = tuple(strings)
+    named = named_packages(root, installed, strings)
+    of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & installed.keys()
+    waiting = sorted(named | of_moveit)
+    seen = set(waiting)
+    found: dict[str, Path] = {}
+    for count, name in enumerate(waiting):
+        folder = installed[name]
+        describes = _describes(folder)
+        if describes:
+            found[name] = folder
+        if count >= _MOST_READ or not (describes or name in named):
+            continue
+        noted = noted_package(folder)
+        for need in (*declared_needs(folder), *([noted] if noted else [])):
+            if need in installed and need not in seen:
+                seen.add(need)
+                waiting.append(need)
+    return found
+
+
+def _describes(folder: Path) -> bool:
+    """Return whether a package has a folder for robots, or a file that describes one."""
+    if any((folder / name).is_dir() for name in _FOLDERS):
+        return True
+    return any(name.endswith(_ENDINGS) for name in _names_in(folder / "config"))
+
+
+def _names_in(folder: Path) -> list[str]:
+    try:
+        return os.listdir(folder)  # noqa: PTH208 - of hundreds of packages
+    except OSError:
+        return []

@@ -1,0 +1,325 @@
+"""The installed ROS and the overlays around a controller: their prefixes, and what is in them.
+
+A prefix is a folder into which packages are installed: `share/PACKAGE`, `lib/python3.10/...`. They
+count behind the controller's own workspace, the first that has a package wins: those of the setting
+`ros_prefixes`, the `install` or `devel` of the controller's own workspace, those that the shell has
+sourced, and the ROS in `/opt/ros`. A folder of ROS_PACKAGE_PATH holds packages in sources.
+
+Folders are listed and no file of a package is read: an installed ROS has thousands.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, name_of, packages_below
+from tracerisk.records import dataclass
+from tracerisk.sandbox.ros_prefix import (
+    AMENT_INDEX,
+    CATKIN_MARK,
+    COLCON_PACKAGES,
+    SHARE,
+    is_prefix,
+    prefix_folders,
+)
+from tracerisk.text.patterns import pattern
+
+RosVersion = Literal[1, 2]
+
+PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
+"""The variables of the environment that list prefixes."""
+SOURCES_VARIABLE = "ROS_PACKAGE_PATH"
+"""The variable that lists folders below which packages are, in sources too."""
+INSTALLED = Path("/opt/ros")
+"""The folder of the distributions of ROS that are installed."""
+
+_SETTING = "the setting ros_prefixes"
+_SPACES = ("install", "devel")
+_SOURCES = "src"
+_UPWARDS = 6
+_MOST_PREFIXES = 5000
+_MOST_PACKAGES = 20_000
+_MOST_BYTES = 64 * 1024
+_IN_SOURCES = 7
+"""How many folders below one of ROS_PACKAGE_PATH a package may be."""
+_PACKAGE = pattern(r"[A-Za-z][\w-]*")
+_PYTHON = re.compile(r"python3(?:\.(\d+))?")
+_KINDS = ("msg", "srv", "action")
+
+
+@dataclass(frozen=True, slots=True)
+class Prefix:
+    """A folder with installed packages, and what names it."""
+
+    path: str
+    """The folder."""
+    found_in: str
+    """The variable, setting or place that names it, in words."""
+    within: str = ""
+    """The folder in which all that is taken of it must lie; empty where it may lie anywhere."""
+    is_sources: bool = False
+    """Whether packages are anywhere below it, and not in its `share`."""
+
+
+def find_prefixes(
+    root: Path,
+    top: Path,
+    ros: RosVersion,
+    named: Sequence[str] = (),
+    distro: str | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> tuple[Prefix, ...]:
+    """Return the prefixes that count for a controller of one ROS, in the order in which they do.
+
+    `top` is the folder of its project, of which nothing leads out. `named` are those of its
+    settings. `distro` is the distribution of which the installed ROS is taken first.
+    """
+    environment = os.environ if environment is None else environment
+    found: dict[str, Prefix] = {}
+    candidates = itertools.chain(
+        (Prefix(path, _SETTING) for path in named),
+        _beside(root.resolve(), top.resolve()),
+        _of_environment(environment, ros),
+        _of_system(environment, ros, distro),
+    )
+    for candidate in candidates:
+        for prefix in _parts(candidate):
+            key = os.path.realpath(prefix.path)
+            if key not in found and _ros_of(prefix) in (None, ros):
+                found[key] = prefix
+            if len(found) >= _MOST_PREFIXES:
+                return tuple(found.values())
+    return tuple(found.values())
+
+
+def _beside(root: Path, top: Path) -> Iterator[Prefix]:
+    """Yield the `install` and `devel` of the workspace in whose `src` a controller lies."""
+    sources = (each for each in (root, *root.parents[:_UPWARDS]) if each.name == _SOURCES)
+    workspaces = dict.fromkeys((*(each.parent for each in sources), top))
+    for workspace in workspaces:
+        if workspace in (Path.home(), Path("/")):
+            continue
+        for name in _SPACES:
+            found_in = f"the folder {name} of the workspace"
+            yield Prefix(str(workspace / name), found_in, within=str(workspace))
+
+
+def _of_environment(environment: Mapping[str, str], ros: RosVersion) -> Iterator[Prefix]:
+    for variable in PREFIX_VARIABLES:
+        for path in environment.get(variable, "").split(os.pathsep):
+            if Path(path).is_absolute():
+                yield Prefix(path, variable)
+    for path in environment.get(SOURCES_VARIABLE, "").split(os.pathsep) if ros == 1 else ():
+        folder = Path(path)
+        if folder.is_absolute():
+            # The `share` of a prefix is one of them.
+            is_share = folder.name == SHARE
+            top = folder.parent if is_share else folder
+            yield Prefix(str(top), SOURCES_VARIABLE, is_sources=not is_share)
+
+
+def _of_system(
+    environment: Mapping[str, str], ros: RosVersion, distro: str | None
+) -> Iterator[Prefix]:
+    """Yield one installed ROS: a shell that has sourced one has none of the others."""
+    folders = sorted(_folders_in(INSTALLED), reverse=True)
+    of_this = [each for each in folders if _ros_of(Prefix(str(INSTALLED / each), "")) == ros]
+    first = next((name for name in (environment.get("ROS_DISTRO"), distro) if name in of_this), "")
+    for name in (first, *of_this)[not first :][:1]:
+        yield Prefix(str(INSTALLED / name), str(INSTALLED))
+
+
+def _parts(prefix: Prefix) -> Iterator[Prefix]:
+    """Yield a prefix, or those below it where each package has one of its own."""
+    folder = Path(prefix.path)
+    if prefix.is_sources:
+        if folder.is_dir():
+            yield prefix
+        return
+    if is_prefix(folder) or (prefix.found_in == _SETTING and (folder / SHARE).is_dir()):
+        yield prefix
+        return
+    for name in sorted(_folders_in(folder)):
+        if is_prefix(folder / name):
+            yield Prefix(str(folder / name), prefix.found_in, prefix.within)
+
+
+def _ros_of(prefix: Prefix) -> RosVersion | None:
+    """Return of which ROS a prefix is; `None` where nothing says it."""
+    folder = Path(prefix.path)
+    if (folder / CATKIN_MARK).exists() or prefix.is_sources:
+        return 1
+    return 2 if (folder / AMENT_INDEX).is_dir() else None
+
+
+def installed_packages(prefixes: Iterable[Prefix]) -> dict[str, Path]:
+    """Return the packages of prefixes with the folders of their files, sorted by their names."""
+    found: dict[str, Path] = {}
+    for prefix in prefixes:
+        for name, folder in _packages_of(prefix):
+            if len(found) < _MOST_PACKAGES:
+                found.setdefault(name, folder)
+    return dict(sorted(found.items()))
+
+
+def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
+    if prefix.is_sources:
+        yield from _in_sources(Path(prefix.path), prefix)
+        return
+    share = Path(prefix.path, SHARE)
+    listed = {
+        name
+        for index in (f"{AMENT_INDEX}/packages", COLCON_PACKAGES)
+        for name in _names_in(Path(prefix.path, index))
+    }
+    if not listed:
+        listed = {name for name in _folders_in(share) if (share / name / PACKAGE_FILE).is_file()}
+    for name in sorted(listed):
+        if _PACKAGE.fullmatch(name) and _is_within(share / name, prefix):
+            yield name, share / name
+    for sources in _catkin_sources(prefix):
+        yield from _in_sources(sources, prefix)
+
+
+def _in_sources(top: Path, prefix: Prefix) -> Iterator[tuple[str, Path]]:
+    if _is_within(top, prefix):
+        for folder in packages_below(top, _IN_SOURCES):
+            yield name_of(folder), folder
+
+
+def _catkin_sources(prefix: Prefix) -> list[Path]:
+    """Return the folders of sources of a `devel` space; none for an `install` space."""
+    try:
+        with open(Path(prefix.path, CATKIN_MARK), "rb", opener=_without_waiting) as stream:
+            text = stream.read(_MOST_BYTES).decode("utf-8", "replace")
+    except OSError:
+        return []
+    return [Path(each) for each in text.strip().split(";") if Path(each).is_absolute()]
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a file that may be a pipe, to which nobody writes."""
+    return os.open(path, flags | os.O_NONBLOCK)
+
+
+def _is_within(path: Path, prefix: Prefix) -> bool:
+    if not prefix.within:
+        return True
+    within = os.path.realpath(prefix.within)
+    return os.path.commonpath((os.path.realpath(path), within)) == within
+
+
+def readable_of(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
+    """Return the folders in which the files of prefixes lie, and those to which they link."""
+    found: dict[Path, None] = {}
+    for prefix in prefixes:
+        folders = (*prefix_folders(Path(prefix.path)), *_catkin_sources(prefix))
+        found.update((folder, None) for folder in folders if _is_within(folder, prefix))
+    return tuple(found)
+
+
+def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
+    """Return the folders of prefixes that hold Python modules, but for what Python has on its path.
+
+    Of one prefix those of this Python's version come first. A package that is installed as links
+    into its sources has the folder of these.
+    """
+    on_path = {os.path.realpath(path) for path in sys.path}
+    found: dict[Path, None] = {}
+    for prefix in prefixes:
+        sources = [folder / _SOURCES for _, folder in _of_sources(prefix)]
+        for folder in (*sources, *_modules_of(prefix)):
+            if os.path.realpath(folder) not in on_path and _is_within(folder, prefix):
+                found.setdefault(folder)
+    return tuple(found)
+
+
+def _of_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
+    """Yield the packages in sources whose Python modules are in their `src`."""
+    tops = [Path(prefix.path)] if prefix.is_sources else _catkin_sources(prefix)
+    for top in tops:
+        for name, folder in _in_sources(top, prefix):
+            if (folder / "setup.py").is_file() and (folder / _SOURCES).is_dir():
+                yield name, folder
+
+
+def _modules_of(prefix: Prefix) -> Iterator[Path]:
+    for lib in ("lib", "local/lib"):
+        top = Path(prefix.path, lib)
+        versions = [name for name in _folders_in(top) if _PYTHON.fullmatch(name)]
+        for version in sorted(versions, key=_strangeness):
+            for name in ("site-packages", "dist-packages"):
+                folder = top / version / name
+                if folder.is_dir():
+                    yield folder
+                    yield from _linked_from(folder)
+
+
+def _strangeness(version: str) -> tuple[bool, bool, int]:
+    """Return a key that sorts folders of Python: this version's, that of none, newer ones."""
+    found = _PYTHON.fullmatch(version)
+    minor = int(found[1]) if found is not None and found[1] else 0
+    return minor != sys.version_info.minor, minor != 0, -minor
+
+
+def _linked_from(folder: Path) -> Iterator[Path]:
+    """Yield the folders that `*.egg-link` files name: packages that are installed as links."""
+    for name in sorted(_names_in(folder)):
+        if not name.endswith(".egg-link"):
+            continue
+        try:
+            with open(folder / name, "rb", opener=_without_waiting) as stream:
+                first = stream.read(_MOST_BYTES).decode("utf-8", "replace").split("\n")[0].strip()
+        except OSError:
+            continue
+        if Path(first).is_absolute() and Path(first).is_dir():
+            yield Path(first)
+
+
+def with_interfaces(packages: Mapping[str, Path]) -> dict[str, Path]:
+    """Return those of installed packages that have messages, services or actions."""
+    return {
+        name: folder
+        for name, folder in packages.items()
+        if any((folder / kind).is_dir() for kind in _KINDS)
+    }
+
+
+def _names_in(folder: Path) -> list[str]:
+    """Return the names of the files in a folder, hidden ones left out."""
+    try:
+        with os.scandir(folder) as entries:
+            found = (each.name for each in entries if _is_file(each))
+            return [name for name in found if not name.startswith(".")]
+    except OSError:
+        return []
+
+
+def _folders_in(folder: Path) -> list[str]:
+    try:
+        with os.scandir(folder) as entries:
+            return [
+                each.name for each in entries if not each.name.startswith(".") and _is_dir(each)
+            ]
+    except OSError:
+        return []
+
+
+def _is_file(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_file()
+    except OSError:  # links in a circle
+        return False
+
+
+def _is_dir(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:
+        return False
