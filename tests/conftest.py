@@ -20,11 +20,20 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.commands import Commands
+from tracerisk.pipeline.workspace.prefixes import PREFIX_VARIABLES, SOURCES_VARIABLE
 from tracerisk.sandbox.fork_server import several_come
+from tracerisk.sandbox.ros_prefix import without_ros
 
 # Hundreds of processes import the same modules: what one has compiled, the others read.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# A shell in which a ROS is sourced shows no test another workspace, nor modules of it.
+for _name in (*PREFIX_VARIABLES, SOURCES_VARIABLE, "ROS_DISTRO", "ROS_VERSION"):
+    os.environ.pop(_name, None)
+if "PYTHONPATH" in os.environ:
+    _kept = without_ros(os.environ.pop("PYTHONPATH").split(os.pathsep))
+    os.environ.update({"PYTHONPATH": os.pathsep.join(_kept)} if _kept else {})
+sys.path[:] = without_ros(sys.path)
 AT_START = dict(os.environ)
 
 # A shell that starts them in the background has interrupts ignored, by all that they start.

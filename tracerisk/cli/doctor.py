@@ -6,7 +6,8 @@ import argparse
 import os
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
@@ -18,6 +19,7 @@ from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskErr
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline import Controller
+    from tracerisk.pipeline.workspace.prefixes import Prefix
     from tracerisk.twin.robots.robot import Robot
 
 
@@ -49,7 +51,9 @@ def run(options: argparse.Namespace) -> int:
     _look(found, faults, "robots", _robots)
     _look(found, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}
-    if options.controller is not None:
+    if options.controller is None:
+        found["installed ROS"] = _of_environment()
+    else:
         from tracerisk import pipeline
 
         given = {"robot": options.robot, "sandbox": options.sandbox}
@@ -159,6 +163,36 @@ def _sandbox() -> str:
     return f"does not work: {here.missing} is missing ({version}, {filters})"
 
 
+def _of_environment() -> str:
+    """Return where packages are installed for a controller of either ROS in this folder."""
+    from tracerisk.pipeline.workspace.prefixes import find_prefixes
+    from tracerisk.pipeline.workspace.workspace import project_top
+
+    here = Path.cwd()
+    of_both = (find_prefixes(here, project_top(here), ros) for ros in (1, 2))
+    return _installed(tuple(dict.fromkeys(each for found in of_both for each in found)))
+
+
+def _installed(prefixes: Sequence[Prefix]) -> str:
+    """Return the prefixes in their order, each with how many packages it has and what names it.
+
+    Those of one workspace that has a prefix for each package are one.
+    """
+    from tracerisk.pipeline.workspace.prefixes import installed_packages
+
+    groups: dict[tuple[str, str], list[Prefix]] = {}
+    for prefix in prefixes:
+        parent = Path(prefix.path).parent
+        shown = str(parent) if parent.name == "install" else prefix.path
+        groups.setdefault((shown, prefix.found_in), []).append(prefix)
+    parts = []
+    for (shown, found_in), group in groups.items():
+        count = len(installed_packages(group))
+        packages = "1 package" if count == 1 else f"{count} packages"
+        parts.append(f"{shown} ({found_in}): {packages}")
+    return "; ".join(parts) or "none: no variable, setting or folder names one"
+
+
 def _settings(
     controller: Controller, settings: Settings, given: Mapping[str, str | None]
 ) -> dict[str, dict[str, Any]]:
@@ -203,12 +237,17 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
     from tracerisk.pipeline.workspace.ros_distro import choose_distro
+    from tracerisk.pipeline.workspace.workspace import workspace_of
 
     found = {"controller": controller.file, "root": str(controller.root)}
     if controller.is_python:
         distro = choose_distro(controller, settings)
         assumed = "assumed: " if distro.is_assumed else ""
         found["ros_distro"] = f"{distro.name} ({assumed}{distro.found_in})"
+        found["installed ROS"] = _installed(workspace_of(controller, settings).prefixes)
+        absent = [each for each in settings.ros_prefixes if not Path(each).is_dir()]
+        if absent:
+            found["ros_prefixes that are not there"] = ", ".join(absent)
     launch = LaunchChoice()
     try:
         launch = choose_launch(controller, settings)

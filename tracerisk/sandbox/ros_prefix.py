@@ -1,4 +1,4 @@
-"""What tells that a folder belongs to a ROS prefix: an installed ROS, or an overlay.
+"""Which folders belong to a ROS prefix: an installed ROS, or an overlay.
 
 A shell that has sourced one puts folders of it on the paths of Python and of system libraries.
 What is compiled there is for real ROS nodes, and no process of ours may import it by chance.

@@ -1,6 +1,10 @@
-"""The index of resources, of which a workspace has one kind: its packages."""
+"""The index of resources: packages, and what the indexes of installed prefixes list besides."""
 
 from __future__ import annotations
+
+from pathlib import Path
+
+from tracerisk.sandbox.ros_prefix import AMENT_INDEX
 
 from .packages import get_packages_with_prefixes
 
@@ -18,12 +22,23 @@ def get_resource(resource_type: str, resource_name: str) -> tuple[str, str]:
         raise LookupError(
             f"Could not find the resource '{resource_name}' of type '{resource_type}'"
         )
-    return "", known[resource_name]
+    prefix = known[resource_name]
+    file = Path(prefix, AMENT_INDEX, resource_type, resource_name)
+    return file.read_text(encoding="utf-8") if file.is_file() else "", prefix
 
 
 def get_resources(resource_type: str) -> dict[str, str]:
     """Return the prefix of each resource of a type."""
-    return get_packages_with_prefixes() if resource_type == _KIND else {}
+    packages = get_packages_with_prefixes()
+    if resource_type == _KIND:
+        return packages
+    found: dict[str, str] = {}
+    for prefix in dict.fromkeys(packages.values()):
+        folder = Path(prefix, AMENT_INDEX, resource_type)
+        for file in sorted(folder.iterdir()) if folder.is_dir() else ():
+            if file.is_file() and not file.name.startswith("."):
+                found.setdefault(file.name, prefix)
+    return found
 
 
 def has_resource(resource_type: str, resource_name: str) -> str | bool:
