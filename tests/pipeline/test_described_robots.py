@@ -325,7 +325,9 @@ def test_a_package_that_a_xacro_file_needs_and_is_not_there_is_reported(tmp_path
     folder = described(tmp_path)
     (folder / "urdf" / "feeder.urdf.xacro").write_text(arm("common_parts"))
     script = cell(tmp_path, f"joints = {joints()}\n", "feeder_description")
-    with pytest.raises(RobotError, match="package 'common_parts' is neither in the workspace nor installed"):
+    with pytest.raises(
+        RobotError, match="package 'common_parts' is neither in the workspace nor installed"
+    ):
         chosen(script)
 
 

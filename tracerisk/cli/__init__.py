@@ -71,6 +71,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # The process is ours: most of what a command makes it keeps to its end, and nobody is to look
     # through it again and again for what might be thrown away.
     gc.set_threshold(_MADE_BEFORE_A_LOOK)
+    if "PYTHONPATH" in os.environ:
+        # A sourced ROS may have other versions there of what we import.
+        from tracerisk.sandbox.ros_prefix import without_ros
+
+        sys.path[:] = without_ros(sys.path)
     try:
         code = _guarded(sys.argv[1:])
     finally:

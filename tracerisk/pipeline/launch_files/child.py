@@ -93,9 +93,8 @@ def main() -> int:
         robots: list[Described] = []
         _serve(packages, read, robots)
         sys.path += asked["import_paths"]
-        # Before what stands for modules that are not here.
         folders = [Path(each) for each in asked["installed"]]
-        sys.meta_path.insert(len(sys.meta_path) - 1, _InstalledOrAbsent(folders, sys.modules))
+        sys.meta_path.insert(0, _InstalledOrAbsent(folders, sys.modules))
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
             tempfile.tempdir = folder

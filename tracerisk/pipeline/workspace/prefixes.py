@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, name_of, packages_below
-from tracerisk.records import dataclass
+from tracerisk.records import dataclass, replace
 from tracerisk.sandbox.ros_prefix import (
     AMENT_INDEX,
     CATKIN_MARK,
@@ -136,13 +136,18 @@ def _of_system(
 
 
 def _parts(prefix: Prefix) -> Iterator[Prefix]:
-    """Yield a prefix, or those below it where each package has one of its own."""
+    """Yield a prefix, or those below it where each package has one of its own.
+
+    Before a `devel` space come the folders of its sources, to whose modules it leads.
+    """
     folder = Path(prefix.path)
     if prefix.is_sources:
         if folder.is_dir():
             yield prefix
         return
     if is_prefix(folder) or (prefix.found_in == _SETTING and (folder / SHARE).is_dir()):
+        for sources in _catkin_sources(prefix):
+            yield replace(prefix, path=str(sources), is_sources=True)
         yield prefix
         return
     for name in sorted(_folders_in(folder)):
@@ -170,7 +175,7 @@ def installed_packages(prefixes: Iterable[Prefix]) -> dict[str, Path]:
 
 def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     if prefix.is_sources:
-        yield from _in_sources(Path(prefix.path), prefix)
+        yield from _in_sources(prefix)
         return
     share = Path(prefix.path, SHARE)
     listed = {
@@ -183,13 +188,11 @@ def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     for name in sorted(listed):
         if _PACKAGE.fullmatch(name) and _is_within(share / name, prefix):
             yield name, share / name
-    for sources in _catkin_sources(prefix):
-        yield from _in_sources(sources, prefix)
 
 
-def _in_sources(top: Path, prefix: Prefix) -> Iterator[tuple[str, Path]]:
-    if _is_within(top, prefix):
-        for folder in packages_below(top, _IN_SOURCES):
+def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
+    if _is_within(Path(prefix.path), prefix):
+        for folder in packages_below(Path(prefix.path), _IN_SOURCES):
             yield name_of(folder), folder
 
 
@@ -219,7 +222,7 @@ def readable_of(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
     """Return the folders in which the files of prefixes lie, and those to which they link."""
     found: dict[Path, None] = {}
     for prefix in prefixes:
-        folders = (*prefix_folders(Path(prefix.path)), *_catkin_sources(prefix))
+        folders = prefix_folders(Path(prefix.path))
         found.update((folder, None) for folder in folders if _is_within(folder, prefix))
     return tuple(found)
 
@@ -233,23 +236,18 @@ def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
     on_path = {os.path.realpath(path) for path in sys.path}
     found: dict[Path, None] = {}
     for prefix in prefixes:
-        sources = [folder / _SOURCES for _, folder in _of_sources(prefix)]
-        for folder in (*sources, *_modules_of(prefix)):
+        for folder in _modules_of(prefix):
             if os.path.realpath(folder) not in on_path and _is_within(folder, prefix):
                 found.setdefault(folder)
     return tuple(found)
 
 
-def _of_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
-    """Yield the packages in sources whose Python modules are in their `src`."""
-    tops = [Path(prefix.path)] if prefix.is_sources else _catkin_sources(prefix)
-    for top in tops:
-        for name, folder in _in_sources(top, prefix):
-            if (folder / "setup.py").is_file() and (folder / _SOURCES).is_dir():
-                yield name, folder
-
-
 def _modules_of(prefix: Prefix) -> Iterator[Path]:
+    if prefix.is_sources:
+        for _, package in _in_sources(prefix):
+            if (package / "setup.py").is_file() and (package / _SOURCES).is_dir():
+                yield package / _SOURCES
+        return
     for lib in ("lib", "local/lib"):
         top = Path(prefix.path, lib)
         versions = [name for name in _folders_in(top) if _PYTHON.fullmatch(name)]

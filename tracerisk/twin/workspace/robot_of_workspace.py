@@ -227,7 +227,8 @@ class _Search:
         """Return which package of the robot's links and joints is not here; empty for none."""
         noted = setup_assistant(srdf.path)
         if noted is not None and noted.package not in self._packages:
-            return f"; package '{noted.package}', which describes them, is neither in the workspace nor installed"
+            absent = f"package '{noted.package}', which describes them"
+            return f"; {absent}, is neither in the workspace nor installed"
         return ""
 
     def _named_of(self, names: Sequence[str], file: DescriptionFile, srdf: Srdf) -> tuple[str, ...]:
