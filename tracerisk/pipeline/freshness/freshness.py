@@ -35,7 +35,7 @@ _LIMITS = frozenset(
         *("evidence", "evidence_cells"),
     }
 )
-_LEFT_OUT_EMPTY = ("libraries", "evidence")
+_LEFT_OUT_EMPTY = ("libraries", "evidence", "prefixes")
 _MEASURED = "measured"
 _OF_VALUES = frozenset({"hardware", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
@@ -61,6 +61,8 @@ class RunInputs:
     libraries: tuple[str, ...] = ()
     evidence: str = ""
     """A digest of the evidence that the values took; empty for none."""
+    prefixes: tuple[str, ...] = ()
+    """The folders of an installed ROS and of overlays in which some of the files are, sorted."""
 
     @property
     def fingerprint(self) -> str:
@@ -73,7 +75,8 @@ class RunInputs:
 
     def data(self) -> dict[str, Any]:
         """Return what the lock keeps."""
-        data = {**asdict(self), "libraries": list(self.libraries)}
+        lists = {"libraries": list(self.libraries), "prefixes": list(self.prefixes)}
+        data = {**asdict(self), **lists}
         return {key: data[key] for key in data if data[key] or key not in _LEFT_OUT_EMPTY}
 
     @classmethod
@@ -92,6 +95,7 @@ class RunInputs:
             str(data.get("hardware", "")),
             tuple(map(str, data.get("libraries", ()))),
             str(data.get("evidence", "")),
+            tuple(map(str, data.get("prefixes", ()))),
         )
 
 
@@ -128,6 +132,7 @@ def run_inputs(
         files={file: file_digest(root / file) for file in sorted(listed - sources)},
         hardware=hardware_digest(settings),
         libraries=_libraries(controller, settings, sources),
+        prefixes=_prefixes_of(listed, controller, settings),
     )
     if trace.is_measured:
         # No run of the twin gives this trace again: blocks that are made of it are never fresh.
@@ -187,7 +192,7 @@ def stale_reasons(
     return (
         *_settings_reasons(recorded.settings, settings_data(settings, root)),
         *_changed(recorded.sources, lambda file: _code_now(controller, file)),
-        *_changed(recorded.files, lambda file: file_digest(root / file)),
+        *_changed(_comparable(recorded, root), lambda file: file_digest(root / file)),
         *_library_reasons(recorded, _libraries(controller, settings, recorded.sources)),
     )
 
@@ -207,6 +212,41 @@ def values_reasons(
 
         found.append(f"{EVIDENCE_NAME} has changed")
     return tuple(found)
+
+
+def _prefixes_of(
+    files: Iterable[str], controller: Controller, settings: Settings
+) -> tuple[str, ...]:
+    """Return the prefixes in which files are that a run depended on, from the root."""
+    from tracerisk.pipeline.workspace.workspace import workspace_of
+
+    root = controller.root.resolve()
+    paths = [Path(os.path.normpath(root / file)) for file in files]
+    prefixes = (Path(each.path).resolve() for each in workspace_of(controller, settings).prefixes)
+    return tuple(
+        sorted(
+            from_root(root, prefix)
+            for prefix in prefixes
+            if any(path.is_relative_to(prefix) for path in paths)
+        )
+    )
+
+
+def _comparable(recorded: RunInputs, root: Path) -> dict[str, str]:
+    """Return the files of a run that can be compared here.
+
+    Those of a prefix that this machine does not have cannot: where blocks are checked, no ROS
+    needs to be installed.
+    """
+    absent = [Path(os.path.normpath(root / each)) for each in recorded.prefixes]
+    absent = [each for each in absent if not each.is_dir()]
+    if not absent:
+        return dict(recorded.files)
+    return {
+        file: digest
+        for file, digest in recorded.files.items()
+        if not any(Path(os.path.normpath(root / file)).is_relative_to(each) for each in absent)
+    }
 
 
 def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:
