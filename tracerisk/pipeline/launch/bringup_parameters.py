@@ -6,7 +6,7 @@ A controller that is run alone asks for what the bringup of its robot would have
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from tracerisk.pipeline.launch_files.parameter_text import (
     yaml_value,
 )
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
+from tracerisk.pipeline.workspace.package_folders import declared_needs
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.twin.workspace.description_files import distance
@@ -34,7 +35,8 @@ class ParametersAround:
     """Answers what a parameter is by the files of the workspace, the nearest to a script first.
 
     Launch files go before YAML files that none of them loads for a name, and those of tests come
-    last. Files are read when the first parameter is asked for.
+    last. Behind them are YAML files of the installed packages that its manifest names. Files are
+    read when the first parameter is asked for.
     """
 
     def __init__(self, script: Path, root: Path, workspace: Workspace, on_given: OnGiven) -> None:
@@ -47,7 +49,14 @@ class ParametersAround:
     def __call__(self, name: str) -> Any:
         """Return the value of a global name, or the dictionary of a namespace; `None` for none."""
         if self._trees is None:
-            self._trees = [*self._launched(), *self._loaded()]
+            own = {self._root, *(each.resolve() for each in self._workspace.packages.values())}
+            installed = self._workspace.installed
+            needs = (installed[name] for name in declared_needs(self._root) if name in installed)
+            self._trees = [
+                *self._launched(),
+                *_loaded(own, self._rank),
+                *_loaded(needs, self._rank),
+            ]
         for tree, files in self._trees:
             if tree.has(name):
                 self._on_given(name, files)
@@ -64,20 +73,22 @@ class ParametersAround:
             if given:
                 yield _tree(given), tuple(dict.fromkeys((path, *reading.sources)))
 
-    def _loaded(self) -> Iterator[tuple[ParameterTree, tuple[Path, ...]]]:
-        folders = {self._root, *(each.resolve() for each in self._workspace.packages.values())}
-        files = {path.resolve() for folder in folders for path in parameter_files(folder)}
-        for path in sorted(files, key=self._rank)[:_MOST_READ]:
-            try:
-                value = with_angles(yaml_value(read_text(path)))
-            except (OSError, ParameterTextError, TraceRiskError):
-                # It may be of anything: what is not a file of parameters gives none.
-                continue
-            if isinstance(value, dict) and "ros__parameters" not in str(value):
-                yield _tree({f"/{key}": each for key, each in value.items()}), (path,)
-
     def _rank(self, path: Path) -> tuple[int, Path]:
         return distance(self._script, path), path
+
+
+def _loaded(
+    folders: Iterable[Path], rank: Callable[[Path], tuple[int, Path]]
+) -> Iterator[tuple[ParameterTree, tuple[Path, ...]]]:
+    files = {path.resolve() for folder in folders for path in parameter_files(folder)}
+    for path in sorted(files, key=rank)[:_MOST_READ]:
+        try:
+            value = with_angles(yaml_value(read_text(path)))
+        except (OSError, ParameterTextError, TraceRiskError):
+            # It may be of anything: what is not a file of parameters gives none.
+            continue
+        if isinstance(value, dict) and "ros__parameters" not in str(value):
+            yield _tree({f"/{key}": each for key, each in value.items()}), (path,)
 
 
 def _tree(given: Mapping[str, Any]) -> ParameterTree:

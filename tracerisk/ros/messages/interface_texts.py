@@ -226,7 +226,8 @@ class InterfaceStore:
         """
         text = interface_text(path)
         if text.startswith(_GENERATED):
-            return True
+            actions = self._files(package, "action")
+            return any(path.stem.startswith(each) for each in actions)
         key = f"{package}/{kind}/{path.stem}"
         if kind == "msg" and key in self._store and _HAS_DEFAULT.search(text) is None:
             return bool(_parsed_or_nothing(text, key) == self._store[key])
