@@ -73,6 +73,7 @@ def test_prefixes_count_in_order_and_each_says_what_names_it(tmp_path):
         (2, {"ROS_DISTRO": "humble"}, "jazzy", "humble"),
         (2, {"ROS_DISTRO": "noetic"}, None, "jazzy"),
         (1, {}, None, "noetic"),
+        (1, {"CMAKE_PREFIX_PATH": "/usr/local"}, None, "noetic"),
     ],
 )
 def test_one_of_the_installed_distributions_of_its_ros_counts(
@@ -82,6 +83,15 @@ def test_one_of_the_installed_distributions_of_its_ros_counts(
         Prefix(tmp_path / "opt" / name).install("arm")
     Prefix(tmp_path / "opt/noetic", ros=1).install("arm")
     assert [*names(found(tmp_path / "ws", ros, distro=distro, **environment))] == [taken]
+
+
+def test_a_sourced_distribution_is_the_only_one(tmp_path):
+    for name in ("humble", "jazzy"):
+        Prefix(tmp_path / "opt" / name).install("arm")
+    sourced = str(tmp_path / "opt/humble")
+    assert names(found(tmp_path / "ws", AMENT_PREFIX_PATH=sourced)) == {
+        "humble": "AMENT_PREFIX_PATH"
+    }
 
 
 def test_a_prefix_of_the_other_ros_does_not_count(tmp_path):

@@ -185,8 +185,7 @@ class RunRequest:
 
     `distro` is the distribution of ROS whose rules it follows.
     `packages` are those of the workspace and their folders, `prefixes` where others are installed.
-    `argv` holds what `launch` adds to
-    it; `launch_notes` are the lines that describe `launch`.
+    `argv` holds what `launch` adds to it; `launch_notes` are the lines that describe `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
     `drafts`: when what a scenario could say for every need is noted. `states` are the steps that

@@ -5,7 +5,7 @@ count behind the controller's own workspace, the first that has a package wins: 
 `ros_prefixes`, the `install` or `devel` of the controller's own workspace, those that the shell has
 sourced, and the ROS in `/opt/ros`. A folder of ROS_PACKAGE_PATH holds packages in sources.
 
-Folders are listed and no file of a package is read: an installed ROS has thousands.
+Folders are listed, and of installed packages no file is read: there may be thousands.
 """
 
 from __future__ import annotations
@@ -127,7 +127,9 @@ def _of_environment(environment: Mapping[str, str], ros: RosVersion) -> Iterator
 def _of_system(
     environment: Mapping[str, str], ros: RosVersion, distro: str | None
 ) -> Iterator[Prefix]:
-    """Yield one installed ROS: a shell that has sourced one has none of the others."""
+    """Yield one installed ROS; none where a variable names one: two are never sourced."""
+    if any(f"{INSTALLED}{os.sep}" in environment.get(name, "") for name in PREFIX_VARIABLES):
+        return
     folders = sorted(_folders_in(INSTALLED), reverse=True)
     of_this = [each for each in folders if _ros_of(Prefix(str(INSTALLED / each), "")) == ros]
     first = next((name for name in (environment.get("ROS_DISTRO"), distro) if name in of_this), "")
