@@ -259,6 +259,9 @@ def test_the_robot_of_an_installed_package_is_taken_and_its_files_count(
     assert trace["robot"] == "feeder", done.err
     wanted = {"feeder.urdf.xacro", "parts.xacro"}
     assert wanted <= {Path(each).name for each in trace["inputs"]}
+    assert any(
+        f"; installed in {opt.path} (CMAKE_PREFIX_PATH)" in line for line in trace["assumptions"]
+    )
     if needs != "feeder_moveit_config":
         return
     assert example.run("check", "feed.py", environment=variables).code == 0

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.package_folders import declared_needs
+from tracerisk.pipeline.workspace.prefixes import Prefix
 from tracerisk.pipeline.workspace.workspace import Workspace, named_packages
 from tracerisk.twin.workspace.srdf_pairing import noted_package
 
@@ -47,6 +48,17 @@ def installed_descriptions(
                 seen.add(need)
                 waiting.append(need)
     return found
+
+
+def installed_in(files: Iterable[Path], prefixes: Iterable[Prefix]) -> str:
+    """Return in words in which prefixes files of a robot are; empty for none."""
+    files = tuple(files)
+    places = [
+        f"{prefix.path} ({prefix.found_in})"
+        for prefix in prefixes
+        if any(file.is_relative_to(Path(prefix.path).resolve()) for file in files)
+    ]
+    return f"; installed in {', '.join(places)}" if places else ""
 
 
 def _describes(folder: Path) -> bool:

@@ -10,10 +10,11 @@ from tracerisk.pipeline.launch.choose import LaunchChoice
 from tracerisk.pipeline.launch.robots_launched import launched_robots
 from tracerisk.pipeline.robot.choice import RobotChoice, equipped
 from tracerisk.pipeline.robot.hints import robot_hints
-from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions
+from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions, installed_in
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
+from tracerisk.pipeline.workspace.prefixes import Prefix
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import (
     find_workspace,
@@ -105,6 +106,7 @@ class _Search:
         self._controller = controller
         self._settings = settings
         self._asked = _Asked.by(controller, also_named)
+        self._prefixes: tuple[Prefix, ...] = ()
         self._launched = launched_robots(controller, settings, launch, self._asked.strings)
         self._found = self._in_workspace(self._asked.strings)
         self._unreadable = self._found.unreadable
@@ -152,6 +154,7 @@ class _Search:
     def _in_workspace(self, strings: tuple[str, ...]) -> WorkspaceRobot:
         root = self._controller.root
         workspace = workspace_of(self._controller, self._settings)
+        self._prefixes = workspace.prefixes
         described = installed_descriptions(root, workspace, strings)
         packages = workspace.findable
         named = named_packages(root, workspace.packages, strings) | described.keys()
@@ -256,5 +259,6 @@ class _Search:
 
     def _of_workspace(self, found: WorkspaceRobot) -> RobotChoice:
         assert found.robot is not None
-        robot = equipped(replace(found.robot, chosen_by=found.reason), self._asked.whole)
+        reason = f"{found.reason}{installed_in(found.files, self._prefixes)}"
+        robot = equipped(replace(found.robot, chosen_by=reason), self._asked.whole)
         return RobotChoice(robot, found.skipped, found.files)
