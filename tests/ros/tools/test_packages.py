@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 PACKAGE = """\
 <package format="2"><name>{name}</name><version>1.2.3</version><description>d</description>
 <license>MIT</license><author>A</author><author>B</author><depend>{depend}</depend></package>
@@ -44,4 +46,28 @@ def test_packages_of_the_workspace_are_found_where_they_stand(example):
     example.write("ws/parts/config/tools.yaml", "a: 1\n")
     example.write("ws/arm/scripts/run.py", PROGRAM)
     outcome = example.run("trace", "ws/arm/scripts/run.py", "--robot", "panda")
+    assert outcome.code == 0, outcome.err
+
+
+HOSTILE = """\
+import rospkg
+for name in ("bomb", "large", "pipe"):
+    try:
+        rospkg.RosPack().get_manifest(name); raise SystemExit(f"read {name}")
+    except rospkg.InvalidManifest as error:
+        assert "package.xml" in str(error), error
+"""
+
+
+def test_a_manifest_that_would_fill_memory_or_block_is_invalid(example):
+    entities = "".join(f'<!ENTITY a{n + 1} "{f"&a{n};" * 10}">' for n in range(20))
+    bomb = f'<!DOCTYPE a [<!ENTITY a0 "b">{entities}]><package><name>bomb</name>&a20;</package>'
+    example.write("ws/src/bomb/package.xml", bomb)
+    for name in ("large", "pipe"):
+        (example.folder / "ws/src" / name).mkdir()
+    with (example.folder / "ws/src/large/package.xml").open("wb") as stream:
+        stream.truncate(500 * 1024**2)
+    os.mkfifo(example.folder / "ws/src/pipe/package.xml")
+    example.write("ws/src/go.py", HOSTILE)
+    outcome = example.run("trace", "ws/src/go.py", "--robot", "panda")
     assert outcome.code == 0, outcome.err
