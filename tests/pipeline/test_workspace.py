@@ -164,5 +164,5 @@ def test_a_search_that_ends_early_has_looked_around_the_controller(monkeypatch, 
     own, near = package(tmp_path / "z" / "y" / "pick"), package(tmp_path / "z" / "y" / "arm_msgs")
     far = package(tmp_path / "zz" / "a" / "b" / "c" / "base_msgs")
     assert find_workspace(own).packages == {"arm_msgs": near, "base_msgs": far, "pick": own}
-    monkeypatch.setattr("tracerisk.pipeline.workspace.workspace.MOST_ENTRIES", 20)
+    monkeypatch.setattr("tracerisk.pipeline.workspace.package_folders.MOST_ENTRIES", 20)
     assert find_workspace(own).packages == {"arm_msgs": near, "pick": own}

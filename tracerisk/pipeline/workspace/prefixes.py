@@ -46,8 +46,6 @@ _UPWARDS = 6
 _MOST_PREFIXES = 5000
 _MOST_PACKAGES = 20_000
 _MOST_BYTES = 64 * 1024
-_IN_SOURCES = 7
-"""How many folders below one of ROS_PACKAGE_PATH a package may be."""
 _PACKAGE = pattern(r"[A-Za-z][\w-]*")
 _PYTHON = re.compile(r"python3(?:\.(\d+))?")
 _KINDS = ("msg", "srv", "action")
@@ -194,7 +192,7 @@ def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
 
 def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     if _is_within(Path(prefix.path), prefix):
-        for folder in packages_below(Path(prefix.path), _IN_SOURCES):
+        for folder in packages_below(Path(prefix.path)):
             yield name_of(folder), folder
 
 
