@@ -66,10 +66,11 @@ class Field:
         if self.is_bytes:
             return b"\0" * (self.length or 0)
         if self.is_array:
-            return [self._scalar_default() for _ in range(self.length or 0)]
-        return self._scalar_default()
+            return [self.scalar_default() for _ in range(self.length or 0)]
+        return self.scalar_default()
 
-    def _scalar_default(self) -> Any:
+    def scalar_default(self) -> Any:
+        """Make the default value of the field, or of one item of an array."""
         if self.message is not None:
             return self.message()
         if self.base in FLOATS:

@@ -132,7 +132,7 @@ def _read_scalar(field: Field, data: bytes, at: int, numpy: Any) -> tuple[Any, i
         (raw,) = struct.unpack_from(f"<{size}s", data, at)
         return raw.decode("utf-8", "replace"), at + size
     if field.base in ("time", "duration"):
-        value = field.default()
+        value = field.scalar_default()
         value.set(*struct.unpack_from("<2I" if field.base == "time" else "<2i", data, at))
         value.canon()
         return value, at + 8
