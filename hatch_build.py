@@ -109,10 +109,10 @@ def packed_data(root: Path, folder: Path) -> dict[str, str]:
     Texts of interfaces are compressed, schemas are written without white space.
     """
     places = {}
-    for text in sorted((root / "tracerisk/ros/messages").glob("interfaces*.txt")):
-        packed = folder / f"{text.name}.gz"
-        packed.write_bytes(gzip.compress(text.read_bytes(), mtime=0))
-        places[str(packed)] = f"{text.relative_to(root)}.gz"
+    text = root / "tracerisk/ros/messages/interfaces.txt"
+    packed = folder / f"{text.name}.gz"
+    packed.write_bytes(gzip.compress(text.read_bytes(), mtime=0))
+    places[str(packed)] = f"{text.relative_to(root)}.gz"
     schemas = [
         *(root / "tracerisk").rglob("*.schema.json"),
         *(root / "tracerisk/prm/formats/schemas").glob("*.json"),

@@ -23,7 +23,7 @@ MUST_BE = (
     "tracerisk/py.typed",
     "tracerisk/hardware/hardware.schema.json",
     "tracerisk/report/html/assets/page.css",
-    "tracerisk/ros/messages/interfaces1.txt.gz",
+    "tracerisk/ros/messages/interfaces.txt.gz",
     "tracerisk/twin/robots/shipped/panda.yaml",
 )
 PLACED = {"share/man/man1/tracerisk.1"}

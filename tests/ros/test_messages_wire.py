@@ -18,7 +18,7 @@ from tracerisk.ros.time.rostime import Duration, Time
 INTERFACES = Interfaces()
 STORED = sorted(
     name.replace("/msg/", "/")
-    for name in INTERFACES._store
+    for name in get_typestore(Stores.ROS1_NOETIC).fielddefs
     if not name.startswith("builtin_interfaces")
 )
 RANGES = {

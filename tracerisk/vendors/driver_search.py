@@ -90,5 +90,5 @@ def definitions_of(drivers: Iterable[Driver]) -> tuple[InterfaceText, ...]:
     found = []
     for name, text in sorted(texts.items()):
         package, kind, stem = name.split("/")
-        found.append(InterfaceText(None, package, kind, stem, text))
+        found.append(InterfaceText(package, kind, stem, text))
     return tuple(found)

@@ -35,7 +35,7 @@ from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companions.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.missing_modules import MissingModules
-from tracerisk.pipeline.run.preparation import leave_out_other_ros, prepare
+from tracerisk.pipeline.run.preparation import prepare
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.scripted_input import Answers, scripted_input
 from tracerisk.pipeline.run.stall_watch import StallWatch
@@ -185,7 +185,6 @@ def _run(
     note_given(recorder, scenario)
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
-    leave_out_other_ros(2 if is_ros2 else 1)
     own = workspace.interfaces
     drivers, more = drivers_of(request, scenario)
     reads = NotedReads(readable_of(workspace.prefixes), INTERFACE_ENDINGS)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 from importlib import import_module
 
 from tracerisk.ros.imports.finder import read_stand_ins
@@ -13,7 +12,6 @@ from tracerisk.twin.physics.scene import load_scene, scene_names
 from tracerisk.vendors.driver_search import shipped_drivers
 
 _EVERY_RUN = ("dm_control.mujoco", "libcst.native", "tracerisk.text.yaml_bounds")
-_STORES = "rosbags.typesys.stores.ros"
 _MESSAGES = "moveit_msgs"
 """The package whose definitions most runs read: they are parsed once."""
 _LIBRARIES = ("actionlib", "moveit_commander", "rclpy", "rospy")
@@ -22,7 +20,7 @@ _LIBRARIES = ("actionlib", "moveit_commander", "rclpy", "rospy")
 
 def prepare() -> None:
     """Load what a run of either ROS loads; it is called in no process that runs a controller."""
-    for name in (*_EVERY_RUN, f"{_STORES}1_noetic", f"{_STORES}2_jazzy"):
+    for name in _EVERY_RUN:
         # As in the run itself, which does without what is not installed.
         with contextlib.suppress(ImportError):
             import_module(name)
@@ -33,10 +31,3 @@ def prepare() -> None:
     read_stand_ins(*_LIBRARIES)
     for name in scene_names():
         load_scene(name)
-
-
-def leave_out_other_ros(version: int) -> None:
-    """Make a controller find the modules that it would in a process that was started afresh."""
-    others = f"{_STORES}{3 - version}_"
-    for name in [name for name in sys.modules if name.startswith(others)]:
-        del sys.modules[name]

@@ -35,7 +35,9 @@ Provided = Literal["library", "interfaces", "library and interfaces"]
 
 STAND_INS = Path(__file__).parents[1] / "stand_ins"
 # Packages that are used for their code; their messages alone would be a half of them.
-_CODE_WITH_INTERFACES = frozenset({"actionlib", "bond", "dynamic_reconfigure", "roscpp"})
+_CODE_WITH_INTERFACES = frozenset(
+    {"actionlib", "bond", "dynamic_reconfigure", "roscpp", "sound_play"}
+)
 
 
 def _is_from_import() -> bool:

@@ -1,8 +1,8 @@
 """ROS 1 message, service and action classes, made from the texts of their definitions.
 
-The definitions come from four places, the first that knows a name wins: folders of the
-controller's own workspace, those of an installed ROS, the texts in `interfaces1.txt`, and the store
-of ROS Noetic in rosbags.
+The definitions come from three places, the first that knows a name wins: folders of the
+controller's own workspace, those of an installed ROS, and the archive that is shipped, with those
+of Noetic.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
 from hashlib import md5
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -22,7 +22,6 @@ from tracerisk.ros.messages.interface_texts import (
     InterfaceText,
     interface_parts,
     parsed,
-    shipped_packages,
 )
 from tracerisk.ros.messages.ros1_base import (
     PRIMITIVES,
@@ -34,7 +33,7 @@ from tracerisk.ros.messages.ros1_base import (
 )
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import FieldDesc
 
 __all__ = [
     "DeserializationError",
@@ -47,7 +46,7 @@ __all__ = [
 ]
 
 _PLACEHOLDER = "structure_needs_at_least_one_member"
-_TEXT_CONSTANT = re.compile(r"^[ \t]*string[ \t]+(\w+)[ \t]*=(.*)$", re.MULTILINE)
+_CONSTANT = re.compile(r"^[ \t]*(\w+)[ \t]+(\w+)[ \t]*=(.*)$", re.MULTILINE)
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
 # Of an action X, ROS 1 makes seven messages; the first three are the parts of its text.
 _ACTION_PARTS = ("Goal", "Result", "Feedback")
@@ -96,21 +95,11 @@ class Interfaces(InterfaceStore):
         self._in_making: list[str] = []
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
 
-    @cached_property
-    def packages(self) -> tuple[str, ...]:
-        """The names of all packages that are known, sorted."""
-        stored = (name.split("/")[0] for name in self._store)
-        known = {*self._workspace, *self._installed, *shipped_packages(1), *stored}
-        known |= {package for package, _ in self._more}
-        return tuple(sorted(known - {"builtin_interfaces"}))
-
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, those of its actions included, sorted."""
         names = set(self._files(package, "msg"))
         for name in self._files(package, "action"):
             names.update(name + part for part in (*_ACTION_PARTS, *_ACTION_WRAPPERS))
-        if package not in self._workspace:
-            names.update(n.split("/")[2] for n in self._store if n.startswith(f"{package}/"))
         return tuple(sorted(names))
 
     def star_names(self, package: str, kind: str) -> tuple[str, ...]:
@@ -180,13 +169,6 @@ class Interfaces(InterfaceStore):
             self._services[name] = type(short, (Service,), body)
         made: type[Service] = self._services[name]
         return made
-
-    @cached_property
-    def _store(self) -> Typesdict:
-        # Imported here: it costs 0.05 s, and a program may need no message at all.
-        from rosbags.typesys.stores import ros1_noetic
-
-        return ros1_noetic.FIELDDEFS
 
     def _make(self, name: str) -> type[Message]:
         package, _, short = name.partition("/")
@@ -268,10 +250,6 @@ class Interfaces(InterfaceStore):
             if name != short and name in self._files(package, "srv"):
                 self._define_service(package, name)
                 return True
-        key = f"{package}/msg/{short}"
-        if package not in self._workspace and key in self._store:
-            self._definitions[key] = self._store[key]
-            return True
         return False
 
     def _define_action(self, package: str, path: Definition) -> None:
@@ -295,11 +273,13 @@ class Interfaces(InterfaceStore):
         from rosbags.typesys import TypesysError
 
         name = f"{package}/msg/{short}"
-        # All that follows the sign is the text: quotes, `#` and nothing, which rosbags refuses.
-        texts = {key: value.strip() for key, value in _TEXT_CONSTANT.findall(text)}
+        written = [(key, value.strip()) for _, key, value in _CONSTANT.findall(text)]
         try:
-            constants, fields = parsed(_TEXT_CONSTANT.sub(r"string \1=text", text), name)
-            own = [(key, kind, texts.get(key, value)) for key, kind, value in constants]
+            constants, fields = parsed(_plain_constants(text), name)
+            own = [
+                (key, kind, said if kind == "string" else value)
+                for (key, said), (_, kind, value) in zip(written, constants, strict=True)
+            ]
             self._definitions.update({name: (own, fields)})
         except TypesysError as error:
             line = str(error).splitlines()[-1]
@@ -328,3 +308,17 @@ class Interfaces(InterfaceStore):
 
 def _short_reference(name: str) -> str:
     return _TIMES.get(name, name.replace("/msg/", "/"))
+
+
+def _plain_constants(text: str) -> str:
+    """Return a definition whose constants rosbags takes: it refuses small letters in their names.
+
+    All that follows the sign of a constant of text is that text: quotes, `#` and nothing as well.
+    """
+    number = count()
+
+    def plain(match: re.Match[str]) -> str:
+        kind, _, value = match.groups()
+        return f"{kind} C{next(number)}={'text' if kind == 'string' else value}"
+
+    return _CONSTANT.sub(plain, text)

@@ -1,9 +1,8 @@
 """ROS 2 message, service and action classes, made from the texts of their definitions.
 
-The definitions come from five places, the first that knows a name wins: folders of the
-controller's own workspace, those of an installed ROS, the texts in `interfaces2.txt`, the store of
-ROS 2 Jazzy in rosbags, and for packages that ROS 2 took over unchanged the texts in
-`interfaces1.txt`.
+The definitions come from three places, the first that knows a name wins: folders of the
+controller's own workspace, those of an installed ROS, and the archive that is shipped, with those
+of Humble and of Jazzy.
 A class is made when it is first asked for, with the classes of its fields.
 """
 
@@ -12,10 +11,11 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from tracerisk.config import RosDistro
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.messages.fields import snake_case
@@ -25,40 +25,32 @@ from tracerisk.ros.messages.interface_texts import (
     InterfaceText,
     interface_parts,
     parsed,
-    shipped_packages,
-    shipped_texts,
 )
 from tracerisk.ros.messages.misfits import Misfits
 from tracerisk.ros.messages.ros2_base import Action2, Message2, Service2, copy_message
 from tracerisk.ros.messages.ros2_fields import Field2, accessor
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import FieldDesc
 
 __all__ = ["Action2", "Interfaces2", "Message2", "Service2", "copy_message", "snake_case"]
 
-_UNCHANGED = (
-    "diagnostic_msgs",
-    "gazebo_ros_link_attacher",
-    "nav_msgs",
-    "object_recognition_msgs",
-    "octomap_msgs",
-    "sensor_msgs",
-    "std_srvs",
-    "tf2_msgs",
-    "ur_msgs",
-)
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 _PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
-_NOT_SERVED = frozenset({"actionlib_msgs", "rmw_dds_common", "rosbag2_interfaces"})
+# Of a name that the distribution of the run lacks, the definition of the other one is taken.
+_DISTROS: dict[str, tuple[RosDistro, ...]] = {
+    "humble": ("humble", "jazzy"),
+    "jazzy": ("jazzy", "humble"),
+}
 # A field with a default: `float64 w 1`, `string<=9 name "arm"`, `int8[] steps [1, 2]`.
-_DEFAULT = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?\s+(\w+)\s+([^=\s#].*?)\s*(?:#.*)?")
+_DEFAULT = re.compile(r"\s*([\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?)\s+(\w+)\s+([^=\s#].*?)\s*(?:#.*)?")
 
 
 class Interfaces2(InterfaceStore):
     """The message packages of ROS 2 that are known, and the classes made of them so far.
 
-    `rules` say what becomes of values that do not fit: by default those of Humble.
+    `rules` say which distribution's definitions count, and what becomes of values that do not fit.
+    Without them, the definitions are those of Jazzy, and Humble's checks refuse such values.
     """
 
     kinds = ("msg", "srv", "action")
@@ -71,26 +63,14 @@ class Interfaces2(InterfaceStore):
         installed: Mapping[str, Path] | None = None,
         on_used: Callable[[Path], None] = lambda _: None,
     ) -> None:
-        super().__init__(workspace, more, installed, on_used)
+        distros = _DISTROS["jazzy" if rules is None else rules.name]
+        super().__init__(workspace, more, installed, on_used, distros)
         self._misfits = Misfits(DistroRules("humble") if rules is None else rules)
         self._defaults: dict[str, dict[str, Any]] = {}
 
-    @cached_property
-    def packages(self) -> tuple[str, ...]:
-        """The names of all packages that are known, sorted."""
-        own = shipped_packages(2)
-        stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
-        more = {package for package, _ in self._more}
-        return tuple(
-            sorted({*self._workspace, *self._installed, *more, *own, *stored, *_UNCHANGED})
-        )
-
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, sorted."""
-        names = set(self._files(package, "msg"))
-        if package not in self._workspace:
-            names.update(n.split("/")[2] for n in self._store if n.startswith(f"{package}/"))
-        return tuple(sorted(names))
+        return tuple(sorted(self._files(package, "msg")))
 
     def action_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's actions, sorted."""
@@ -167,17 +147,6 @@ class Interfaces2(InterfaceStore):
             self._actions[name] = self._composite(name, "action", Action2)
         made: type[Action2] = self._actions[name]
         return made
-
-    @cached_property
-    def _store(self) -> Typesdict:
-        # Imported here: it costs 0.05 s, and a program may need no message at all.
-        from rosbags.typesys.stores import ros2_jazzy
-
-        return ros2_jazzy.FIELDDEFS
-
-    def _shipped(self, package: str, kind: str) -> Iterable[InterfaceText]:
-        of_ros1 = super()._shipped(package, kind) if package in _UNCHANGED else ()
-        return (*of_ros1, *shipped_texts(2).get((package, kind), ()))
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
         package, short = name.split("/")
@@ -304,16 +273,11 @@ class Interfaces2(InterfaceStore):
 
     def _define_message(self, package: str, short: str) -> None:
         self._check_package(package)
-        key = f"{package}/msg/{short}"
         path = self._files(package, "msg").get(short)
-        is_of_ros1 = isinstance(path, InterfaceText) and path.ros == 1
-        if path is not None and not (key in self._store and is_of_ros1):
-            self._parse(package, "msg", short, self._text_of(path), path)
-        elif package not in self._workspace and key in self._store:
-            self._definitions[key] = self._store[key]
-        else:
+        if path is None:
             names = self.message_names(package)
             raise InputError(f"{package} has no message '{short}'; {one_of(names, short)}")
+        self._parse(package, "msg", short, self._text_of(path), path)
 
     def _check_package(self, package: str) -> None:
         if package not in self.packages:
@@ -364,7 +328,10 @@ def _defaults(text: str, path: Definition) -> dict[str, Any]:
         match = _DEFAULT.fullmatch(line)
         if match is None:
             continue
-        name, value = match.groups()
+        kind, name, value = match.groups()
+        if kind.partition("<")[0] == "string" and value[0] not in "\"'":
+            found[name] = value
+            continue
         try:
             found[name] = ast.literal_eval(_WithBools().visit(ast.parse(value, mode="eval")))
         except (ValueError, SyntaxError) as error:
