@@ -114,6 +114,29 @@ def test_in_ros_2_controllers_are_activated(world):
     assert found["panda_hand_controller"].claimed_interfaces[0] == "panda_finger_joint1/position"
 
 
+def test_humble_switches_by_the_older_fields_too(world):
+    graph = Graph(Scheduler(world, duration_ns=1_000_000_000))
+    interfaces = Interfaces2(rules=DistroRules("humble"))
+    runtime = Runtime(graph.scheduler, graph, SimpleNamespace(robot=load_robot("panda")))
+    ControllerManager(runtime, TwinMessages(interfaces))
+    kind = interfaces.service("controller_manager_msgs/SwitchController")
+    switch = graph.service("/controller_manager/switch_controller")
+
+    def running():
+        listed = graph.service("/controller_manager/list_controllers").handle(None).controller
+        return {each.name for each in listed if each.state == "active"}
+
+    name = "panda_arm_controller"
+    hand = "panda_hand_controller"
+    for older, newer, expected in [
+        ({"stop_controllers": [name]}, {}, {hand}),
+        ({"start_controllers": [name]}, {}, {name, hand}),
+        ({"stop_controllers": [name]}, {"deactivate_controllers": [hand]}, set()),
+    ]:
+        assert switch.handle(kind.Request(strictness=2, **older, **newer)).ok
+        assert running() & {name, hand} == expected
+
+
 DECLARED = """\
 controller_manager:
   ros__parameters:
@@ -156,7 +179,7 @@ def test_switch(what, distro, world, tmp_path):
     robot = replace(load_robot("panda"), controllers=())
     scheduler = Scheduler(world, duration_ns=1_000_000_000)
     graph = Graph(scheduler)
-    interfaces = Interfaces() if distro == "noetic" else Interfaces2()
+    interfaces = Interfaces() if distro == "noetic" else Interfaces2(rules=DistroRules(distro))
     runtime = Runtime(
         scheduler,
         graph,

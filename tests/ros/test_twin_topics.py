@@ -89,6 +89,14 @@ def test_the_state_of_a_trajectory_controller_of_ros_2_is_published(example):
     assert "positions 7" in outcome.err + outcome.out
 
 
+def test_the_state_of_a_trajectory_controller_of_humble_has_its_older_fields_too(example):
+    older = "print(seen[0].desired == seen[0].reference, seen[0].actual == seen[0].feedback)\n"
+    example.write("listener.py", OF_A_CONTROLLER_IN_ROS_2 + older)
+    example.write("pyproject.toml", '[tool.tracerisk]\nros_distro = "humble"\n')
+    outcome = example.run("trace", "listener.py", "--robot", "panda", "--json")
+    assert "positions 7\nTrue True" in outcome.err + outcome.out
+
+
 IN_A_NAMESPACE = """\
 import actionlib, rospy
 from control_msgs.msg import FollowJointTrajectoryAction

@@ -166,7 +166,8 @@ class ControllerManager(TwinNode):
 
 
 def _names(request: Any, *fields: str) -> list[str]:
-    return next((list(getattr(request, name)) for name in fields if hasattr(request, name)), [])
+    # A request of Humble has the newer and the older fields, and both count.
+    return [name for field in fields for name in getattr(request, field, ())]
 
 
 def _snake(name: str) -> str:

@@ -130,12 +130,11 @@ class TwinTopics(TwinNode):
         self._now(message.header)
         places = [state.names.index(joint) for joint in joints if joint not in state.absent]
         message.joint_names = [state.names[i] for i in places]
-        # ROS 2 has renamed them.
-        is_renamed = hasattr(message, "reference")
-        wanted, measured = ("reference", "feedback") if is_renamed else ("desired", "actual")
-        for name in (wanted, measured):
-            getattr(message, name).positions = [state.position[i] for i in places]
-            getattr(message, name).velocities = [state.velocity[i] for i in places]
+        # ROS 2 has renamed them, and Humble fills the older ones too.
+        for name in ("desired", "actual", "reference", "feedback"):
+            if hasattr(message, name):
+                getattr(message, name).positions = [state.position[i] for i in places]
+                getattr(message, name).velocities = [state.velocity[i] for i in places]
         message.error.positions = [0.0] * len(places)
         message.error.velocities = [0.0] * len(places)
         return message
