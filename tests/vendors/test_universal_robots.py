@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 OUTPUT = "set_io: an output of the controller box moves nothing of the twin"
 
 
@@ -50,3 +52,50 @@ output = future.result()
     )
     assert ran["output"].success
     assert ran.findings == [OUTPUT]
+
+
+IN_ROS_1 = """
+import actionlib, rospy
+from ur_dashboard_msgs.msg import RobotMode, SetModeAction, SetModeGoal
+from ur_dashboard_msgs.srv import GetRobotMode, IsInRemoteControl
+rospy.init_node('box')
+box = '/ur_hardware_interface/dashboard/'
+remote = rospy.ServiceProxy(box + 'is_in_remote_control', IsInRemoteControl)().in_remote_control
+client = actionlib.SimpleActionClient('/ur_hardware_interface/set_mode', SetModeAction)
+client.wait_for_server()
+goal = SetModeGoal()
+goal.target_robot_mode.mode = RobotMode.IDLE
+client.send_goal_and_wait(goal, rospy.Duration(5))
+mode = rospy.ServiceProxy(box + 'get_robot_mode', GetRobotMode)().robot_mode.mode
+idle = RobotMode.IDLE
+"""
+IN_ROS_2 = """
+import rclpy
+from rclpy.action import ActionClient
+from ur_dashboard_msgs.action import SetMode
+from ur_dashboard_msgs.msg import RobotMode
+from ur_dashboard_msgs.srv import GetRobotMode, IsInRemoteControl
+rclpy.init()
+node = rclpy.create_node('box')
+def call(kind, name):
+    client = node.create_client(kind, '/dashboard_client/' + name)
+    future = client.call_async(kind.Request())
+    rclpy.spin_until_future_complete(node, future)
+    return future.result()
+remote = call(IsInRemoteControl, 'is_in_remote_control').remote_control
+client = ActionClient(node, SetMode, '/ur_hardware_interface/set_mode')
+client.wait_for_server()
+future = client.send_goal_async(SetMode.Goal(target_robot_mode=RobotMode.IDLE))
+rclpy.spin_until_future_complete(node, future)
+result = future.result().get_result_async()
+rclpy.spin_until_future_complete(node, result)
+mode = call(GetRobotMode, 'get_robot_mode').robot_mode.mode
+idle = RobotMode.IDLE
+"""
+
+
+@pytest.mark.parametrize(("program", "ros"), [(IN_ROS_1, 1), (IN_ROS_2, 2)], ids=["ros1", "ros2"])
+def test_the_dashboard_answers_in_the_fields_of_each_ros(run_on, program, ros):
+    ran = run_on("ur5e", program, ros=ros)
+    assert ran["remote"]
+    assert ran["mode"] == ran["idle"]

@@ -33,6 +33,7 @@ from tracerisk.vendors.described_parts import (
 )
 from tracerisk.vendors.description import Case, Driver, Interface, InterfaceKind, Output
 from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
+from tracerisk.vendors.message_paths import content_of
 from tracerisk.vendors.motion_queue import Job
 from tracerisk.vendors.requests import Request
 
@@ -182,7 +183,8 @@ class DescribedDriver(TwinNode):
             elif value.unit or name.endswith("_scaling"):
                 self._state[name] = request.number(value, "plain", value.unit or "fraction")
             else:
-                found = request.raw(value)
+                # A mode is a number in ROS 2 and a message of one in ROS 1.
+                found = content_of(request.raw(value))
                 self._state[name] = found.decode() if isinstance(found, bytes) else found
                 if name == "program" and found == _PLAYING:
                     self._runtime.client(ControllerStates).program_started()

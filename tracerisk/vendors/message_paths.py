@@ -102,6 +102,12 @@ def numbers_in(value: Any) -> list[float] | None:
     return [float(each) for each in found] if found and all(map(_is_number, found)) else None
 
 
+def content_of(value: Any) -> Any:
+    """Return what the only field of a message holds, else the value itself."""
+    fields = fields_of(type(value)) if is_message(value) else ()
+    return getattr(value, fields[0].name) if len(fields) == 1 else value
+
+
 def is_message(value: Any) -> bool:
     """Return whether a value is a message of either ROS."""
     return hasattr(value, "_ros_fields") or hasattr(value, "_slot_types")
@@ -251,7 +257,7 @@ def _element(message: Any, field: MessageField) -> Any:
     if field.message is not None:
         return field.message()
     if field.base in TIMES or field.base in DURATIONS:
-        return next(each for each in message._fields if each.name == field.name)._scalar_default()
+        return next(each for each in message._fields if each.name == field.name).scalar_default()
     if field.base in ("string", "wstring"):
         return ""
     if field.base == "bool":

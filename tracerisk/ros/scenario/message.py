@@ -219,7 +219,7 @@ def _time(owner: Any, field: MessageField, written: Written, now_ns: int) -> Any
 def _empty(owner: Any, field: MessageField) -> Any:
     if field.message is not None:
         return field.message()
-    return next(each for each in owner._fields if each.name == field.name)._scalar_default()
+    return next(each for each in owner._fields if each.name == field.name).scalar_default()
 
 
 def _kind(value: Any) -> str:
