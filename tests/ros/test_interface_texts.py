@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import io
 import re
 from importlib import import_module
@@ -16,6 +17,7 @@ import pytest
 from tracerisk.errors import InputError
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages import interface_texts
 from tracerisk.ros.messages.interface_texts import shipped_packages, shipped_texts
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -55,6 +57,14 @@ def test_each_package_has_a_row_with_its_source_and_version():
         assert any(versions)
         assert licence
         assert all(re.fullmatch(r"[\d.]+ [0-9a-f]{10}|", version) for version in versions)
+
+
+def test_a_wheel_has_the_archive_compressed(tmp_path, monkeypatch):
+    packed = gzip.compress(interface_texts._ARCHIVE.read_bytes())
+    assert len(packed) < 150_000
+    (tmp_path / "interfaces.txt.gz").write_bytes(packed)
+    monkeypatch.setattr(interface_texts, "_ARCHIVE", tmp_path / "interfaces.txt")
+    assert interface_texts._sections.__wrapped__() == interface_texts._sections()
 
 
 @pytest.mark.parametrize("distro", DISTROS)
