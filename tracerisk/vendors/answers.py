@@ -102,10 +102,6 @@ class Answers:
                 if name in fields and fields[name].base in ("bool", "string"):
                     setattr(message, name, self._referred(reference[1:], result, request))
         for path, output in outputs.items():
-            # One that is shipped names the fields of a message in each distribution; those of
-            # other descriptions were checked.
-            if self._driver.origin == "shipped" and path.partition(".")[0] not in fields:
-                continue
             try:
                 value = self.value(output, result, request)
                 write(message, path, value, self.conventions, output.unit)
