@@ -179,6 +179,36 @@ def test_the_workspace_comes_before_what_is_shipped(distro, tmp_path):
     assert known.message("geometry_msgs/Pose")().reach == 0.0
 
 
+SAME = "# A pose\n\nHeader   header  # when\ngeometry_msgs/Pose pose\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "is_used"),
+    [
+        (SAME, False),
+        ("std_msgs/Header header\nPose pose\n", False),
+        (f"{SAME}float64 reach\n", True),
+        ("Header header\nPose[] pose\n", True),
+        (f"{SAME}uint8 FREE=1\n", True),
+    ],
+)
+@pytest.mark.parametrize("distro", DISTROS)
+def test_an_installed_definition_counts_where_it_says_something_else(
+    distro, tmp_path, text, is_used
+):
+    (tmp_path / "msg").mkdir()
+    path = tmp_path / "msg" / "PoseStamped.msg"
+    path.write_text(text)
+    there, used = {"geometry_msgs": tmp_path}, []
+    if distro == "noetic":
+        known = Interfaces(installed=there, on_used=used.append)
+    else:
+        known = Interfaces2(rules=DistroRules(distro), installed=there, on_used=used.append)
+    assert known.message("geometry_msgs/PoseStamped")().pose is not None
+    assert used == ([path] if is_used else [])
+    assert "Twist" in known.message_names("geometry_msgs")
+
+
 @pytest.mark.parametrize(
     ("line", "value"),
     [
