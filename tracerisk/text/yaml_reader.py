@@ -273,11 +273,12 @@ def read_yaml(
     *,
     shown: str | None = None,
     version: tuple[int, int] = (1, 2),
+    may_repeat: bool = False,
 ) -> YamlMap:
     """Read one YAML document whose top is a mapping.
 
     `shown` is the name for messages, the path by default; `version` that of YAML: in 1.1 `yes`
-    is true.
+    is true. Keys that come twice are taken as ROS takes them where they `may_repeat`.
     Raises `error` with file and line when the file is absent, is not UTF-8, is larger than
     16 MB, is not YAML, is nested deeper than 100 levels, holds a key twice, or does not hold a
     mapping with string keys.
@@ -286,6 +287,7 @@ def read_yaml(
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     from tracerisk.text.yaml_bounds import bounded_yaml
+    from tracerisk.text.yaml_repeated_keys import fold_repeated
 
     file = shown if shown is not None else str(path)
     text = _text(path, file, error)
@@ -294,7 +296,12 @@ def read_yaml(
         with warnings.catch_warnings():
             # `1e3`, which YAML 1.1 wants written `1.0e3`.
             warnings.simplefilter("ignore")
-            node = yaml.load(text)
+            root = yaml.compose(text) if may_repeat else None
+            if root is None:
+                node = yaml.load(text)
+            else:
+                fold_repeated(root)
+                node = bounded_yaml("rt", version).constructor.construct_document(root)
     except MarkedYAMLError as cause:
         mark = cause.problem_mark or cause.context_mark
         place = Location(file, mark.line + 1, mark.column + 1) if mark else Location(file)

@@ -10,8 +10,8 @@ from typing import Any
 
 from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter
 from tracerisk.ros.graph.yaml_text import load_yaml
+from tracerisk.text.yaml_repeated_keys import OF_NODE
 
-OF_NODE = "ros__parameters"
 _MOST_BYTES = 4 * 1024 * 1024
 _MOST_YAML = 256 * 1024  # characters; seconds
 _MOST_VALUES = 50_000  # aliases make many of few

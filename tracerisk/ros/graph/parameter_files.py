@@ -11,8 +11,8 @@ from typing import Any
 from tracerisk.errors import Location, ScenarioError
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.text.yaml_repeated_keys import OF_NODE
 
-OF_NODE = "ros__parameters"
 EVERY_NODE = "/**"
 _EVERY = frozenset({EVERY_NODE, "/*", "**", "*"})
 
@@ -30,10 +30,12 @@ class Parameter:
 def read_parameters(path: Path) -> tuple[Parameter, ...]:
     """Read a parameter file of either ROS, which is YAML 1.1 as both read it: `yes` is true.
 
+    A key may come twice: `fold_repeated`.
+
     Raises:
         ScenarioError: it cannot be read, or holds no mapping, or a value no parameter can have.
     """
-    return parameters_of(read_yaml(path, ScenarioError, version=(1, 1)))
+    return parameters_of(read_yaml(path, ScenarioError, version=(1, 1), may_repeat=True))
 
 
 def parameters_of(tree: YamlMap) -> tuple[Parameter, ...]:

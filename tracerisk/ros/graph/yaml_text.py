@@ -1,7 +1,7 @@
 """YAML as the Python libraries of ROS read it: version 1.1 as PyYAML has it.
 
 `yes` and `on` are true and `010` is eight, but `y` and `n` are texts: a parameter may be named so.
-The later of two equal keys counts.
+Of two equal keys the later counts; in a parameter file of ROS 2 what they hold is joined.
 """
 
 from __future__ import annotations
@@ -18,19 +18,17 @@ def load_yaml(text: str) -> Any:
     Raises:
         ruamel.yaml.error.YAMLError: it is not YAML.
     """
-    from tracerisk.text.yaml_bounds import bounded_yaml
-
-    root = bounded_yaml("safe", (1, 1)).compose(text)
-    return None if root is None else _constructed(root)
-
-
-def _constructed(root: Any) -> Any:
     from ruamel.yaml.error import YAMLError
 
     from tracerisk.text.yaml_bounds import bounded_yaml
+    from tracerisk.text.yaml_repeated_keys import fold_repeated
 
+    root = bounded_yaml("safe", (1, 1)).compose(text)
+    if root is None:
+        return None
     yaml = bounded_yaml("safe", (1, 1))
-    yaml.allow_duplicate_keys = True
+    yaml.allow_duplicate_keys = True  # `1` and `01`, which are two as texts
+    fold_repeated(root)
     _keep_texts(root, set())
     with warnings.catch_warnings():
         # `1e3`, which YAML 1.1 wants written `1.0e3`.
@@ -42,28 +40,8 @@ def _constructed(root: Any) -> Any:
             raise YAMLError(str(error)) from error
 
 
-def load_sections(text: str) -> list[tuple[Any, Any]] | None:
-    """Return keys and values of a YAML text that is a mapping; None of another.
-
-    A key that comes twice is there twice: a file of parameters may name a node again.
-
-    Raises:
-        ruamel.yaml.error.YAMLError: it is not YAML.
-    """
-    from ruamel.yaml.nodes import MappingNode
-
-    from tracerisk.text.yaml_bounds import bounded_yaml
-
-    root = bounded_yaml("safe", (1, 1)).compose(text)
-    if not isinstance(root, MappingNode):
-        return None
-    return [(key.value, _constructed(value)) for key, value in root.value]
-
-
 def _keep_texts(node: Any, seen: set[int]) -> None:
-    """Make texts of keys that would be truth values and of plain `y` and `n`; drop former keys."""
-    from ruamel.yaml.nodes import MappingNode
-
+    """Make texts of keys that would be truth values and of plain `y` and `n`."""
     if id(node) in seen:
         return
     seen.add(id(node))
@@ -71,9 +49,6 @@ def _keep_texts(node: Any, seen: set[int]) -> None:
         if str(node.tag) == _BOOL and node.value.lower() in ("y", "n"):
             node.tag = _STR
         return
-    if isinstance(node, MappingNode):
-        latest = {_name(key, at): at for at, (key, _) in enumerate(node.value)}
-        node.value = [node.value[at] for at in sorted(latest.values())]
     for item in node.value:
         if not isinstance(item, tuple):
             _keep_texts(item, seen)
@@ -83,9 +58,3 @@ def _keep_texts(node: Any, seen: set[int]) -> None:
             key.tag = _STR
         _keep_texts(key, seen)
         _keep_texts(value, seen)
-
-
-def _name(key: Any, at: int) -> Any:
-    # Merges, and keys that are no scalars, are all kept.
-    is_one = isinstance(key.value, str) and not str(key.tag).endswith(":merge")
-    return (str(key.tag), key.value) if is_one else at

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tracerisk.ros.graph.yaml_text import load_sections, load_yaml
+from tracerisk.ros.graph.yaml_text import load_yaml
 
 from ._rclpy_pybind11 import RCLInvalidROSArgsError, UnknownROSArgsError
 
@@ -159,15 +159,15 @@ def _parameters_of(file: str) -> list[tuple[str | None, str, Any]]:
     from ruamel.yaml.error import YAMLError
 
     try:
-        content = load_sections(Path(file).read_text(encoding="utf-8"))
+        content = load_yaml(Path(file).read_text(encoding="utf-8"))
     except YAMLError as error:
         raise RCLInvalidROSArgsError(f"{file} is no YAML: {error}") from error
     except OSError as error:
         raise RCLInvalidROSArgsError(f"Couldn't open the parameter file {file}: {error}") from error
-    if content is None:
+    if not isinstance(content, dict):
         raise RCLInvalidROSArgsError(f"{file} is not a file of ROS parameters: it holds no mapping")
     found: list[tuple[str | None, str, Any]] = []
-    for node, tree in content:
+    for node, tree in content.items():
         _walk(found, file, str(node), tree)
     return found
 
