@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -39,10 +39,12 @@ def run_traced(
     packages: Mapping[str, Path] = MappingProxyType({}),
     has_topics: bool = True,
     distro: RosDistro | None = None,
+    on_decided: Callable[..., None] = lambda *_: None,
 ) -> tuple[Ran, RunOver | None]:
     """What the script left, and how the run was over where the script did not end by itself.
 
-    Without `distro` it is assumed to follow noetic or jazzy, by the ROS that `interfaces` is of.
+    Without `distro` it is assumed to follow noetic or jazzy, by the ROS that `interfaces` is of;
+    `on_decided` is then called where a rule that differs decided something.
     """
     follows = distro or ("noetic" if isinstance(interfaces, Interfaces) else "jazzy")
     twin = Twin.build(load_robot(robot), load_scene(scene))
@@ -61,7 +63,7 @@ def run_traced(
             recorder,
             argv=(str(script),),
             packages=packages,
-            distro=DistroRules(follows, None if distro else lambda *_: None),
+            distro=DistroRules(follows, None if distro else on_decided),
         )
         if has_topics:
             TwinTopics(runtime, interfaces)

@@ -10,9 +10,10 @@ PROGRAM = """\
 import rclpy
 from control_msgs.msg import JointJog
 from geometry_msgs.msg import TwistStamped
+from moveit_msgs.srv import ServoCommandType
 from rclpy.node import Node
 from std_msgs.msg import Int8
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import SetBool
 from tf2_ros import Buffer, TransformListener
 
 
@@ -24,6 +25,7 @@ class Jogger(Node):
         self.buffer = Buffer()
         self.listener = TransformListener(self.buffer, self)
         self.codes = []
+        self.type = None
         self.create_subscription(Int8, "/servo_node/status", lambda m: self.codes.append(m.data), 1)
 
     def wait(self, seconds):
@@ -44,19 +46,30 @@ class Jogger(Node):
         rclpy.spin_until_future_complete(self, future)
         return future.result().success
 
+    def switch(self, command_type):
+        if self.type != command_type:
+            self.type = command_type
+            name = "/servo_node/switch_command_type"
+            asked = ServoCommandType.Request(command_type=command_type)
+            assert self.ask(ServoCommandType, name, asked)
+
     def twist(self, axis, share, frame, seconds=1.0):
+        self.switch(ServoCommandType.Request.TWIST)
         end = self.get_clock().now().nanoseconds + seconds * 1e9
         while self.get_clock().now().nanoseconds < end:
             message = TwistStamped()
             message.header.frame_id = frame
+            message.header.stamp = self.get_clock().now().to_msg()
             setattr(message.twist.linear, axis, share)
             self.twists.publish(message)
             self.wait(0.02)
 
     def jog(self, joint, share):
+        self.switch(ServoCommandType.Request.JOINT_JOG)
         end = self.get_clock().now().nanoseconds + 1e9
         while self.get_clock().now().nanoseconds < end:
             message = JointJog(joint_names=[joint], velocities=[share])
+            message.header.stamp = self.get_clock().now().to_msg()
             self.jogs.publish(message)
             self.wait(0.02)
 
@@ -168,7 +181,7 @@ def test_a_joint_is_jogged_and_the_others_rest(one_after_the_other):
 def test_a_servo_that_is_stopped_moves_nothing_until_it_is_started(jogged):
     way, outcome = moved(
         jogged,
-        "assert node.ask(Trigger, '/servo_node/stop_servo', Trigger.Request()); "
+        "assert node.ask(SetBool, '/servo_node/pause_servo', SetBool.Request(data=True)); "
         "node.twist('z', -0.25, 'panda_link0', 0.2); "
         "assert node.ask(SetBool, '/servo_node/pause_servo', SetBool.Request(data=False)); "
         "node.twist('z', -0.25, 'panda_link0', 0.5)",

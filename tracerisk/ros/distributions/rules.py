@@ -318,6 +318,16 @@ RULES: tuple[Rule, ...] = (
         source="ros-controls/ros_control controller_manager/src/controller_manager.cpp, "
         "ros-controls/ros2_control controller_manager/src/controller_manager.cpp",
     ),
+    # Servo
+    Rule(
+        name="servo-start",
+        subject="moveit_servo takes commands",
+        noetic="from the beginning",
+        humble="after start_servo",
+        jazzy="after switch_command_type",
+        source="moveit/moveit moveit_ros/moveit_servo/src/servo_server.cpp, "
+        "moveit/moveit2 moveit_ros/moveit_servo/src/servo_node.cpp",
+    ),
 )
 """All rules that differ, grouped by subject."""
 

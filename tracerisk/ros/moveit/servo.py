@@ -4,6 +4,10 @@ Units, scales and the time after which an arm without messages rests are those t
 of the workspace gives servo, else those that it has by default (`servo_parameters.yaml` of MoveIt
 2). Near a singularity the tool slows down as there, by the condition number of the Jacobian.
 Servo's slowing down near obstacles is not simulated, nor are goals of poses.
+
+It begins to take commands as `servo-start` of the distributions says, and takes none that are older
+than its time-out, or have no stamp: `servo_calcs.cpp` (Humble) and `servo_node.cpp` (Jazzy) of
+moveit/moveit2, `servo_calcs.cpp` of moveit/moveit.
 """
 
 from __future__ import annotations
@@ -17,11 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.declared_controllers import declared_settings
+from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.bring_up.launched import LaunchedControllers
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import TwinNode
+from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import rotate
 
 if TYPE_CHECKING:
@@ -34,11 +42,15 @@ JOG = "control_msgs/JointJog"
 POSE = "geometry_msgs/PoseStamped"
 _STATUS = {"std_msgs/Int8": "data", "moveit_msgs/ServoStatus": "code"}
 _STATUS_HZ = 10.0
+_OF = "moveit_msgs/"
 _UNITLESS = "unitless"
 _AHEAD = 0.01  # where it is seen whether a singularity nears [rad or m]
 _DIMENSIONS = 6
 _SLOW = 0.1  # of its speed: less is reported
 _JOINT_JOG, _TWIST, _POSE_GOAL = 0, 1, 2  # as moveit_msgs/ServoCommandType numbers them
+_BEGINS = "servo-start"
+_BY_ITSELF = "from the beginning"
+_BY_CALL, _BY_TYPE = "after start_servo", "after switch_command_type"
 _NO_WARNING, _APPROACHING, _HALTED, _LEAVING = 0, 1, 2, 3  # as moveit_msgs/ServoStatus
 Array = NDArray[np.float64]
 
@@ -82,24 +94,32 @@ class Servo(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._streams = CommandStreams(self._commands)
-        self._is_paused = False
+        self._is_started = self._is_paused = False
         self._expected: int | None = None
         self._controlled = np.ones(6)
         self._status = _NO_WARNING
+        of_humble, of_jazzy = self._has(_BY_CALL), self._has(_BY_TYPE)
+        of_older = of_humble or self._has(_BY_ITSELF)
         trigger = "std_srvs/Trigger"
-        for name, kind, handle in (
-            ("start_servo", trigger, lambda *_: self._pause(False)),
-            ("unpause_servo", trigger, lambda *_: self._pause(False)),
-            ("stop_servo", trigger, lambda *_: self._pause(True)),
-            ("pause_servo", trigger, lambda *_: self._pause(True)),
-            ("pause_servo", "std_srvs/SetBool", lambda asked, _: self._pause(bool(asked.data))),
-            ("switch_command_type", "moveit_msgs/ServoCommandType", self._switch),
-            ("change_control_dimensions", "moveit_msgs/ChangeControlDimensions", self._control),
-            ("change_drift_dimensions", "moveit_msgs/ChangeDriftDimensions", self._drift),
-            ("reset_servo_status", "std_srvs/Empty", lambda *_: None),
+        for name, kind, handle, is_there in (
+            ("start_servo", trigger, lambda *_: self._start(), of_humble),
+            ("unpause_servo", trigger, lambda *_: self._pause(False), of_humble),
+            ("stop_servo", trigger, lambda *_: self._pause(True), of_humble),
+            ("pause_servo", trigger, lambda *_: self._pause(True), of_humble),
+            ("pause_servo", "std_srvs/SetBool", self._set_pause, of_jazzy),
+            ("switch_command_type", f"{_OF}ServoCommandType", self._switch, of_jazzy),
+            ("change_control_dimensions", f"{_OF}ChangeControlDimensions", self._control, of_older),
+            ("change_drift_dimensions", f"{_OF}ChangeDriftDimensions", self._drift, of_older),
+            ("reset_servo_status", "std_srvs/Empty", lambda *_: None, of_older),
         ):
-            self._offer(name, kind, handle)
+            if is_there:
+                self._offer(name, kind, handle)
         self._graph.watch(self._on_change)
+
+    def _has(self, start: str) -> bool:
+        """Whether servo may be one that begins so: nobody knows it of an assumed distribution."""
+        rules = self._runtime.distro
+        return rules.is_assumed or rules.value(_BEGINS) == start
 
     def _conclude(self, answer: Any, result: Any) -> None:
         if result is not None:
@@ -146,10 +166,10 @@ class Servo(TwinNode):
     # What comes
 
     def _take_twist(self, topic: str, message: Any) -> None:
-        if not self._is_ready(topic, _TWIST):
-            return
         linear, angular = message.twist.linear, message.twist.angular
         asked = np.array([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+        if not self._takes(topic, _TWIST, message.header, asked):
+            return
         frame = message.header.frame_id
         pose = self._runtime.client(MoveGroupServer).frame(frame)
         if pose is None:
@@ -169,9 +189,9 @@ class Servo(TwinNode):
             )
 
     def _take_jog(self, topic: str, message: Any) -> None:
-        if not self._is_ready(topic, _JOINT_JOG):
-            return
         names, values = list(message.joint_names), [float(each) for each in message.velocities]
+        if not self._takes(topic, _JOINT_JOG, message.header, np.array(values)):
+            return
         known = self._arm.joints
         unknown = [name for name in names if name not in known]
         if unknown:
@@ -191,15 +211,49 @@ class Servo(TwinNode):
         del message
         self._streams.refuse(topic, "goals of poses for servo are not simulated, only velocities")
 
-    def _is_ready(self, topic: str, kind: int) -> bool:
-        """Whether servo takes such commands now; a finding says where it does not."""
-        if self._is_paused:
-            self._streams.refuse(topic, "servo is stopped")
-            return False
-        if self._expected not in (None, kind):
-            self._streams.refuse(topic, "servo was switched to another type of commands")
-            return False
-        return True
+    def _takes(self, topic: str, kind: int, header: Any, asked: Array) -> bool:
+        """Whether servo takes a command now; a finding says so of one that would move something."""
+        why = self._refusal(kind) or self._age(header)
+        if why and np.any(asked):
+            self._streams.refuse(topic, why)
+        return not why
+
+    def _refusal(self, kind: int) -> str:
+        """Return why servo takes no commands of a type now; empty where it does."""
+        begins = self._runtime.distro.value(_BEGINS)
+        if begins == _BY_TYPE and self._is_started and self._expected is None:
+            # Only another distribution has the service by which it was started.
+            self._runtime.distro.decided(_BEGINS, asking_place())
+        elif begins == _BY_CALL and not (self._is_started or self._is_called("start_servo")):
+            return "servo was not started; call its service start_servo first"
+        elif begins == _BY_TYPE and self._expected is None:
+            if not self._is_called("switch_command_type"):
+                return (
+                    "servo was not told which type of commands to take; call its service "
+                    "switch_command_type first"
+                )
+        elif self._expected not in (None, kind):
+            return "servo was switched to another type of commands"
+        return "servo is stopped" if self._is_paused else ""
+
+    def _age(self, header: Any) -> str:
+        """Return why a command is too old; empty where it is not."""
+        most_s = self.settings.incoming_command_timeout
+        sent_ns = nanoseconds(header.stamp)
+        if not sent_ns:
+            return "its header has no stamp, so servo takes it for an old one; stamp it with now"
+        age_s = (EPOCH_NS + self._scheduler.now_ns - sent_ns) * 1e-9
+        if age_s < most_s:
+            return ""
+        return f"its stamp is {age_s:.2g} s old, and servo's time-out is {most_s:g} s"
+
+    def _is_called(self, service: str) -> bool:
+        """Whether a file of the workspace calls a service of servo."""
+        return self._files.call(service)
+
+    @cached_property
+    def _files(self) -> LaunchedControllers:
+        return LaunchedControllers(self._runtime.packages.values())
 
     def _scales(self, *scales: float) -> Array:
         if self.settings.command_in_type != _UNITLESS:
@@ -265,6 +319,14 @@ class Servo(TwinNode):
         self._streams.go_on_at(topic, kind, asked, for_s, is_timeout=True)
 
     # Its services, and what it says of itself
+
+    def _start(self) -> bool:
+        self._is_started = True
+        return self._pause(False)
+
+    def _set_pause(self, request: Any, answer: Any) -> bool:
+        del answer
+        return self._pause(bool(request.data))
 
     def _pause(self, is_paused: bool) -> bool:
         self._is_paused = is_paused

@@ -31,7 +31,7 @@ _HELD = ("--inactive", "--stopped", "--load-only", "stopped_controllers")
 
 
 class LaunchedControllers:
-    """What the workspace's files say of starting controllers."""
+    """What the workspace's files say of starting controllers and nodes."""
 
     def __init__(self, folders: Iterable[Path]) -> None:
         folders = tuple(folders)
@@ -42,6 +42,10 @@ class LaunchedControllers:
     def has_own_bring_up(self) -> bool:
         """Whether a file starts the robot otherwise than by its driver: by a simulator, say."""
         return any(_SIMULATES.search(text) for text in (*self._texts, *self._sources))
+
+    def call(self, service: str) -> bool:
+        """Whether a file names a service, which somebody calls then beside the controller."""
+        return any(service in text for text in self._texts)
 
     def starts(self, name: str) -> bool:
         """Whether a file that starts or switches controllers names this one, and not to hold it."""
