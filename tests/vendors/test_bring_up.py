@@ -207,6 +207,74 @@ def test_the_manager_lists_what_the_bring_up_loads(run):
     assert "forward_position_controller" not in listed
 
 
+# Drivers beside that of today's UR
+
+MODERN = ROS_1.replace("import actionlib", '"""For ur_modern_driver."""\nimport actionlib')
+FRANKA = ROS_1 + "# franka_control\n"
+RUNNING = {
+    # driver: (robot, program, what its bring-up starts, what it holds)
+    "ur_modern_driver": (
+        "ur5", MODERN, "vel_based_pos_traj_controller",
+        {"pos_based_pos_traj_controller", "joint_group_vel_controller"},
+    ),
+    "kortex_driver": ("gen3", ROS_2, "joint_trajectory_controller", {"twist_controller"}),
+    "franka_control": ("panda", FRANKA, "position_joint_trajectory_controller", set()),
+    "dsr_bringup2": ("m1013", ROS_2, "dsr_moveit_controller", set()),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("driver", RUNNING)
+def test_the_controllers_of_other_drivers_are_known(run, driver):
+    robot, cell, active, held = RUNNING[driver]
+    listed = run(cell + "listed = states()\n", robot=robot)["listed"]
+    assert listed[active] in ("running", "active")
+    stopped = {name for name, state in listed.items() if state in ("stopped", "inactive")}
+    assert {name for name in stopped if "gripper" not in name} == held
+
+
+@pytest.mark.parametrize(
+    "word", ["pos_based_pos_traj_controller", "vel_based_pos_traj_controller", "ur_modern_driver"]
+)
+def test_a_word_of_the_program_says_which_driver_of_a_ur_it_is(run, word):
+    listed = run(ROS_1 + f"# {word}\nlisted = states()\n", robot="ur10")["listed"]
+    assert "scaled_pos_joint_traj_controller" not in listed
+    started = "pos_based" if word.startswith("pos") else "vel_based"
+    assert listed[f"{started}_pos_traj_controller"] == "running"
+
+
+def test_a_switch_to_velocities_of_ur_modern_driver_works(run):
+    ran = run(
+        MODERN + "ok = switch(['joint_group_vel_controller'], ['vel_based_pos_traj_controller'])\n"
+        "send('/joint_group_vel_controller/command', [0.0] * 5 + [0.2])\n"
+        "send('/joint_group_vel_controller/command', [0.0] * 6)\n",
+        robot="ur10",
+    )
+    assert ran["ok"]
+    assert ran.findings == []
+    assert wrist(ran) == pytest.approx(0.4, abs=0.08)
+
+
+def test_a_controller_whose_parameters_are_set_is_loaded_with_its_joints(run):
+    ran = run(
+        ROS_1 + "from controller_manager_msgs.srv import LoadController\n"
+        "loading = rospy.ServiceProxy('/controller_manager/load_controller', LoadController)\n"
+        "loading('effort_joint_trajectory_controller')\n"
+        "alone = switch(['effort_joint_trajectory_controller'], [])\n"
+        "ok = switch(['effort_joint_trajectory_controller'],"
+        " ['position_joint_trajectory_controller'])\n",
+        robot="panda",
+    )
+    assert (ran["alone"], ran["ok"]) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("cell", "name"), [(ROS_1, "joint_state_controller"), (ROS_2, "joint_state_broadcaster")]
+)
+def test_joint_states_come_from_the_controller_of_the_distribution(run, cell, name):
+    listed = run(cell + "listed = states()\n", robot="xarm6")["listed"]
+    assert [state for state in listed if state.startswith("joint_state")] == [name]
+
+
 FORWARD = "forward_position_controller"
 STARTED = {
     "an argument of the driver's launch file": (

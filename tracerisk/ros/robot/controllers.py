@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.robot.bring_up.states import BROADCASTS, TYPES, ControllerStates
+from tracerisk.ros.robot.bring_up.states import TYPES, ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
 
@@ -117,7 +117,7 @@ class ControllerManager(TwinNode):
         return request.name == self._twin.robot.name and is_kept
 
     def _load(self, request: Any, answer: Any) -> bool:
-        self._states.all.setdefault(request.name, BROADCASTS)
+        self._states.load(request.name)
         return True
 
     def _configure(self, request: Any, answer: Any) -> bool:

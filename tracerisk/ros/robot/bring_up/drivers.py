@@ -1,15 +1,26 @@
 """Controllers that the bring-up of a known driver loads, and which of them it starts.
 
-Sources: ROS 2, UniversalRobots/Universal_Robots_ROS2_Driver
-ur_robot_driver/launch/ur_control.launch.py and ur_robot_driver/config/ur_controllers.yaml, branches
-humble and jazzy; ROS 1, UniversalRobots/Universal_Robots_ROS_Driver
-ur_robot_driver/launch/ur5e_bringup.launch and ur_robot_driver/config/ur5e_controllers.yaml.
+Sources:
+
+- ur_robot_driver: UniversalRobots/Universal_Robots_ROS2_Driver
+  ur_robot_driver/launch/ur_control.launch.py and ur_robot_driver/config/ur_controllers.yaml,
+  branches humble and jazzy; ROS 1, UniversalRobots/Universal_Robots_ROS_Driver
+  ur_robot_driver/launch/ur5e_bringup.launch and ur_robot_driver/config/ur5e_controllers.yaml
+- ur_modern_driver: ros-industrial-attic/ur_modern_driver launch/ur5_ros_control.launch and
+  config/ur5_controllers.yaml, branch kinetic-devel; the branch master starts the other controller
+  on a UR3 (launch/ur3_ros_control.launch)
+- kortex_driver: Kinovarobotics/ros2_kortex kortex_bringup/launch/kortex_control.launch.py and
+  kortex_description/arms/gen3/7dof/config/ros2_controllers.yaml
+- franka_control: frankaemika/franka_ros franka_control/launch/franka_control.launch and
+  franka_control/config/default_controllers.yaml
+- dsr_bringup2: DoosanRobotics/doosan-robot2 dsr_bringup2/launch/dsr_bringup2_moveit.launch.py and
+  dsr_controller2/config/dsr_controller2.yaml
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -22,17 +33,40 @@ class BringUp:
 
     driver: str
     """The package whose launch file it is."""
+    is_ros2: bool
+    """Whether it is of ROS 2."""
+    mark: str
+    """A controller that the descriptions of its robots have, and no others."""
     active: Mapping[str, str]
-    """The controllers that it starts, each with its type."""
+    """The controllers that it starts, each with its type; the first commands the arm."""
     inactive: Mapping[str, str]
     """The controllers that it loads without starting them, each with its type."""
     idle: frozenset[str]
     """Those of both that command no joints."""
+    loadable: Mapping[str, str] = field(default_factory=dict)
+    """The controllers whose parameters it sets and which it does not load, each with its type."""
+    must_be_named: bool = False
+    """Whether these robots are driven otherwise unless something names it or one of its own."""
+
+    @property
+    def words(self) -> frozenset[str]:
+        """Its package and its controllers."""
+        return frozenset({self.driver, *self.active, *self.inactive, *self.loadable})
+
+    def starting(self, name: str) -> BringUp:
+        """Return it with a controller of those that it holds in the place of its first."""
+        first = next(iter(self.active))
+        active = {name: self.inactive[name], **self.active}
+        inactive = {first: active.pop(first), **self.inactive}
+        del inactive[name]
+        return replace(self, active=active, inactive=inactive)
 
 
 _UR_2 = BringUp(
-    "ur_robot_driver",
-    {
+    driver="ur_robot_driver",
+    is_ros2=True,
+    mark="scaled_joint_trajectory_controller",
+    active={
         "scaled_joint_trajectory_controller": "ur_controllers/ScaledJointTrajectoryController",
         "joint_state_broadcaster": "joint_state_broadcaster/JointStateBroadcaster",
         "io_and_status_controller": "ur_controllers/GPIOController",
@@ -41,7 +75,7 @@ _UR_2 = BringUp(
             "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster"
         ),
     },
-    {
+    inactive={
         "joint_trajectory_controller": "joint_trajectory_controller/JointTrajectoryController",
         "forward_velocity_controller": "velocity_controllers/JointGroupVelocityController",
         "forward_position_controller": "position_controllers/JointGroupPositionController",
@@ -51,7 +85,7 @@ _UR_2 = BringUp(
         "freedrive_mode_controller": "ur_controllers/FreedriveModeController",
         "tool_contact_controller": "ur_controllers/ToolContactController",
     },
-    frozenset(
+    idle=frozenset(
         {
             "joint_state_broadcaster",
             "io_and_status_controller",
@@ -64,8 +98,10 @@ _UR_2 = BringUp(
     ),
 )
 _UR_1 = BringUp(
-    "ur_robot_driver",
-    {
+    driver="ur_robot_driver",
+    is_ros2=False,
+    mark="scaled_pos_joint_traj_controller",
+    active={
         "scaled_pos_joint_traj_controller": "position_controllers/ScaledJointTrajectoryController",
         "joint_state_controller": "joint_state_controller/JointStateController",
         "speed_scaling_state_controller": "scaled_controllers/SpeedScalingStateController",
@@ -73,11 +109,11 @@ _UR_1 = BringUp(
             "force_torque_sensor_controller/ForceTorqueSensorController"
         ),
     },
-    {
+    inactive={
         "pos_joint_traj_controller": "position_controllers/JointTrajectoryController",
         "joint_group_vel_controller": "velocity_controllers/JointGroupVelocityController",
     },
-    frozenset(
+    idle=frozenset(
         {
             "joint_state_controller",
             "speed_scaling_state_controller",
@@ -86,9 +122,83 @@ _UR_1 = BringUp(
     ),
 )
 
+_UR_MODERN = BringUp(
+    driver="ur_modern_driver",
+    is_ros2=False,
+    mark="scaled_pos_joint_traj_controller",
+    active={
+        "vel_based_pos_traj_controller": "velocity_controllers/JointTrajectoryController",
+        "joint_state_controller": "joint_state_controller/JointStateController",
+        "force_torque_sensor_controller": (
+            "force_torque_sensor_controller/ForceTorqueSensorController"
+        ),
+    },
+    inactive={
+        "pos_based_pos_traj_controller": "position_controllers/JointTrajectoryController",
+        "joint_group_vel_controller": "velocity_controllers/JointGroupVelocityController",
+    },
+    idle=frozenset({"joint_state_controller", "force_torque_sensor_controller"}),
+    must_be_named=True,
+)
+_KORTEX_2 = BringUp(
+    driver="kortex_driver",
+    is_ros2=True,
+    mark="gen3_joint_trajectory_controller",
+    active={
+        "joint_trajectory_controller": "joint_trajectory_controller/JointTrajectoryController",
+        "joint_state_broadcaster": "joint_state_broadcaster/JointStateBroadcaster",
+        "fault_controller": "picknik_reset_fault_controller/PicknikResetFaultController",
+    },
+    inactive={"twist_controller": "picknik_twist_controller/PicknikTwistController"},
+    # What the twist controller claims are interfaces of the tool, and none of joints.
+    idle=frozenset({"joint_state_broadcaster", "fault_controller", "twist_controller"}),
+)
+_FRANKA_1 = BringUp(
+    driver="franka_control",
+    is_ros2=False,
+    mark="position_joint_trajectory_controller",
+    active={
+        "position_joint_trajectory_controller": "position_controllers/JointTrajectoryController",
+        "franka_state_controller": "franka_control/FrankaStateController",
+    },
+    inactive={},
+    idle=frozenset({"franka_state_controller"}),
+    loadable={"effort_joint_trajectory_controller": "effort_controllers/JointTrajectoryController"},
+    must_be_named=True,
+)
+_DOOSAN_2 = BringUp(
+    driver="dsr_bringup2",
+    is_ros2=True,
+    mark="dsr_moveit_controller",
+    active={
+        "dsr_moveit_controller": "joint_trajectory_controller/JointTrajectoryController",
+        "dsr_controller2": "dsr_controller2/RobotController",
+        "joint_state_broadcaster": "joint_state_broadcaster/JointStateBroadcaster",
+    },
+    inactive={},
+    idle=frozenset({"dsr_controller2", "joint_state_broadcaster"}),
+    loadable={"dsr_position_controller": "forward_command_controller/ForwardCommandController"},
+)
+BRING_UPS = (_UR_2, _UR_1, _UR_MODERN, _KORTEX_2, _FRANKA_1, _DOOSAN_2)
+"""Those that are known; of several for a robot the first counts where nothing names another."""
 
-def bring_up_of(robot: Robot, *, is_ros2: bool) -> BringUp | None:
-    """Return the bring-up of the driver whose controllers a robot has, if it is known."""
-    made = _UR_2 if is_ros2 else _UR_1
-    first = next(iter(made.active))
-    return made if any(each.name == first for each in robot.controllers) else None
+
+def bring_up_of(
+    robot: Robot, *, is_ros2: bool, is_named: Callable[[str], bool] = lambda _: False
+) -> BringUp | None:
+    """Return the bring-up of the driver whose controllers a robot has, if it is known.
+
+    `is_named` says whether a word stands in the program, or in the files around it.
+    """
+    names = {controller.name for controller in robot.controllers}
+    made = [each for each in BRING_UPS if each.is_ros2 == is_ros2 and each.mark in names]
+    default = next((each for each in made if not each.must_be_named), None)
+    others = names if default is None else names | default.words
+    for bring_up in (each for each in made if each.must_be_named):
+        found = {word for word in bring_up.words - others if is_named(word)}
+        if found:
+            # Which of its controllers for trajectories begins may depend on its version.
+            held = [name for name in bring_up.inactive if name in found and "traj" in name]
+            is_first_named = next(iter(bring_up.active)) in found
+            return bring_up.starting(held[0]) if held and not is_first_named else bring_up
+    return default

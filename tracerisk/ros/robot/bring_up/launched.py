@@ -33,15 +33,22 @@ _HELD = ("--inactive", "--stopped", "--load-only", "stopped_controllers")
 class LaunchedControllers:
     """What the workspace's files say of starting controllers and nodes."""
 
-    def __init__(self, folders: Iterable[Path]) -> None:
+    def __init__(self, folders: Iterable[Path], script: Path | None = None) -> None:
+        """`script` is the program that runs, which may lie in none of the folders."""
         folders = tuple(folders)
         self._texts = tuple(islice(_texts(folders, _NAMES), _MOST_FILES))
-        self._sources = tuple(islice(_texts(folders, _SOURCES), _MOST_FILES))
+        own = () if script is None else _read([script], _SOURCES)
+        self._sources = (*own, *islice(_texts(folders, _SOURCES), _MOST_FILES))
 
     @property
     def has_own_bring_up(self) -> bool:
         """Whether a file starts the robot otherwise than by its driver: by a simulator, say."""
         return any(_SIMULATES.search(text) for text in (*self._texts, *self._sources))
+
+    def name(self, word: str) -> bool:
+        """Whether a file or a program names a package or a controller."""
+        found = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
+        return any(found.search(text) for text in (*self._texts, *self._sources))
 
     def call(self, service: str) -> bool:
         """Whether a file names a service, which somebody calls then beside the controller."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.graph.declared_controllers import DeclaredController, DeclaredControllers
@@ -67,8 +68,7 @@ class ControllerStates:
             return modes | known | ({} if is_there else {name: DeclaredController((), kind)})
         made, robot = self._bring_up, self._runtime.twin.robot
         driven = {each.name for each in robot.controllers}
-        first = next(iter(made.active))
-        joints = known[first].joints
+        joints = known[made.mark].joints
         loaded = {
             name: DeclaredController(() if name in made.idle else joints, kind)
             for name, kind in (*made.active.items(), *made.inactive.items())
@@ -79,6 +79,18 @@ class ControllerStates:
             if name not in loaded and (name not in driven or each.joints != joints)
         }
         return modes | loaded | others
+
+    def load(self, name: str) -> None:
+        """Load a controller: one whose parameters the driver sets, or of which nothing is known."""
+        made, loaded = self._bring_up, BROADCASTS
+        if made is not None and name in made.loadable:
+            joints = robot_controllers(self._runtime)[made.mark].joints
+            loaded = DeclaredController(joints, made.loadable[name])
+        self.all.setdefault(name, loaded)
+
+    @property
+    def _is_ros2(self) -> bool:
+        return self._runtime.distro.name != "noetic"
 
     @cached_property
     def running(self) -> set[str]:
@@ -196,10 +208,11 @@ class ControllerStates:
     def _bring_up(self) -> BringUp | None:
         """The bring-up of the driver, without what files of the workspace start."""
         runtime = self._runtime
-        made = bring_up_of(runtime.twin.robot, is_ros2=runtime.distro.name != "noetic")
+        script = next(map(Path, runtime.argv), None)
+        files = LaunchedControllers(runtime.packages.values(), script)
+        made = bring_up_of(runtime.twin.robot, is_ros2=self._is_ros2, is_named=files.name)
         if made is None:
             return None
-        files = LaunchedControllers(runtime.packages.values())
         if files.has_own_bring_up:
             return None
         if any(files.starts(name) for name in made.inactive):
