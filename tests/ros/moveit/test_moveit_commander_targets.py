@@ -53,7 +53,7 @@ def test_an_unknown_group_lists_the_groups(run):
         ("arm.set_orientation_target([1, 2, 3])", "Expected [qx, qy, qz, qw]"),
         ("arm.set_pose_target([1, 2])", "expected to consist of either 6 or 7 values"),
         ("arm.shift_pose_target(6, 1)", "An axis value between 0 and 5 expected"),
-        ("arm.set_path_constraints(3)", "unknown constraint type <class 'int'>"),
+        ("arm.set_path_constraints('up')", "Unable to set path constraints up"),
         ("arm.set_end_effector_link('tool')", "Unable to set end effector link 'tool'"),
         ("hand.set_pose_target([0] * 6)", "There is no end effector to set the pose for"),
         ("hand.get_current_pose()", "There is no end effector to get the pose of"),

@@ -156,10 +156,12 @@ class GroupSettings:
         """Set the workspace as [], [minX, minY, maxX, maxY] or with Z; it binds mobile bases.
 
         Raises:
+            ArgumentError: a value is no number.
             MoveItCommanderException: there are neither 0, 4 nor 6 values.
         """
         if len(ws) not in (0, 4, 6):
             raise MoveItCommanderException("Expected 0, 4 or 6 values in list specifying workspace")
+        check_arguments("set_workspace", *((value, "double") for value in ws))
         low, high = list(ws[: len(ws) // 2]), list(ws[len(ws) // 2 :])
         for corner, values in (
             (self._workspace.min_corner, low),
@@ -210,14 +212,20 @@ class GroupSettings:
         return self._path_constraints
 
     def set_path_constraints(self, value: Any) -> None:
-        """Set what plans must keep to on the way; a plan that does not is a failure."""
+        """Set what plans must keep to on the way; a plan that does not is a failure.
+
+        Raises:
+            ArgumentError: it is neither a Constraints nor the name of some.
+            MoveItCommanderException: it is a name, of which the warehouse has none.
+        """
         if value is None:
             self.clear_path_constraints()
         elif isinstance(value, Constraints):
             self._path_constraints = value
         else:
+            check_arguments("set_path_constraints", (value, "std::string"))
             raise MoveItCommanderException(
-                f"Unable to set path constraints, unknown constraint type {type(value)}"
+                f"Unable to set path constraints {value}: no warehouse is connected that has them"
             )
 
     def clear_path_constraints(self) -> None:
@@ -234,9 +242,13 @@ class GroupSettings:
             self.clear_trajectory_constraints()
         elif isinstance(value, TrajectoryConstraints):
             self._trajectory_constraints = value
+        elif isinstance(value, str):
+            raise MoveItCommanderException(f"Unable to set trajectory constraints {value}")
         else:
-            raise MoveItCommanderException(
-                f"Unable to set trajectory constraints, unknown constraint type {type(value)}"
+            # The library joins its words and the value.
+            raise TypeError(
+                f'can only concatenate str (not "{type(value).__name__}") to str: trajectory '
+                "constraints are a TrajectoryConstraints"
             )
 
     def clear_trajectory_constraints(self) -> None:

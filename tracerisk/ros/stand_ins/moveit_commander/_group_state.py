@@ -11,7 +11,7 @@ from tracerisk.ros.transforms.poses import conjugate, multiply, rotate, rpy_from
 from tracerisk.twin.physics import motion
 
 from . import conversions
-from ._binding import received
+from ._binding import check_arguments, received
 from ._group_settings import GroupSettings
 from .exception import MoveItCommanderException
 
@@ -49,8 +49,10 @@ class GroupState(GroupSettings):
         """Set the link that poses are for.
 
         Raises:
+            ArgumentError: it is no string.
             MoveItCommanderException: the robot has no such link.
         """
+        check_arguments("set_end_effector_link", (link_name, "std::string"))
         links = self._server.robot.link_names
         if link_name not in links:
             raise MoveItCommanderException(
@@ -158,9 +160,11 @@ class GroupState(GroupSettings):
         return {**self._server.positions(), **self._start_state}
 
     def _link(self, end_effector_link: str, what: str) -> str:
-        link = end_effector_link or self._end_effector_link
+        """Return the link that is meant; it raises TypeError for what has no length, as `None`."""
+        link = end_effector_link if len(end_effector_link) else self._end_effector_link
         if not link:
             raise MoveItCommanderException(f"There is no end effector to {what}")
+        check_arguments("set_end_effector_link", (link, "std::string"))
         return link
 
     def _link_pose(self, end_effector_link: str, what: str) -> motion.Pose:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from geometry_msgs.msg import Pose, PoseStamped
-from moveit_msgs.msg import RobotState
 from sensor_msgs.msg import JointState
 
 from tracerisk.errors import one_of
@@ -63,8 +62,9 @@ class GroupTargets(GroupState):
         `arg2` or `arg3` and whether it may be approximate as the other.
 
         Raises:
-            MoveItCommanderException: a name is not of the group, a value is out of bounds, there
-                are too many or too few values, or no positions reach the pose.
+            MoveItCommanderException: it is of another type, a RobotState say; a name is not of the
+                group, a value is out of bounds, there are too many or too few values, or no
+                positions reach the pose.
         """
         if isinstance(arg1, Pose | PoseStamped):
             self._set_target_by_pose(arg1, arg2, arg3)
@@ -89,9 +89,6 @@ class GroupTargets(GroupState):
                     f"{_OUT_OF_BOUNDS} sizes of name and position arrays do not match"
                 )
             self._set_joints(dict(zip(arg1.name, arg1.position, strict=True)))
-        elif isinstance(arg1, RobotState):
-            state = self._state_positions(arg1)
-            self._set_joints({n: v for n, v in state.items() if n in self._joint_target})
         elif isinstance(arg1, Mapping):
             self._set_joints(dict(zip(arg1, doubles(arg1.values()), strict=True)))
         elif isinstance(arg1, Iterable):
@@ -174,8 +171,10 @@ class GroupTargets(GroupState):
         """Set a remembered or a named state as the target.
 
         Raises:
+            ArgumentError: it is no string.
             MoveItCommanderException: there is no such state; lists those there are.
         """
+        check_arguments("set_named_target", (name, "std::string"))
         if name in self._remembered:
             self._set_joints(self._named_values(self._remembered[name]))
             return
@@ -195,9 +194,16 @@ class GroupTargets(GroupState):
         return dict(self._server.robot.named_states.get(self._name, {}).get(target, {}))
 
     def remember_joint_values(self, name: str, values: Sequence[float] | None = None) -> None:
-        """Remember joint positions (the present ones) under a name."""
+        """Remember joint positions (the present ones) under a name.
+
+        Raises:
+            ArgumentError: the positions are no list, or the name is no string.
+        """
         chosen = self.get_current_joint_values() if values is None else values
-        self._remembered[name] = [float(value) for value in chosen]
+        check_arguments(
+            "remember_joint_values", (name, "std::string"), (chosen, "boost::python::list")
+        )
+        self._remembered[name] = doubles(chosen)
 
     def get_remembered_joint_values(self) -> dict[str, list[float]]:
         """Return the remembered joint positions by name."""

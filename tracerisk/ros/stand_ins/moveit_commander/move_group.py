@@ -325,13 +325,23 @@ class MoveGroupCommander(GroupPickPlace):
     # Objects
 
     def attach_object(
-        self, object_name: str, link_name: str = "", touch_links: Sequence[str] = ()
+        self, object_name: str, link_name: str = "", touch_links: Sequence[str] | None = None
     ) -> bool:
         """Attach an object of the planning scene to a link (the end effector); True when asked.
 
         As with MoveIt the answer does not say whether there is such an object; where there is
         none, the run has a finding.
+
+        Raises:
+            ArgumentError: a name is no string, or the links that may touch it are no list.
         """
+        touch_links = [] if touch_links is None else touch_links
+        check_arguments(
+            "attach_object",
+            (object_name, "std::string"),
+            (link_name, "std::string"),
+            (touch_links, "boost::python::list"),
+        )
         links = self._server.group_links(self._name)
         link = link_name or self._end_effector_link or (links[0] if links else "")
         if not link:
@@ -345,7 +355,12 @@ class MoveGroupCommander(GroupPickPlace):
         return True
 
     def detach_object(self, name: str = "") -> bool:
-        """Detach an object, or all those attached to a link, or to any link of the group."""
+        """Detach an object, or all those attached to a link, or to any link of the group.
+
+        Raises:
+            ArgumentError: the name is no string.
+        """
+        check_arguments("detach_object", (name, "std::string"))
         attached = dict(self._server.scene.attached)
         links = self._server.group_links(self._name)
         with self._server.by_topic():
