@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.errors import DriverError
+from tracerisk.vendors.description_reader import read_driver
+
 MESSAGES = """
 definitions:
   arm_msgs/srv/Go: |
@@ -240,3 +243,57 @@ done = go([0.3] + [0.0] * 6, name='/cell/left/go')
     assert ran["done"].code == 0, ran["done"]
     assert ran.position("left_s0") == pytest.approx(0.3, abs=0.02)
     assert ran.position("right_s0") != pytest.approx(0.3, abs=0.02)
+
+
+MODES = """
+driver: arm
+codes: {succeeded: 0, disabled: 6}
+state: {mode: 0}
+remedies: {disabled: "call /do with 1"}
+trajectories: {needs: {mode: 0}}
+services:
+  go:
+    type: arm_msgs/Go
+    cases:
+      - {when: {$mode: 0}, move: {joints: q, speed: speed}, wait: wait, response: &code {code: $code}}
+      - {when: {$mode: 1}, stream: true, move: {joints: q}, response: *code}
+      - {ignore: "mode $mode moves nothing", response: *code}
+  do: {type: arm_msgs/Do, set: {mode: what, enabled: {value: true}}}
+  off: {type: arm_msgs/Do, set: {enabled: {value: false}}}
+  reach: {type: arm_msgs/Go, set_tool: {pose: q}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("steps", "code", "commands", "words"),
+    [
+        ("", 0, 1, ""),
+        ("do(1)", 0, 1, ""),
+        ("do(2)", 0, 0, "go moved nothing: mode 2 moves nothing"),
+        ("rospy.ServiceProxy('/off', Do)(0)", 6, 0, "is not enabled; call /do with 1"),
+    ],
+)
+def test_a_mode_says_what_a_call_does(run_on, steps, code, commands, words):
+    ran = run_on(
+        "ur5e", HEAD + f"{steps}\ncode = go(A).code\nrospy.sleep(3.0)\n", driver=MODES + MESSAGES
+    )
+    assert (ran["code"], len(ran.recording.commands)) == (code, commands)
+    assert [each for each in ran.findings if words in each] == ran.findings[: bool(words)]
+    assert bool(ran.findings) == bool(words)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("on_error: {speed: 1}", r"on_error\.speed: is not in 'state'; .*mode"),
+        ("remedies: {aborted: wait}", "unknown key 'aborted'.*disabled"),
+        ("trajectories: {needs: {state: 1}}", r"state: is not in 'state'"),
+        ("services: {off: {type: arm_msgs/Do, stream: true}}", "stands without 'move'"),
+    ],
+)
+def test_what_a_description_says_of_modes_is_checked(tmp_path, lines, message):
+    path = tmp_path / "arm.driver.yaml"
+    served = "" if "services" in lines else "services: {off: {type: arm_msgs/Do, stop: true}}\n"
+    path.write_text(f"driver: arm\nstate: {{mode: 0}}\n{lines}\n{served}{MESSAGES}")
+    with pytest.raises(DriverError, match=message):
+        read_driver(path)

@@ -129,6 +129,8 @@ tool = line([0, 0, 30, 0, 0, 0], 50, 500, 0, 0)
 after = pose().datas
 report = rospy.wait_for_message('/xarm/xarm_states', RobotMsg)
 error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
+rospy.ServiceProxy('/xarm/set_mode', SetInt16)(4)
+rospy.ServiceProxy('/xarm/set_state', SetInt16)(0)
 velocity = rospy.ServiceProxy('/xarm/velo_move_joint_timed', MoveVelocity)
 velocity([0.2] + [0.0] * 6, True, False, 1.0)
 rospy.sleep(2.0)

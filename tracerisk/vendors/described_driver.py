@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from tracerisk.ros.controller.needs import Need, NeedKind
 from tracerisk.ros.controller.thread import undisturbed
@@ -15,7 +14,6 @@ from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.names import ANY_TYPE
 from tracerisk.ros.robot.bring_up.states import ControllerStates
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.state_topics import fill_joint_state
@@ -25,6 +23,7 @@ from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
 from tracerisk.vendors.described_parts import (
     DescribedArm,
+    DescribedStreams,
     DriverState,
     case_of,
     is_named,
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 
+_STATE = re.compile(r"\$(\w+)")
 _PLAYING = "PLAYING"  # of a driver whose state says whether its program runs
 _NEEDED: Mapping[InterfaceKind, NeedKind] = {
     "services": "service",
@@ -70,7 +70,8 @@ class DescribedDriver(TwinNode):
         self._state = DriverState(driver, runtime)
         self._queue, self._grips = self._state.queue, self._state.grips
         self._arms: dict[tuple[str | None, str | None], DescribedArm] = {}
-        self._streams = CommandStreams(self._commands)
+        self._controllers = runtime.client(ControllerStates)
+        self._streams = DescribedStreams(self._commands)
         self._taken: set[tuple[str, str]] = set()
         known = [each for each in driver.interfaces if self._types(each)]
         if driver.origin == "user" and driver.interfaces and not known:
@@ -187,7 +188,19 @@ class DescribedDriver(TwinNode):
                 found = content_of(request.raw(value))
                 self._state[name] = found.decode() if isinstance(found, bytes) else found
                 if name == "program" and found == _PLAYING:
-                    self._runtime.client(ControllerStates).program_started()
+                    self._controllers.program_started()
+                self._hold_trajectories(name)
+
+    def _hold_trajectories(self, name: str) -> None:
+        """Have the controllers carry out nothing where the state is not as trajectories need it."""
+        needed = self._driver.trajectories_need.get(name, ())
+        if needed:
+            is_so = str(self._state[name]) in map(str, needed)
+            words = (
+                f"the arm was put into {name} {self._state[name]}, in which its driver carries out "
+                f"no trajectories; allowed: {', '.join(map(str, needed))}"
+            )
+            self._controllers.hold("" if is_so else words)
 
     def _do(
         self,
@@ -205,6 +218,8 @@ class DescribedDriver(TwinNode):
                 self._commands.report("not_simulated", f"{short_name(interface)}: {words}", stack)
         if case.refuse:
             return Result("not_simulated", case.refuse), []
+        if case.ignore:
+            return self._ignored(interface, case, stack), []
         if case.clear:
             self._queue.clear()
         if case.stop:
@@ -218,11 +233,22 @@ class DescribedDriver(TwinNode):
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
         kind = short_name(interface)
+        if case.effect == "set_tool":
+            arm.motion.offset = arm.motions.tool(case, request)
+            return Result(), []
+        if case.stream and (refused := self._queue.refused()):
+            words = self._queue.why(refused)
+            self._commands.report("command_ignored", f"{kind} moved nothing: {words}", stack)
+            return Result(refused, words), []
+        if case.stream:
+            with undisturbed(self._scheduler.current):
+                self._streams.take(arm, interface, case, interface.name, request)
+            return Result(), []
         if case.effect == "grip":
             job = Job(kind, stack, arm.motions.grip(case, request), on_end, is_goal)
             self._grips.ask(job, "replace")
             return Result(), [job]
-        rule = interface.while_moving or self._driver.while_moving
+        rule = case.while_moving or interface.while_moving or self._driver.while_moving
         make = arm.motions.move if case.effect == "move" else arm.motions.velocity
         made = make(case, request)
         if rule == "wait" and interface.kind == "services":
@@ -241,6 +267,19 @@ class DescribedDriver(TwinNode):
         job = Job(kind, stack, start, on_end, is_goal)
         self._queue.ask(job, "queue" if rule == "wait" else rule)
         return Result(), [job]
+
+    def _ignored(self, interface: Interface, case: Case, stack: tuple[Frame, ...]) -> Result:
+        """Report what the driver answers as if it did it; `$name` is a value of its state."""
+        words = _STATE.sub(lambda name: str(self._state[name[1]]), case.ignore)
+        name = short_name(interface)
+        self._commands.report(
+            "command_ignored",
+            f"{name} moved nothing: {words}",
+            stack,
+            object_name=name,
+            may_stream=True,
+        )
+        return Result()
 
     # Actions
 
@@ -363,37 +402,15 @@ class DescribedDriver(TwinNode):
     def _take(self, interface: Interface, topic: str, request: Request) -> None:
         case, stack = case_of(interface, request), self._commands.stack()
         self._set(case, request)
-        arm, kind = self._arm(interface), short_name(interface)
         is_motion = case.effect in ("move", "velocity")
         queued = (interface.while_moving or self._driver.while_moving) == "queue"
-        if not is_motion or (queued and case.effect == "move"):
+        waits = queued and case.effect == "move" and not case.stream
+        if waits or not is_motion or case.ignore:
             self._do(interface, case, request, stack)
-            return
-        if refused := self._queue.refused():
-            self._streams.refuse(topic, f"the driver is {refused}")
-            return
-        target = arm.motions.set_point(case, request) if case.effect == "move" else None
-        if target is not None:
-            share = arm.motions.share(case, request)
-            places = np.array(list(target.values()))
-            self._streams.to_position(topic, kind, tuple(target), places, speed=share)
-            return
-        if case.effect == "velocity" and "joints" in case.roles:
-            asked = arm.motions.speeds(case, request)
-            duration = case.roles.get("duration")
-            for_s = request.seconds(duration) or None
-            is_timeout = duration is not None and duration.is_drivers
-            self._streams.go_on_at(topic, kind, asked, for_s, is_timeout=is_timeout)
-            if not any(asked.values()):
-                arm.motion.stop()
-            return
-        make = arm.motions.move if case.effect == "move" else arm.motions.velocity
-        trajectory = make(case, request)()
-        if trajectory is None:
-            arm.motion.stop()
+        elif refused := self._queue.refused():
+            self._streams.refuse(topic, self._queue.why(refused))
         else:
-            is_set_point = case.effect == "velocity"
-            self._streams.follow(topic, kind, trajectory, is_set_point=is_set_point)
+            self._streams.take(self._arm(interface), interface, case, topic, request)
 
     def _publish(self, interface: Interface, name: str, type_name: str) -> None:
         answers = self._arm(interface).answers

@@ -80,8 +80,13 @@ class DescribedMotions:
 
         return by_pose
 
-    def set_point(self, case: Case, request: Request) -> dict[str, float] | None:
-        """Return where the joints shall be that a message of a stream asks for, None for a way."""
+    def set_point(
+        self, case: Case, request: Request, before: Sequence[float] | None = None
+    ) -> dict[str, float] | None:
+        """Return where the joints shall be that a message of a stream asks for, None for a way.
+
+        `before` is where the stream leads already, which a step in the tool's axes goes on from.
+        """
         if "trajectory" in case.roles or request.flag(case.roles.get("line"), default=False):
             return None
         is_relative = request.flag(case.roles.get("relative"), default=False)
@@ -93,7 +98,8 @@ class DescribedMotions:
         else:
             asked = self._asked_poses(case.roles, request)
             frame = request.word(case.roles.get("frame"))
-            (pose, *_) = self._poses(asked, frame, is_relative=is_relative)
+            at = None if before is None else self._arm.pose_at(before)
+            (pose, *_) = self._poses(asked, frame, is_relative=is_relative, here=at)
             full = self._arm.reach(pose, self._arm.positions())
         self._arm.check(full)
         return dict(zip(self._arm.joints, full, strict=True))
@@ -152,6 +158,13 @@ class DescribedMotions:
             closed, opened = self._driver.closed, self._driver.opened
             share = (number - closed) / (opened - closed)
         return lambda: self._arm.grip_motion(share, max_effort=effort)
+
+    def tool(self, case: Case, request: Request) -> Pose:
+        """Return where a tool is to be whose place the driver is told, seen from its link."""
+        if "transform" in case.roles:
+            return request.transform(case.roles["transform"])
+        ((pose, _), *_) = request.poses(case.roles["pose"])
+        return pose
 
     def solve(self, case: Case, request: Request) -> Result:
         """Return the pose that joints lead to, or joints that lead to a pose."""
@@ -269,11 +282,16 @@ class DescribedMotions:
         return [(position, turn, "")]
 
     def _poses(
-        self, asked: Sequence[tuple[Any, Any, str]], frame: str | None, *, is_relative: bool
+        self,
+        asked: Sequence[tuple[Any, Any, str]],
+        frame: str | None,
+        *,
+        is_relative: bool,
+        here: Pose | None = None,
     ) -> list[Pose]:
         found: list[Pose] = []
         for position, turn, header in asked:
-            here = found[-1] if found else self._arm.tool_pose()
+            here = found[-1] if found else here or self._arm.tool_pose()
             if frame == "tool":
                 step = Pose(position or (0.0, 0.0, 0.0), turn or (0.0, 0.0, 0.0, 1.0))
                 found.append(compose(here, step))

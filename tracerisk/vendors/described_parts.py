@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tracerisk.errors import DriverError, one_of
 from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.twin.physics.motion import PlanningError
@@ -33,7 +36,13 @@ class DriverState(dict[str, Any]):
     def __init__(self, driver: Driver, runtime: Runtime) -> None:
         super().__init__(driver.state)
         commands = runtime.client(TwinCommands)
-        self.queue = MotionQueue(commands, driver.errors, disables=driver.error_disables)
+        self.queue = MotionQueue(
+            commands,
+            driver.errors,
+            disables=driver.error_disables,
+            remedies=driver.remedies,
+            on_error=lambda: self.update(driver.on_error),
+        )
         self.grips = MotionQueue(commands, {}, disables=False)
         self._parameters = driver.parameters
         self._tree = runtime.graph.parameters
@@ -68,6 +77,49 @@ class DescribedArm:
         self.motions = DescribedMotions(driver, self.motion, state, runtime)
         queues = state.queue, state.grips
         self.answers = Answers(driver, self.motion, *queues, state, messages, reading)
+
+
+class DescribedStreams:
+    """Follows set-points and velocities that come one after the other, by topic or by calls."""
+
+    def __init__(self, commands: TwinCommands) -> None:
+        self._streams = CommandStreams(commands)
+        self.refuse = self._streams.refuse
+
+    def take(
+        self, arm: DescribedArm, interface: Interface, case: Case, name: str, request: Request
+    ) -> None:
+        """Go on with the stream of a topic or of the calls of a service.
+
+        Raises:
+            PlanningError: it cannot be followed.
+        """
+        kind, motions = short_name(interface), arm.motions
+        if case.effect == "move":
+            before = self._streams.target(name, arm.motion.joints)
+            at = None if before is None else before.tolist()
+            target = motions.set_point(case, request, at)
+            if target is not None:
+                places = np.array(list(target.values()))
+                share = motions.share(case, request)
+                self._streams.to_position(name, kind, tuple(target), places, speed=share)
+                return
+        elif "joints" in case.roles:
+            asked = motions.speeds(case, request)
+            duration = case.roles.get("duration")
+            for_s = request.seconds(duration) or None
+            is_timeout = duration is not None and duration.is_drivers
+            self._streams.go_on_at(name, kind, asked, for_s, is_timeout=is_timeout)
+            if not any(asked.values()):
+                arm.motion.stop()
+            return
+        make = motions.move if case.effect == "move" else motions.velocity
+        trajectory = make(case, request)()
+        if trajectory is None:
+            arm.motion.stop()
+        else:
+            is_set_point = case.effect == "velocity"
+            self._streams.follow(name, kind, trajectory, is_set_point=is_set_point)
 
 
 def lacking_joint(driver: Driver, robot: Robot) -> str:

@@ -26,6 +26,7 @@ EFFECTS: Mapping[str, tuple[str, ...]] = {
     "velocity": ("joints", "joint_names", "twist", "frame", "duration"),
     "grip": ("position", "width", "open", "effort"),
     "solve": ("joints", "pose", "seed"),
+    "set_tool": ("pose", "transform"),
 }
 """What an interface can do that needs values, and the roles that its values play."""
 
@@ -34,6 +35,7 @@ TARGETS: Mapping[str, tuple[str, ...]] = {
     "velocity": ("joints", "twist"),
     "grip": ("position", "width", "open"),
     "solve": ("joints", "pose"),
+    "set_tool": ("pose", "transform"),
 }
 """The roles of which an effect needs one."""
 
@@ -149,7 +151,9 @@ class Case:
     """What an interface does where its conditions hold, all of them.
 
     `effect` is one of `EFFECTS` with its `roles`; `set` gives values to the driver's state;
-    `note` is said where what is asked changes nothing on the twin, `refuse` where it cannot be.
+    `note` is said where what is asked changes nothing on the twin, `refuse` where it cannot be,
+    `ignore` where the driver answers as if it did what it does not. What is moved by `stream` are
+    set-points, of which each leads on from the one before.
     """
 
     location: Location
@@ -161,6 +165,9 @@ class Case:
     set: Mapping[str, Value] = field(default_factory=dict)
     note: str = ""
     refuse: str = ""
+    ignore: str = ""
+    stream: bool = False
+    while_moving: WhileMoving | None = None
     wait: Value | None = None
     timeout: Value | None = None
     response: Mapping[str, Output] | None = None
@@ -209,7 +216,10 @@ class Driver:
     a mistake; a shipped or an installed one is not meant then. `robot` is the one that who uses
     its messages drives, where nothing names another. `joints` are names that it has beside those
     of the joints. With `of_joints` it is that of robots which have these. `stop_at_limits` and
-    `ignore_tolerances` are what it does with trajectories.
+    `ignore_tolerances` are what it does with trajectories; where the program has set what
+    `trajectories_need` names to another value than one of these, it carries out none. `on_error`
+    are values that its state takes with an error, `remedies` what to do where it refuses motions,
+    by the outcome.
     """
 
     name: str
@@ -229,6 +239,8 @@ class Driver:
     codes: Mapping[str, Any] = field(default_factory=dict)
     errors: Mapping[str, int] = field(default_factory=dict)
     error_disables: bool = False
+    on_error: Mapping[str, Any] = field(default_factory=dict)
+    remedies: Mapping[str, str] = field(default_factory=dict)
     state: Mapping[str, Any] = field(default_factory=dict)
     parameters: Mapping[str, Output] = field(default_factory=dict)
     interfaces: tuple[Interface, ...] = ()
@@ -238,6 +250,7 @@ class Driver:
     of_joints: tuple[str, ...] = ()
     stop_at_limits: bool = False
     ignore_tolerances: bool = False
+    trajectories_need: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     origin: Origin = "user"
 
 

@@ -45,6 +45,8 @@ TOP = (
         "joints",
         "of_joints",
         "trajectories",
+        "on_error",
+        "remedies",
         "common",
     ),
 )
@@ -55,10 +57,17 @@ TRAJECTORIES: Mapping[str, tuple[str, str]] = {
     "tolerances": ("kept", "ignored"),
 }
 """What a driver may do with trajectories; the first is the default."""
+NEEDS = "needs"
+"""What of a driver's state must be so for it to carry out trajectories."""
 ALONE = ("parameters", "joints", "trajectories")
 """The keys of which one is enough where a driver serves nothing of its own."""
 NAMED_JOINTS = ("moves", "note")
-CASE = (*EFFECTS, "when", "stop", "clear", "set", "note", "refuse", "wait", "timeout")
+CASE = (
+    *(*EFFECTS, "when", "stop", "clear", "set", "note", "refuse", "ignore", "stream"),
+    *("wait", "timeout"),
+)
+REMEDIES = ("disabled", "in_error", "busy")
+"""The outcomes of a motion that is refused, for which a description may say what to do."""
 OF_KIND: Mapping[InterfaceKind, tuple[str, ...]] = {
     "services": ("type", "name", "cases", "response", "while_moving", "group", "gripper"),
     "actions": (
@@ -139,6 +148,8 @@ class _Reader:
             codes=_codes(top, "codes"),
             errors=_codes(top, "errors"),
             error_disables=top.boolean("error_disables", default=False),
+            on_error=self._state_values(top.section("on_error")),
+            remedies=_remedies(top),
             state={key: plain_value(state, key) for key in state},
             parameters=self._values.outputs(top, "parameters") or {},
             interfaces=tuple(interfaces),
@@ -148,6 +159,7 @@ class _Reader:
             of_joints=_strings(top, "of_joints"),
             stop_at_limits=_rule(top, "past_limit", "stop"),
             ignore_tolerances=_rule(top, "tolerances", "ignored"),
+            trajectories_need=self._needs(top.section("trajectories")),
             origin=origin,
         )
 
@@ -175,9 +187,6 @@ class _Reader:
                 cases = (self._case(kind, entry, own),)
         answer = ANSWER.get(kind)
         rate = entry.number("rate", default=10.0, minimum=0.01, maximum=_GREATEST_RATE)
-        while_moving = _choice(entry, "while_moving", get_args(WhileMoving), None)
-        if while_moving == "wait" and kind != "services":
-            entry.fail("while_moving", "only the call of a service can wait; use 'queue'")
         return Interface(
             kind=kind,
             name=entry.string("name", default=name),
@@ -188,7 +197,7 @@ class _Reader:
             feedback=(self._values.outputs(entry, "feedback") or {}) if kind == "actions" else {},
             rate=rate,
             latch=entry.boolean("latch", default=False),
-            while_moving=while_moving,
+            while_moving=_while_moving(kind, entry),
             group=entry.optional_string("group"),
             gripper=entry.optional_string("gripper"),
         )
@@ -196,7 +205,7 @@ class _Reader:
     def _case(self, kind: InterfaceKind, entry: YamlMap, beside: Collection[str] = ()) -> Case:
         answer = ANSWER.get(kind)
         if not beside:
-            entry.forbid_unknown((*CASE, answer) if answer else CASE)
+            entry.forbid_unknown((*CASE, "while_moving", *filter(None, [answer])))
         elif "when" in entry:
             entry.fail("when", "stands in an entry of 'cases'; write 'cases: [{when: ...}]'")
         effects = [name for name in EFFECTS if name in entry]
@@ -209,10 +218,8 @@ class _Reader:
                     entry.fail(key, "a message on a topic gets no answer; leave it out")
         if kind == "actions" and "timeout" in entry:
             entry.fail("timeout", "the goal of an action ends with its motion; leave it out")
-        set_, allowed = entry.section("set"), (*self._state, "enabled")
-        for key in set_:
-            if key not in allowed:
-                set_.fail(key, f"is not in 'state'; {one_of(allowed, key)}")
+        set_ = entry.section("set")
+        self._check_state(set_, "enabled")
         return Case(
             location=entry.location,
             when=self._conditions(entry.section("when")),
@@ -223,10 +230,36 @@ class _Reader:
             set={key: self._values.value(set_, key) for key in set_},
             note=entry.string("note", default=""),
             refuse=entry.string("refuse", default=""),
+            ignore=entry.string("ignore", default=""),
+            stream=self._streams(entry, effect),
+            while_moving=None if beside else _while_moving(kind, entry),
             wait=self._values.value(entry, "wait") if "wait" in entry else None,
             timeout=self._values.value(entry, "timeout") if "timeout" in entry else None,
             response=self._values.outputs(entry, answer) if answer and not beside else None,
         )
+
+    def _streams(self, entry: YamlMap, effect: str) -> bool:
+        is_stream = entry.boolean("stream", default=False)
+        if is_stream and effect != "move":
+            entry.fail("stream", "stands without 'move'; say what the set-points move")
+        return is_stream
+
+    def _check_state(self, names: YamlMap, *more: str) -> None:
+        allowed = (*self._state, *more)
+        for key in names:
+            if key not in allowed:
+                names.fail(key, f"is not in 'state'; {one_of(allowed, key)}")
+
+    def _state_values(self, names: YamlMap) -> dict[str, Any]:
+        self._check_state(names)
+        return {key: plain_value(names, key) for key in names}
+
+    def _needs(self, trajectories: YamlMap) -> dict[str, tuple[Any, ...]]:
+        found = self._state_values(trajectories.section(NEEDS))
+        return {
+            key: tuple(value) if isinstance(value, list) else (value,)
+            for key, value in found.items()
+        }
 
     def _conditions(self, when: YamlMap) -> tuple[Condition, ...]:
         found = []
@@ -255,6 +288,13 @@ class _Reader:
         if len(targets) > 1 and targets != ["position", "orientation"]:
             entry.fail(targets[1], f"stands beside '{targets[0]}'; one target is allowed")
         return {key: self._values.value(entry, key, is_word=key in WORDS) for key in entry}
+
+
+def _while_moving(kind: InterfaceKind, entry: YamlMap) -> WhileMoving | None:
+    rule: WhileMoving | None = _choice(entry, "while_moving", get_args(WhileMoving), None)
+    if rule == "wait" and kind != "services":
+        entry.fail("while_moving", "only the call of a service can wait; use 'queue'")
+    return rule
 
 
 def _strings(entry: YamlMap, key: str) -> tuple[str, ...]:
@@ -329,6 +369,12 @@ def _codes(top: YamlMap, key: str) -> dict[str, Any]:
     return found
 
 
+def _remedies(top: YamlMap) -> dict[str, str]:
+    remedies = top.section("remedies")
+    remedies.forbid_unknown(REMEDIES)
+    return {name: remedies.string(name) for name in remedies}
+
+
 def _node(top: YamlMap) -> str:
     node = top.string("node", default="/robot_driver")
     return node if node.startswith("/") else f"/{node}"
@@ -355,7 +401,7 @@ def _joints(top: YamlMap) -> dict[str, NamedJoints]:
 
 def _rule(top: YamlMap, key: str, wanted: str) -> bool:
     rules = top.section("trajectories")
-    rules.forbid_unknown(TRAJECTORIES)
+    rules.forbid_unknown((*TRAJECTORIES, NEEDS))
     allowed = TRAJECTORIES[key]
     return bool(_choice(rules, key, allowed, allowed[0]) == wanted)
 

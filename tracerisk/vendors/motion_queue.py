@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.controller.thread import undisturbed
@@ -46,15 +47,24 @@ class MotionQueue:
     """Carries out motions as the driver does that is described.
 
     `errors` are the outcomes that set an error, which stays until it is cleared, with its number;
-    `disables`: it takes the arm out of operation too.
+    `disables`: it takes the arm out of operation too. `on_error` is called with each. `remedies`
+    say what to do where it refuses a motion.
     """
 
     def __init__(
-        self, commands: TwinCommands, errors: Mapping[str, int], *, disables: bool
+        self,
+        commands: TwinCommands,
+        errors: Mapping[str, int],
+        *,
+        disables: bool,
+        remedies: Mapping[str, str] = MappingProxyType({}),
+        on_error: Callable[[], None] = lambda: None,
     ) -> None:
         self._commands = commands
         self._errors = errors
         self._disables = disables
+        self._remedies = remedies
+        self._on_error = on_error
         self._waiting: deque[Job] = deque()
         self._live: list[Job] = []
         self.error = 0
@@ -80,7 +90,7 @@ class MotionQueue:
         if not refused and rule == "reject" and self.is_busy:
             refused = "busy"
         if refused:
-            self._fail(job, refused, _REFUSED[refused])
+            self._fail(job, refused, self.why(refused))
             return
         if rule == "queue" and self.is_busy:
             self._waiting.append(job)
@@ -96,6 +106,11 @@ class MotionQueue:
         if self.error:
             return "in_error"
         return "" if self.is_enabled else "disabled"
+
+    def why(self, refused: str) -> str:
+        """Return in words why nothing would move, and what to do."""
+        remedy = self._remedies.get(refused, "")
+        return f"{_REFUSED[refused]}; {remedy}" if remedy else _REFUSED[refused]
 
     def drop(self, job: Job) -> None:
         """Take a motion out: it is stopped, or forgotten where it waits."""
@@ -153,6 +168,7 @@ class MotionQueue:
         if outcome in self._errors:
             self.error = self._errors[outcome]
             self.is_enabled = self.is_enabled and not self._disables
+            self._on_error()
             waiting, self._waiting = list(self._waiting), deque()
             for each in waiting:
                 self._fail(each, "in_error", "an error dropped what waited")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.transforms.poses import unit_quaternion
+from tracerisk.ros.transforms.poses import quaternion_from_columns, unit_quaternion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions, Dimension
 from tracerisk.vendors.description import UNITS, Case, Condition, Value
@@ -179,6 +179,16 @@ class Request:
         if len(numbers) == 6:
             self._look_at("angle", numbers[3:])
         return self._conventions.pose(numbers), ""
+
+    def transform(self, value: Value) -> Pose:
+        """Return the pose of a matrix of 16 numbers, column by column."""
+        numbers = numbers_in(self.raw(value))
+        if numbers is None or len(numbers) != 16 or not all(map(math.isfinite, numbers)):
+            raise PlanningError("bad_request", f"{value.key} holds no matrix of 16 numbers")
+        length = self._conventions.factor("length")
+        x, y, z = (each * length for each in numbers[12:15])
+        columns = numbers[:3], numbers[4:7], numbers[8:11]
+        return Pose((x, y, z), quaternion_from_columns(*columns))
 
     def position(self, value: Value) -> tuple[float, float, float]:
         """Return a position [m]."""

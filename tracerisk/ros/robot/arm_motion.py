@@ -14,7 +14,7 @@ import numpy as np
 
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.motion_profiles import Ramp, at_velocities, ramped
-from tracerisk.ros.transforms.poses import angle_between, compose
+from tracerisk.ros.transforms.poses import ORIGIN, angle_between, compose, inverse
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.plausible_units import cut_line, shown_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
@@ -38,6 +38,7 @@ class ArmMotion:
 
     `tools` are links that the driver speaks of, the first one there is taken; else it is the tip
     of the group of all joints. `group` and `gripper` are names of the robot's, for one of several.
+    `offset` is the point that poses are of as seen from that link: a driver may be given it.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class ArmMotion:
         self.arm: tuple[Joint, ...] = tuple(known) or robot.arm_joints
         self.joints = tuple(joint.name for joint in self.arm)
         named = (link for tool in tools for link in robot.link_names if link.endswith(tool))
+        self.offset = ORIGIN
         self.tool = next(named, groups[self.group].tip_link if self.group else None)
         named_grippers = (each for each in robot.grippers if gripper in (None, each.name))
         self.gripper = next(named_grippers, None)
@@ -90,12 +92,13 @@ class ArmMotion:
 
     def tool_pose(self) -> Pose:
         """Return where the tool is, in the frame of the robot's base link."""
-        return self.twin.link_pose(self.tool or self.twin.robot.base_link)
+        return compose(self.twin.link_pose(self.tool or self.twin.robot.base_link), self.offset)
 
     def pose_at(self, positions: Sequence[float]) -> Pose:
         """Return where the tool is with the joints at `positions` [rad]."""
         named = dict(zip(self.joints, positions, strict=True))
-        return self.twin.forward_kinematics(named, self.tool or self.twin.robot.base_link)
+        link = self.tool or self.twin.robot.base_link
+        return compose(self.twin.forward_kinematics(named, link), self.offset)
 
     def reach(self, pose: Pose, seed: Sequence[float] | None = None) -> list[float]:
         """Return joint positions that bring the tool to a pose.
@@ -105,7 +108,8 @@ class ArmMotion:
         """
         group = self._planned()
         near = dict(zip(self.joints, seed, strict=False)) if seed else None
-        found = self.twin.inverse_kinematics(group, pose, link=self.tool, seed=near)
+        link_pose = compose(pose, inverse(self.offset))
+        found = self.twin.inverse_kinematics(group, link_pose, link=self.tool, seed=near)
         return [found[name] for name in self.joints]
 
     def grip(self) -> float:
@@ -215,7 +219,7 @@ class ArmMotion:
         group = self._planned()
         trajectory, fraction = self.twin.plan_cartesian(
             group,
-            list(poses),
+            [compose(pose, inverse(self.offset)) for pose in poses],
             link=self.tool,
             avoid_collisions=False,
             scaling=Scaling(1.0, 1.0),

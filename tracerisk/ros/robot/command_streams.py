@@ -127,6 +127,12 @@ class CommandStreams:
             taken(motion, trajectory)
         self._go_on(topic, kind, motion, joints, way)
 
+    def target(self, topic: str, joints: tuple[str, ...]) -> Array | None:
+        """Return where a stream leads joints, None where it does not go on."""
+        stream = self._live(topic, joints)
+        way = None if stream is None else stream.way
+        return None if way is None else way.target
+
     def follow(
         self,
         topic: str,

@@ -95,6 +95,24 @@ def quaternion_from_rpy(roll: float, pitch: float, yaw: float) -> Quaternion:
     )
 
 
+def quaternion_from_columns(
+    first: Sequence[float], second: Sequence[float], third: Sequence[float]
+) -> Quaternion:
+    """Return the turn of a rotation matrix with these columns.
+
+    Of its elements the largest is taken first (Shepperd, Quaternion from rotation matrix, 1978).
+    """
+    (a, d, g), (b, e, h), (c, f, i) = first, second, third
+    squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
+    rows = (
+        (squares[0], b + d, c + g, h - f),
+        (b + d, squares[1], f + h, c - g),
+        (c + g, f + h, squares[2], d - b),
+        (h - f, c - g, d - b, squares[3]),
+    )
+    return unit_quaternion(rows[squares.index(max(squares))])
+
+
 def rpy_from_quaternion(turn: Quaternion) -> Vector:
     """Return roll, pitch and yaw about the fixed axes x, y, z [rad]; roll is 0 at the poles."""
     x, y, z, w = turn

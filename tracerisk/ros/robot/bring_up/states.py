@@ -56,6 +56,7 @@ class ControllerStates:
         self._runtime = runtime
         self._switched: set[str] = set()
         self._script_topic = ""
+        self._held = ""
 
     @cached_property
     def all(self) -> dict[str, DeclaredController]:
@@ -145,19 +146,27 @@ class ControllerStates:
         """Note that the program by which the driver moves the arm runs again."""
         self._script_topic = ""
 
+    def hold(self, words: str) -> None:
+        """Note why the driver carries out no trajectories of the arm; empty where it does."""
+        self._held = words
+
     def lost_arm(self, interface: str) -> str:
         """Return why the controller of an action takes goals and moves nothing; empty if it does.
 
-        ur_modern_driver leaves its controllers running where a script has ended its program.
+        ur_modern_driver leaves its controllers running where a script has ended its program, and a
+        driver of which the mode was changed knows nothing of them.
         """
+        if self._held and self._arm.intersection(self._joints(interface)):
+            return self._held
         is_modern = self._script_topic.endswith(_MODERN)
         return self.without_program(self._joints(interface)) if is_modern else ""
 
     def without_program(self, joints: Iterable[str]) -> str:
         """Return why the driver moves none of some joints of the arm; empty where it does."""
-        arm = {joint.name for joint in self._runtime.twin.robot.arm_joints}
-        if not self._script_topic or not arm.intersection(joints):
+        if not self._arm.intersection(joints):
             return ""
+        if self._held or not self._script_topic:
+            return self._held
         again = (
             "stop and start the controller with service switch_controller"
             if self._script_topic.endswith(_MODERN)
@@ -167,6 +176,10 @@ class ControllerStates:
             f"the script that came on {self._script_topic} ended the program by which the driver "
             f"moves the arm; {again}, or wrap a script that moves nothing in `sec`"
         )
+
+    @property
+    def _arm(self) -> frozenset[str]:
+        return frozenset(joint.name for joint in self._runtime.twin.robot.arm_joints)
 
     def _joints(self, interface: str) -> Iterable[str]:
         """Return the joints of the controller of an interface; of the arm if it is not known."""
