@@ -13,9 +13,11 @@ JOINT = "shoulder_pan_joint"
 ROBOT = load_robot("ur5e")
 
 
-def followed(samples, came_s, *, robot=ROBOT, joint=JOINT, due_s=0.0, rest_s=2.0):
+def followed(
+    samples, came_s, *, robot=ROBOT, joint=JOINT, due_s=0.0, rest_s=2.0, look_ahead_s=None
+):
     """Return times, positions and velocities of a joint that follows samples from 0 on."""
-    stream = SetPointStream(robot, (joint,))
+    stream = SetPointStream(robot, (joint,), look_ahead_s=look_ahead_s)
     reference = (np.zeros(1), np.zeros(1))
     track = [(0.0, 0.0, 0.0)]
     for number, (sample, came) in enumerate(zip(samples, came_s, strict=True)):
@@ -56,6 +58,15 @@ def test_a_stream_is_followed_late_by_no_more_than_three_periods():
     time, position, _ = followed(wave(came), came)
     late = min(range(60), key=lambda n: np.abs(position[n : n + 900] - wave(time[:900])).max())
     assert late * STEP_S <= 3 / 50
+
+
+@pytest.mark.parametrize("look_ahead_s", [0.03, 0.1, 0.2])
+def test_a_sender_may_have_its_stream_smoothed_over_a_time_of_its_own(look_ahead_s):
+    came = np.arange(501) / 125
+    time, position, _ = followed(wave(came), came, look_ahead_s=look_ahead_s)
+    late = min(range(120), key=lambda n: np.abs(position[n : n + 1500] - wave(time[:1500])).max())
+    # The mean over a window is late by half of it, the set-points by one and a half periods.
+    assert late * STEP_S == pytest.approx(look_ahead_s / 2 + 1.5 / 125, abs=0.006)
 
 
 def test_a_single_set_point_is_gone_to_within_the_limits_of_the_joint():

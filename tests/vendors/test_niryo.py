@@ -58,7 +58,7 @@ odd = move(77)
     assert any("cmd_type 77; allowed: 0 to 12" in each for each in ran.findings)
 
 
-def test_the_tool_opens_and_closes_and_other_tools_are_aborted(run_on):
+def test_the_tool_opens_and_closes_and_another_tool_is_a_need(run_on):
     ran = run_on(
         "niryo_ned2",
         HEAD
@@ -77,8 +77,25 @@ pump = use(ToolCommand.PULL_AIR_VACUUM_PUMP)
     assert ran["closed"] == (3, 1)
     assert ran["opened"] == (3, 1)
     assert ran.position("joint_base_to_mors_1") == pytest.approx(0.007, abs=0.003)
-    assert ran["pump"] == (4, -251)
-    assert any("cmd_type 10 is not simulated" in each for each in ran.findings)
+    assert ran["pump"] == (3, 1)
+    (finding,) = ran.recording.findings
+    assert (finding.kind, finding.object) == (
+        "unprovided", "/niryo_robot_tools_commander/action_server",
+    )  # fmt: skip
+    assert "tool 11 is asked for cmd_type 10, and the twin has no pump" in finding.message
+
+
+def test_an_update_finds_the_tool_that_is_mounted(run_on):
+    ran = run_on(
+        "niryo_ned2",
+        HEAD
+        + """
+from std_msgs.msg import Int32
+status = call('/niryo_robot_tools_commander/update_tool', Trigger).status
+tool = rospy.wait_for_message('/niryo_robot_tools_commander/current_id', Int32).data
+""",
+    )
+    assert (ran["status"], ran["tool"] > 0, ran.findings) == (1, True, [])
 
 
 def test_speed_stops_home_and_parameters(run_on):

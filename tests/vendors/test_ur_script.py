@@ -82,8 +82,104 @@ send("speedj([0.2, 0, 0, 0, 0, 0], 0.5, 1.0)", "stopj(2.0)", seconds=3.0)
 """,
         ros=2,
     )
-    assert [command.end for command in ran.recording.commands] == ["replaced", "arrived"]
+    # What turns at a velocity is stopped by the program.
+    assert [command.end for command in ran.recording.commands] == ["replaced", "cancelled"]
     assert abs(ran.position("elbow_joint")) < 1.5
+
+
+def test_the_tcp_stays_when_its_program_is_over(run_on):
+    ran = run_on(
+        "ur5e",
+        CELL
+        + f"""
+send("{HOME}", "set_tcp(p[0, 0, 0.1, 0, 0, 0])", seconds=8.0)
+send("movej(p[-0.4, -0.2, 0.3, 0, 3.14159, 0])", seconds=8.0)
+""",
+        ros=2,
+    )
+    assert ran.twin.link_pose("tool0").position == pytest.approx((0.4, 0.2, 0.4), abs=2e-3)
+
+
+# Streams
+
+
+def servoj(period, look_ahead):
+    """A program that sends points of a cosine for 5 s."""
+    steps = round(5.0 / period)
+    points = (-1.57 + 0.2 * (1 - math.cos(0.628 * step * period)) for step in range(steps))
+    return [
+        f"servoj([{pan:.6f}, -1.57, 0, -1.57, 0, 0], t={period}, lookahead_time={look_ahead})"
+        for pan in points
+    ]
+
+
+START = "movej([-1.57, -1.57, 0, -1.57, 0, 0], a=1.2, v=0.8)"
+
+
+@pytest.mark.parametrize("period", [0.1, 0.02, 0.008])
+def test_set_points_of_a_program_are_one_smooth_stream_at_any_rate(run_on, period):
+    lines = [START, *servoj(period, 0.1)]
+    ran = run_on("ur5e", CELL + f"send(*{lines!r}, seconds=12.0)\n", ros=2)
+    assert ran.commands == ["movej", "servoj"]
+    assert ran.findings == []
+    _, stream = ran.recording.commands
+    assert stream.end == "arrived"
+    assert stream.end_ns - stream.issue_ns == pytest.approx(5.2e9, abs=0.5e9)
+    assert ran.position("shoulder_pan_joint") == pytest.approx(-1.17, abs=0.01)
+
+
+def test_programs_of_one_set_point_are_one_stream(run_on):
+    ran = run_on(
+        "ur5e",
+        CELL
+        + f"""
+send("{START}", seconds=6.0)
+for step in range(50):
+    send(f"servoj([{{-1.57 + 0.01 * step}}, -1.57, 0, -1.57, 0, 0], t=0.05)", seconds=0.05)
+send("sleep(0.1)", seconds=1.0)
+""",
+        ros=2,
+    )
+    assert ran.commands == ["movej", "servoj"]
+    assert ran.position("shoulder_pan_joint") == pytest.approx(-1.08, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("lines", "turned"),
+    [
+        (["speedj([0.2, 0, 0, 0, 0, 0], 1.0, 2.0)"], 0.4),
+        (["speedj([0.2, 0, 0, 0, 0, 0], 1.0)", "sleep(2.0)"], 0.42),
+        (["speedj([0.2, 0, 0, 0, 0, 0], 1.0)"], 0.03),
+        (
+            ["speedj([0.2, 0, 0, 0, 0, 0], 1.0, 1.0)", "speedj([-0.2, 0, 0, 0, 0, 0], 1.0, 1.0)"],
+            0.0,
+        ),
+    ],
+)
+def test_a_velocity_lasts_until_its_program_is_over(run_on, lines, turned):
+    ran = run_on(
+        "ur5e", CELL + f'send("{START}", seconds=6.0)\nsend(*{lines!r}, seconds=4.0)\n', ros=2
+    )
+    assert ran.position("shoulder_pan_joint") + 1.57 == pytest.approx(turned, abs=0.04)
+    assert ran.findings == []
+
+
+def test_programs_of_one_velocity_are_one_stream(run_on):
+    ran = run_on(
+        "ur5e",
+        CELL
+        + f"""
+send("{START}", seconds=6.0)
+for step in range(20):
+    send("speedj([0.2, 0, 0, 0, 0, 0], 1.0, 0.5)", seconds=0.1)
+send("stopj(1.0)", seconds=1.0)
+""",
+        ros=2,
+    )
+    assert ran.commands == ["movej", "speedj"]
+    first, last = ran.recording.commands[-1].issue_ns, ran.recording.commands[-1].end_ns
+    turned = ran.position("shoulder_pan_joint") + 1.57
+    assert turned == pytest.approx(0.2e-9 * (last - first), abs=0.04)
 
 
 @pytest.mark.parametrize(

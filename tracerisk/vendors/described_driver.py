@@ -213,9 +213,14 @@ class DescribedDriver(TwinNode):
         is_goal: bool = False,
     ) -> tuple[Result, list[Job]]:
         """Do what a case says; a motion is returned as a job, over or not."""
-        for words in (case.note, case.refuse):
+        kind = short_name(interface)
+        for words, what in (
+            (case.note, "not_simulated"),
+            (case.refuse, "not_simulated"),
+            (case.need, "unprovided"),
+        ):
             if words:
-                self._commands.report("not_simulated", f"{short_name(interface)}: {words}", stack)
+                self._commands.report(what, f"{kind}: {words}", stack, object_name=kind)
         if case.refuse:
             return Result("not_simulated", case.refuse), []
         if case.ignore:
@@ -232,7 +237,6 @@ class DescribedDriver(TwinNode):
         if case.effect == "solve":
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
-        kind = short_name(interface)
         if case.effect == "set_tool":
             arm.motion.offset = arm.motions.tool(case, request)
             return Result(), []

@@ -151,9 +151,10 @@ class Case:
     """What an interface does where its conditions hold, all of them.
 
     `effect` is one of `EFFECTS` with its `roles`; `set` gives values to the driver's state;
-    `note` is said where what is asked changes nothing on the twin, `refuse` where it cannot be,
-    `ignore` where the driver answers as if it did what it does not. What is moved by `stream` are
-    set-points, of which each leads on from the one before.
+    `note` is said where what is asked changes nothing on the twin, `need` where the twin lacks what
+    it would change, `refuse` where it cannot be, `ignore` where the driver answers as if it did
+    what it does not. What is moved by `stream` are set-points, of which each leads on from the one
+    before.
     """
 
     location: Location
@@ -164,6 +165,7 @@ class Case:
     clear: bool = False
     set: Mapping[str, Value] = field(default_factory=dict)
     note: str = ""
+    need: str = ""
     refuse: str = ""
     ignore: str = ""
     stream: bool = False

@@ -63,8 +63,8 @@ ALONE = ("parameters", "joints", "trajectories")
 """The keys of which one is enough where a driver serves nothing of its own."""
 NAMED_JOINTS = ("moves", "note")
 CASE = (
-    *(*EFFECTS, "when", "stop", "clear", "set", "note", "refuse", "ignore", "stream"),
-    *("wait", "timeout"),
+    *(*EFFECTS, "when", "stop", "clear", "set", "note", "need", "refuse"),
+    *("ignore", "stream", "wait", "timeout"),
 )
 REMEDIES = ("disabled", "in_error", "busy")
 """The outcomes of a motion that is refused, for which a description may say what to do."""
@@ -229,6 +229,7 @@ class _Reader:
             clear=entry.boolean("clear", default=False),
             set={key: self._values.value(set_, key) for key in set_},
             note=entry.string("note", default=""),
+            need=entry.string("need", default=""),
             refuse=entry.string("refuse", default=""),
             ignore=entry.string("ignore", default=""),
             stream=self._streams(entry, effect),

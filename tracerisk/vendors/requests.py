@@ -16,6 +16,9 @@ from tracerisk.vendors.message_paths import SI, FieldError, is_message, is_of_ro
 
 _LARGEST: Mapping[str, float] = {"angle": math.tau + 0.1, "length": 10.0}
 
+_RIGID = 1e-3
+"""How far the axes of a rotation may be from unit length and from each other's normals."""
+
 Goal = Sequence[float] | Mapping[str, float]
 """Positions or velocities: of all joints in their order, or of some by their names."""
 
@@ -188,6 +191,8 @@ class Request:
         length = self._conventions.factor("length")
         x, y, z = (each * length for each in numbers[12:15])
         columns = numbers[:3], numbers[4:7], numbers[8:11]
+        if not _is_turn(*columns) or numbers[3::4] != [0.0, 0.0, 0.0, 1.0]:
+            raise PlanningError("bad_request", f"{value.key} is no transformation of a rigid body")
         return Pose((x, y, z), quaternion_from_columns(*columns))
 
     def position(self, value: Value) -> tuple[float, float, float]:
@@ -245,6 +250,17 @@ class Request:
             return read(self.message, path)
         except FieldError as error:
             raise PlanningError("bad_request", str(error)) from error
+
+
+def _is_turn(*columns: Sequence[float]) -> bool:
+    """Return whether columns are those of a rotation."""
+    (a, b, c), (d, e, f), _ = columns
+    third = (b * f - c * e, c * d - a * f, a * e - b * d)
+    lengths = [math.hypot(*column) for column in columns]
+    return (
+        max(abs(length - 1.0) for length in lengths) < _RIGID
+        and math.dist(third, columns[2]) < _RIGID
+    )
 
 
 def _text(value: Any) -> str:

@@ -98,12 +98,15 @@ class CommandStreams:
         *,
         speed: float = 1.0,
         due_s: float = 0.0,
+        look_ahead_s: float | None = None,
         taken: Taken | None = None,
+        stack: tuple[Frame, ...] | None = None,
     ) -> None:
         """Bring joints to a set-point as fast as they may, or along the stream as it comes.
 
         `speed` is the fraction of what they may that a single one is gone to with, `due_s` when
-        the sender wants them there [s]. `taken` is called with the motion that has the joints now.
+        the sender wants them there [s], `look_ahead_s` that of `SetPointStream`. `taken` is called
+        with the motion that has the joints now. `stack` is of who sent it, else of what runs.
         """
         if not np.isfinite(target).all():
             self.refuse(topic, "a position is not finite")
@@ -111,21 +114,22 @@ class CommandStreams:
         twin, now_s = self._commands.twin, self._commands.twin.time_ns * 1e-9
         stream = self._live(topic, joints)
         way = None if stream is None else stream.way
-        place = call_path(self._commands.stack())
+        stack = self._commands.stack() if stack is None else stack
+        place = call_path(stack)
         rests = way is not None and way.is_over(now_s) and np.array_equal(way.target, target)
         if rests and stream is not None and stream.place == place:
             # The same again: what is at rest there stays.
             self._commands.lead(stream.command, None, DWELL_NS)
             return
         if way is None:
-            way = SetPointStream(twin.robot, joints, speed=speed)
+            way = SetPointStream(twin.robot, joints, speed=speed, look_ahead_s=look_ahead_s)
         came_s = self._commands.scheduler.now_ns * 1e-9
         way.take(came_s, target, twin.reference(joints), now_s, due_s)
         trajectory = JointTrajectory(joints, *way.way(now_s, STEP_S))
         motion = twin.follow(trajectory)
         if taken is not None:
             taken(motion, trajectory)
-        self._go_on(topic, kind, motion, joints, way)
+        self._go_on(topic, kind, motion, joints, way, stack=stack)
 
     def target(self, topic: str, joints: tuple[str, ...]) -> Array | None:
         """Return where a stream leads joints, None where it does not go on."""
@@ -142,27 +146,32 @@ class CommandStreams:
         is_set_point: bool,
         taken: Taken | None = None,
         timed_out: str = "",
+        stack: tuple[Frame, ...] | None = None,
     ) -> None:
         """Move the twin; a set-point goes on with what came before it from the same place.
 
-        `taken` is as in `to_position`, `timed_out` what to say where no other comes in time.
+        `taken` and `stack` are as in `to_position`, `timed_out` what to say where no other comes in
+        time.
         """
+        stack = self._commands.stack() if stack is None else stack
         if is_set_point and trajectory.leads == "to_goal" and trajectory.duration_s <= SHORT_S:
             goal, due_s = trajectory.position[-1], trajectory.duration_s
-            self.to_position(topic, kind, trajectory.joints, goal, due_s=due_s, taken=taken)
+            joints = trajectory.joints
+            self.to_position(topic, kind, joints, goal, due_s=due_s, taken=taken, stack=stack)
             return
         try:
             motion = self._commands.twin.follow(trajectory)
         except PlanningError as error:
-            self.refuse(topic, error.message)
+            self.refuse(topic, error.message, stack)
             return
         if taken is not None:
             taken(motion, trajectory)
         if is_set_point:
-            self._go_on(topic, kind, motion, trajectory.joints, timed_out=timed_out)
+            joints = trajectory.joints
+            self._go_on(topic, kind, motion, joints, timed_out=timed_out, stack=stack)
             return
         self._streams.pop(topic, None)
-        self._commands.begin(kind, motion, self._commands.stack())
+        self._commands.begin(kind, motion, stack)
 
     def _live(self, topic: str, joints: tuple[str, ...]) -> _Stream | None:
         """Return the stream of a topic that moves these joints, if it goes on."""
@@ -182,10 +191,10 @@ class CommandStreams:
         joints: tuple[str, ...],
         way: SetPointStream | None = None,
         *,
+        stack: tuple[Frame, ...],
         timed_out: str = "",
     ) -> None:
         """Take a motion for the next of a stream, a new command where it is of another place."""
-        stack = self._commands.stack()
         place = call_path(stack)
         stream = self._live(topic, joints)
         if stream is not None and stream.place == place:
@@ -209,11 +218,12 @@ class CommandStreams:
         for_s: float | None,
         *,
         is_timeout: bool = False,
+        stack: tuple[Frame, ...] | None = None,
     ) -> None:
         """Move joints at velocities [rad/s or m/s], which end after `for_s` without another.
 
         With `None` they go on until another. `is_timeout`: the driver ends them, and the sender
-        did not ask for that.
+        did not ask for that. `stack` is as in `to_position`.
         """
         now_ns = self._commands.scheduler.now_ns
         trajectory = self._velocities.next(asked, now_ns, for_s)
@@ -225,7 +235,7 @@ class CommandStreams:
                 if is_timeout and for_s
                 else ""
             )
-            self.follow(topic, kind, trajectory, is_set_point=True, timed_out=said)
+            self.follow(topic, kind, trajectory, is_set_point=True, timed_out=said, stack=stack)
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         """Report that a message moved nothing, and why."""

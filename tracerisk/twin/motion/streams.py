@@ -60,14 +60,24 @@ class SetPointStream:
     """The way of some joints along the set-points that come for them.
 
     Times are those of the simulation [s]; positions (n_joints,) [rad or m]. `speed` is the fraction
-    of their rated speed that the driver allows.
+    of their rated speed that the driver allows, `look_ahead_s` the time over which the sender has
+    it smooth them, `None` for the driver's own.
     """
 
-    def __init__(self, robot: Robot, joints: Sequence[str], *, speed: float = 1.0) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        joints: Sequence[str],
+        *,
+        speed: float = 1.0,
+        look_ahead_s: float | None = None,
+    ) -> None:
         members = [robot.joint(name) for name in joints]
         self._speed_limit = np.array([joint.velocity_limit for joint in members]) * speed
         self._rise_limit = np.array([robot.followed_rise(name) for name in joints]) * speed**2
-        self._following = robot.following
+        following = robot.following
+        look_ahead_s = following.look_ahead_s if look_ahead_s is None else look_ahead_s
+        self._look_ahead_s = max(following.period_s, look_ahead_s)
         self._came_s = self._rhythm_s = 0.0
         self._period_s, self._heard = 0.0, 0
         self._window_s = 0.0
@@ -140,8 +150,7 @@ class SetPointStream:
             self._period_s += early * 6 / ((n + 1) * (n + 2))
         period = self._period_s
         # Of whole periods, over which the steps of the lines' slopes cancel.
-        look_ahead = max(self._following.period_s, self._following.look_ahead_s)
-        window = period * max(1, math.ceil(look_ahead / period - _WHOLE))
+        window = period * max(1, math.ceil(self._look_ahead_s / period - _WHOLE))
         if abs(window - self._window_s) > _OTHER_PERIOD * window:
             self._window_s = window
         # Where the last set-point was reached already, the line to this one begins now.

@@ -86,23 +86,21 @@ class NiryoActions(NiryoPlaces):
             goal.cancel(self._result(ROBOT_MOVE, status, "Command has been stopped"))
 
     def use_tool(self, goal: ActionGoal) -> None:
-        """Take a goal of Tool: grippers open and close; what the twin has not is aborted."""
+        """Take a goal of Tool: grippers open and close; another tool is one that the twin lacks."""
         goal.accept()
         asked = goal.message.cmd
-        try:
-            if asked.cmd_type not in (_OPEN, _CLOSE):
-                raise PlanningError(
-                    "bad_request",
-                    f"cmd_type {asked.cmd_type} is not simulated; allowed: 1 (open), 2 (close)",
-                )
-            is_open = asked.cmd_type == _OPEN
-            motion = self._arm.move_gripper(float(is_open), goal.stack, goal=goal)
-        except PlanningError as error:
+        if asked.cmd_type not in (_OPEN, _CLOSE) or self._arm.gripper is None:
+            kind = "gripper" if asked.cmd_type in (_OPEN, _CLOSE) else "pump or electromagnet"
             self._commands.report(
-                "goal_rejected", f"a command of the tool was aborted: {error.message}", goal.stack
+                "unprovided",
+                f"tool {asked.tool_id} is asked for cmd_type {asked.cmd_type}, and the twin has no "
+                f"{kind}: what it would hold is not in the run; serve the action in a scenario",
+                goal.stack,
+                object_name=goal.client.name,
             )
-            goal.abort(self._result(TOOL, _TOOL_FAILURE, error.message), error.message)
+            goal.succeed(self._result(TOOL, _SUCCESS, _DONE))
             return
+        motion = self._arm.move_gripper(float(asked.cmd_type == _OPEN), goal.stack, goal=goal)
         self._scheduler.spawn(
             lambda: self._end_tool(goal, motion), "niryo tool", inherit=False, is_controllers=False
         )

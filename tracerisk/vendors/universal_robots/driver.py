@@ -9,11 +9,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.bring_up.states import ControllerStates
+from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import TwinNode
@@ -36,6 +40,8 @@ _TYPE = "std_msgs/String"
 _TOPICS = ("script_command", "URScript")
 _SECONDARY = re.compile(r"\s*sec\s")
 """The beginning of a program that runs beside the one by which the driver moves the arm."""
+_LOOK_AHEAD_S = (0.03, 0.2)
+"""What `servoj` takes for its `lookahead_time` [s]."""
 _LAST_JOINT = "wrist_3_joint"
 _BASE = "base"
 _OUTPUTS = (
@@ -55,6 +61,7 @@ class ScriptTopics(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._running: _Program | None = None
+        self._box = _Box(CommandStreams(self._commands))
         self._states = runtime.client(ControllerStates)
         if any(joint.name.endswith(_LAST_JOINT) for joint in self._twin.robot.arm_joints):
             self._graph.watch(self._on_change)
@@ -69,27 +76,39 @@ class ScriptTopics(TwinNode):
         topic = publication.topic
         if not _SECONDARY.match(str(message.data)):
             self._states.script_came(topic)
-        before, self._running = self._running, _Program(self._commands, topic, str(message.data))
+        text = str(message.data)
+        before, self._running = self._running, _Program(self._commands, self._box, topic, text)
         if before is not None:
-            before.is_over = True
+            before.give_way()
         self._running.go_on()
         if before is not None and not self._running.is_moving:
             # A motion of the new one takes the joints from where they are, as fast as they go.
             self._running.rest()
 
 
+@dataclass(slots=True)
+class _Box:
+    """What stays when a program is over."""
+
+    streams: CommandStreams
+    """What follows set-points and velocities, of one program after the other."""
+    tcp: Pose = _NOWHERE
+    """The tool centre point, as seen from the flange."""
+
+
 class _Program:
     """One program while it runs; all that it moves is commanded by who sent it."""
 
-    def __init__(self, commands: TwinCommands, topic: str, text: str) -> None:
+    def __init__(self, commands: TwinCommands, box: _Box, topic: str, text: str) -> None:
         self._commands = commands
+        self._box = box
         self._scheduler = commands.scheduler
         self._stack: tuple[Frame, ...] = commands.stack()
         self._topic = topic
         self._arm = ArmMotion(commands)
         self._turns = Conventions(rotation="rotation_vector")
         self._names: dict[str, Any] = {}
-        self._tcp = _NOWHERE
+        self._goes_on = False
         self.is_over = False
         self.is_moving = False
         self._is_busy = False
@@ -118,6 +137,10 @@ class _Program:
             **dict.fromkeys(_OUTPUTS, lambda *_, **__: None),
         }
 
+    def give_way(self) -> None:
+        """End where another program takes its place, which has the arm from then on."""
+        self.is_over, self._goes_on = True, False
+
     def rest(self) -> None:
         """Bring the arm to rest."""
         self._arm.stop()
@@ -126,6 +149,10 @@ class _Program:
         """Carry out statements up to the next motion."""
         while not self.is_over and not self._is_busy:
             self.is_over = next(self._steps, None) is None
+        if self.is_over and self._goes_on:
+            # What turns at a velocity stops with its program.
+            self._goes_on = False
+            self._arm.stop()
 
     def _run(self, text: str) -> Iterator[bool]:
         try:
@@ -187,14 +214,37 @@ class _Program:
         self._follow("movel", self._arm.line([pose], speed=v, duration_s=t))
 
     def _servoj(
-        self, target: Any, a: float = 0.0, v: float = 0.0, t: float = 0.002, *_: float, **__: float
+        self,
+        target: Any,
+        a: float = 0.0,
+        v: float = 0.0,
+        t: float = 0.002,
+        lookahead_time: float = 0.1,
+        gain: float = 300.0,
     ) -> None:
-        del a, v
-        self._follow("servoj", self._arm.to_joints(self._goal(target), duration_s=t))
+        del a, v, gain  # the first two are not used by the box either
+        goal = self._goal(target)
+        self._arm.check(goal)
+        self.is_moving = True
+        self._box.streams.to_position(
+            self._topic,
+            "servoj",
+            self._arm.joints,
+            np.array(goal),
+            due_s=t,
+            look_ahead_s=min(max(lookahead_time, _LOOK_AHEAD_S[0]), _LOOK_AHEAD_S[1]),
+            stack=self._stack,
+        )
+        self._sleep(t)
 
     def _speedj(self, speeds: Sequence[float], a: float = 40.0, t: float = 0.0) -> None:
-        del a
-        self._follow("speedj", self._arm.at_speeds(speeds, t or None))
+        asked = dict(zip(self._arm.joints, map(float, speeds), strict=False))
+        now = dict(zip(self._arm.joints, self._arm.velocities(), strict=True))
+        change = max((abs(speed - now[name]) for name, speed in asked.items()), default=0.0)
+        self.is_moving = self._goes_on = True
+        self._box.streams.go_on_at(self._topic, "speedj", asked, None, stack=self._stack)
+        # Without a time it returns when the joints are as fast as they are to be.
+        self._sleep(t or change / max(a, 1e-3))
 
     def _speedl(self, speeds: Sequence[float], a: float = 1.2, t: float = 0.0) -> None:
         del a
@@ -212,7 +262,7 @@ class _Program:
     # Poses, which are in the frame of the controller box
 
     def _set_tcp(self, pose: Any) -> None:
-        self._tcp = self._pose(pose)
+        self._box.tcp = self._pose(pose)
 
     def _base(self) -> Pose:
         names = self._arm.twin.robot.link_names
@@ -227,10 +277,10 @@ class _Program:
 
     def _tcp_pose(self) -> PoseNumbers:
         seen = compose(inverse(self._base()), self._arm.tool_pose())
-        return self._numbers(compose(seen, self._tcp))
+        return self._numbers(compose(seen, self._box.tcp))
 
     def _tool_at(self, numbers: Sequence[float]) -> Pose:
-        return compose(self._base(), compose(self._pose(numbers), inverse(self._tcp)))
+        return compose(self._base(), compose(self._pose(numbers), inverse(self._box.tcp)))
 
     def _goal(self, target: Any) -> list[float]:
         if isinstance(target, PoseNumbers):
