@@ -74,9 +74,12 @@ class ScriptTopics(TwinNode):
         if not publication.by_controller:
             return
         topic = publication.topic
-        if not _SECONDARY.match(str(message.data)):
-            self._states.script_came(topic)
         text = str(message.data)
+        if self._box.starts != self._states.starts:
+            # The program of the driver begins with what the installation has.
+            self._box.tcp, self._box.starts = _NOWHERE, self._states.starts
+        if not _SECONDARY.match(text):
+            self._states.script_came(topic)
         before, self._running = self._running, _Program(self._commands, self._box, topic, text)
         if before is not None:
             before.give_way()
@@ -94,6 +97,8 @@ class _Box:
     """What follows set-points and velocities, of one program after the other."""
     tcp: Pose = _NOWHERE
     """The tool centre point, as seen from the flange."""
+    starts: int = 0
+    """How often the program of the driver had been started again when it was set."""
 
 
 class _Program:

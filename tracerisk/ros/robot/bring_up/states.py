@@ -57,6 +57,8 @@ class ControllerStates:
         self._switched: set[str] = set()
         self._script_topic = ""
         self._held = ""
+        self.starts = 0
+        """How often the program by which the driver moves the arm was started again."""
 
     @cached_property
     def all(self) -> dict[str, DeclaredController]:
@@ -145,6 +147,7 @@ class ControllerStates:
     def program_started(self) -> None:
         """Note that the program by which the driver moves the arm runs again."""
         self._script_topic = ""
+        self.starts += 1
 
     def hold(self, words: str) -> None:
         """Note why the driver carries out no trajectories of the arm; empty where it does."""
