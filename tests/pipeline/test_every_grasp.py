@@ -177,7 +177,7 @@ FATES = {
     "missed": Fate("lower(); release(); lift()", ("grasped-nothing",), aside_m=0.15),
     "slipped": Fate("release()", ("object-slipped",), heavy=True),
     "dropped": Fate("release()", ("object-dropped",)),
-    "kept": Fate("", ("never-released",)),
+    "kept": Fate("", ()),
 }
 QUICK = [("gen3", "released"), ("gen3", "missed"), ("panda", "slipped")]
 

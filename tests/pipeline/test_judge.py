@@ -310,9 +310,50 @@ def test_a_gripper_that_may_stay_open_is_no_reason(commands, has_objects):
     assert codes(recorded(commands=commands, has_objects=has_objects)) == []
 
 
-def test_what_is_held_at_the_end_is_a_reason():
-    (reason,) = judge(recorded(commands=(*PICK[:2], held(PICK[2]), PICK[3]))).reasons
-    assert (reason.code, reason.verdict, reason.object) == ("never-released", "partial", "hand")
+PICKED = (*PICK[:2], held(PICK[2]), PICK[3])
+"""Open, go there, grip a thing, and lift it."""
+CUT = {cause: RunEnd(cause, "the run was cut", 10.0) for cause in ("duration", "cycles")}
+
+
+def later(commands, by_s):
+    return tuple(replace(each, issue_s=each.issue_s + by_s) for each in commands)
+
+
+PLACED = (*PICKED, grip(8.0, "opens"), move(9.0))
+OTHER = tuple(replace(each, gripper="left" if each.gripper else "") for each in later(PICKED, 20.0))
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        PICKED,
+        PICKED[1:],
+        # The gripper was tried before, and let go of nothing.
+        (grip(0.1, "closes", path=("try",)), grip(0.2, "opens"), *PICKED),
+        (*PICKED, move(9.0), move(11.0)),
+        # A thing that is handed over: the one hand opens when the other holds it.
+        (*PICKED, *OTHER, grip(30.0, "opens"), move(31.0)),
+    ],
+    ids=["a pick", "no opening first", "a gripper tried", "carried on", "handed over"],
+)
+def test_a_pick_that_ends_with_what_it_took_is_no_reason(commands):
+    assert codes(recorded(commands=commands)) == []
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"commands": PICKED[:3]},
+        {"commands": (*PLACED, *later(PICKED, 20.0))},
+        {"commands": (*PLACED, *OTHER)},
+        {"commands": PICKED, "end": CUT["cycles"]},
+        {"commands": PICKED, "end": CUT["duration"], "is_duration_given": True},
+    ],
+    ids=["not lifted", "others were released", "by another hand", "a loop", "cut"],
+)
+def test_what_is_held_at_the_end_is_a_reason_where_it_is_no_pick(parts):
+    (reason,) = judge(recorded(**parts)).reasons
+    assert (reason.code, reason.verdict) == ("never-released", "partial")
 
 
 def test_a_last_grasp_without_a_release_is_a_reason_where_the_same_call_had_one_before():

@@ -8,6 +8,10 @@ from itertools import pairwise
 
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.recorded_run import IssuedCommand, RecordedRun
+from tracerisk.trace import EndCause
+
+_BY_ITSELF: frozenset[EndCause] = frozenset({"ended", "quiescent", "idle"})
+"""How a controller comes to its end with nothing more to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +100,7 @@ def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
         if words:
             words = f"{name} was commanded {len(own)} times and {words}, so nothing was grasped"
             yield GripperFault("never-grasped", words, own[-1])
-        if _is_left_closed(own):
+        if _is_left_closed(run, own):
             words = (
                 f"{name} closed and was not opened again: what it takes is still held at the end"
             )
@@ -121,15 +125,37 @@ def _is_idle(commands: Sequence[IssuedCommand], own: Sequence[IssuedCommand]) ->
     return _is_used(commands, own) and not is_moved
 
 
-def _is_left_closed(own: Sequence[IssuedCommand]) -> bool:
-    """Return whether a gripper takes something at last and does not let it go.
+def _is_left_closed(run: RecordedRun, own: Sequence[IssuedCommand]) -> bool:
+    """Return whether a gripper takes something at last and does not let it go, though it should.
 
-    It holds it; or it closed by the call that was followed by a release before.
+    It closed by the call that was followed by a release before; or it holds something, and that
+    was no pick.
     """
     last = own[-1]
+    if last.grip == "opens":
+        return False
     released = {
         one.path for one, then in pairwise(own) if one.grip == "closes" and then.grip == "opens"
     }
-    return last.grip != "opens" and (
-        last.holds or (last.grip is not None and last.path in released)
-    )
+    if last.grip is not None and last.path in released:
+        return True
+    return last.holds and not _is_pick(run, last)
+
+
+def _is_pick(run: RecordedRun, last: IssuedCommand) -> bool:
+    """Return whether a run ends with what a last command holds because it was to pick it up.
+
+    The arm moves on with it, the controller comes to its end by itself, and no gripper had let go
+    of anything before: a mission that releases what it took otherwise is to release this, too.
+    """
+    at = run.commands.index(last)
+    moves_on = any(not command.gripper for command in run.commands[at + 1 :])
+    if run.end.cause not in _BY_ITSELF or not moves_on:
+        return False
+    holding: set[str] = set()
+    for command in run.commands[:at]:
+        if command.holds:
+            holding.add(command.gripper)
+        elif command.grip == "opens" and command.gripper in holding:
+            return False
+    return True
