@@ -68,10 +68,12 @@ NOTES: frozenset[str] = frozenset(
         "not_simulated",
         "nothing_to_grasp",
         "removed_name",
+        "stopped_nothing",
         "unused",
     }
 )
-"""The kinds of findings by which nothing went wrong: what was assumed, or is not simulated."""
+"""The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did
+nothing."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
 

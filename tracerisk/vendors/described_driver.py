@@ -227,6 +227,8 @@ class DescribedDriver(TwinNode):
             return self._ignored(interface, case, stack), []
         if case.clear:
             self._queue.clear()
+        if case.stop and not case.set:
+            self._commands.stop_came(kind)
         if case.stop:
             self._queue.stop()
             self._grips.stop()

@@ -208,7 +208,10 @@ class ActionGoal:
 
         A goal that is over, or ends early already, is left alone.
         """
-        if self.state.is_terminal or self.state in (GoalState.RECALLING, GoalState.PREEMPTING):
+        if self.state.is_terminal:
+            self.client.actions.note_late_cancel(self)
+            return
+        if self.state in (GoalState.RECALLING, GoalState.PREEMPTING):
             return
         self.is_cancel_asked = True
         if not self.is_on_way:

@@ -196,7 +196,7 @@ class ActionClientEnd:
         if server is None:
             return
         for goal in tuple(server.goals):
-            if time_ns is None or goal.sent_ns <= time_ns:
+            if not goal.state.is_terminal and (time_ns is None or goal.sent_ns <= time_ns):
                 goal.ask_cancel()
 
     def close(self) -> None:
@@ -222,6 +222,8 @@ class Actions:
         self._servers: dict[str, list[ActionServerEnd]] = {}
         self._clients: dict[str, list[ActionClientEnd]] = {}
         self._watchers: list[Callable[[ActionChange, str, str], None]] = []
+        self.when_cancelled_late: list[Callable[[ActionGoal], None]] = []
+        """What is called with a goal that was over when it was to be cancelled."""
         graph_listens = self.scheduler.listens
         self.scheduler.listens = lambda: graph_listens() or self._listens()
 
@@ -230,6 +232,11 @@ class Actions:
         cell = self._runtime.graph.count(goal.client.name)
         if cell is not None:
             cell.sent(goal)
+
+    def note_late_cancel(self, goal: ActionGoal) -> None:
+        """Pass on that a goal was to be cancelled that was over."""
+        for call in self.when_cancelled_late:
+            call(goal)
 
     def _listens(self) -> bool:
         return any(each.by_controller for known in self._servers.values() for each in known)

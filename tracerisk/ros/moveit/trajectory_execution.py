@@ -222,6 +222,8 @@ class TrajectoryExecution:
 
         What that event stops of `move_action` has failed for it; all else was preempted.
         """
+        if by is None:
+            self._commands.stop_came("a stop of MoveIt")
         for execution in self._active():
             if by is None and execution.by == "move_action":
                 execution.code = ErrorCode.CONTROL_FAILED

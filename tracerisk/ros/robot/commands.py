@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import STOPS
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.twin.motion.execution import Motion, Way
 
 if TYPE_CHECKING:
+    from tracerisk.instrument.marks.call_log import Site
     from tracerisk.instrument.recording import Recorder
     from tracerisk.instrument.tracer import Frame
     from tracerisk.ros.graph.action_goal import ActionGoal
@@ -31,6 +33,9 @@ _NOT_DONE: frozenset[EndCause] = frozenset({"cycles", "duration"})
 _AT_LIMIT = 0.01  # of a joint [rad or m]
 _AS_GOOD_AS_THERE = {"rad": 0.01, "m": 0.001}
 """What may be left of a way that still counts as done: less than a cell can measure."""
+_LATE_NS = 500_000_000
+"""How long after the end of a motion a stop comes too late for it; sooner it ends what is left of
+it, as after each motion of MoveIt's tutorials [ns]."""
 _NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
     "goal_rejected": ("goal", "refused"),
     "command_ignored": ("message", "ignored"),
@@ -69,6 +74,8 @@ class LiveCommand:
     """Whether it leads elsewhere than where it was issued to."""
     timed_out: str = ""
     """What to say where the driver ends a velocity that is not sent again; empty if it was."""
+    kind: str = ""
+    """What it is called where something is said of it."""
 
 
 class TwinCommands:
@@ -88,9 +95,14 @@ class TwinCommands:
         self._stops: set[tuple[str, int, int]] = set()
         self._ignored_ns: dict[Hashable, int] = {}
         """When each stream that moves nothing last had a message [ns]."""
+        self._arrived: LiveCommand | None = None
+        """The last command that came to its goal; `None` where another ended otherwise since."""
+        self._late: set[tuple[Site, ...]] = set()
+        """Whence stops came too late already."""
         self._is_watching = False
         self._waited: list[tuple[Motion, Callable[[Motion], None]]] = []
         self.scheduler.when_alone.append(self._end_alone)
+        runtime.client(Actions).when_cancelled_late.append(self._cancel_came)
 
     def stack(self) -> tuple[Frame, ...]:
         """Return the stack of the running code."""
@@ -123,7 +135,7 @@ class TwinCommands:
             what = f"a goal of action {name}"
         now_ns = self.scheduler.now_ns
         command = LiveCommand(
-            command_id, motion, stack, on_end, misses, what, name, now_ns, keep_until_ns
+            command_id, motion, stack, on_end, misses, what, name, now_ns, keep_until_ns, kind=kind
         )
         over = [live for live in self._live if self._is_over(live)]
         self._live.append(command)
@@ -160,6 +172,39 @@ class TwinCommands:
         if self._recorder is not None and not frames <= self._stops:
             self._stops |= frames
             self._recorder.note(STOPS, sites=sorted(self._stops))
+
+    def stop_came(self, name: str) -> None:
+        """Take note of a stop by whatever name: a finding says where it comes too late."""
+        command = self._arrived
+        if command is None or any(live.motion.outcome == "active" for live in self._live):
+            return
+        self._note_late(name, command.motion, command.kind, command.stack)
+
+    def _cancel_came(self, goal: ActionGoal) -> None:
+        if goal.motion is not None and goal.motion.outcome == "succeeded":
+            name = f"a cancel of action {goal.client.name}"
+            self._note_late(name, goal.motion, "its goal", goal.stack)
+
+    def _note_late(self, name: str, motion: Motion, kind: str, sent_by: tuple[Frame, ...]) -> None:
+        stack, ended_ns = self.stack(), motion.ended_ns
+        place = tuple(frame.site for frame in stack)
+        if not stack or not sent_by or ended_ns is None or place in self._late:
+            return
+        late_ns = self.scheduler.now_ns - ended_ns
+        if late_ns < _LATE_NS:
+            return
+        self._late.add(place)
+        # Both may be sent by a function that sends all: where the ways to it part says more.
+        pairs = list(zip(stack, sent_by, strict=False))
+        here, there = next((pair for pair in pairs if pair[0].site != pair[1].site), pairs[-1])
+        self.report(
+            "stopped_nothing",
+            f"{name} of line {here.site[0]} stopped nothing: what line {there.site[0]} had moved "
+            f"({kind}) had ended {late_ns / 1e9:.1f} s before; to stop it on its way, start it "
+            "without waiting for its end",
+            stack,
+            object_name=name,
+        )
 
     def rest(self, joints: Sequence[str] | None = None) -> None:
         """Bring joints (all) to rest, and note which commands are over with that."""
@@ -264,7 +309,9 @@ class TwinCommands:
             motion = command.motion
             if motion.outcome == "succeeded" and (miss := command.misses(motion)):
                 motion.outcome, motion.message = "aborted", miss
-            self._record_end(command, self._end_of(command))
+            end = self._end_of(command)
+            self._arrived = command if end == "arrived" else None
+            self._record_end(command, end)
             self._live.remove(command)
             command.on_end(motion)
 

@@ -179,6 +179,7 @@ class DoosanController(DoosanReports):
             self._arm.wait(self._live)
 
     def _stop(self, request: Any, answer: Any) -> None:
+        self._commands.stop_came("move_stop")
         self._arm.stop()
 
     def _jog(self, request: Any, answer: Any) -> bool:

@@ -234,6 +234,7 @@ class ActionClient:
         self._transitions = CallbackThread(run.scheduler, run.tracer, f"action client {self._name}")
         self._feedback = CallbackThread(run.scheduler, run.tracer, f"feedback of {self._name}")
         self._sent: dict[str, ActionGoal] = {}
+        self._over: ActionGoal | None = None
 
     def send_goal(
         self,
@@ -304,8 +305,8 @@ class ActionClient:
         return self._end.is_served()
 
     def _send_cancel(self, cancel: Any) -> None:
-        goal = self._sent.get(cancel.id)
-        if goal is not None:
+        goal = self._sent.get(cancel.id, self._over)
+        if goal is not None and goal.id == cancel.id:
             goal.ask_cancel()
 
     def _changed(self, machine: CommStateMachine, goal: ActionGoal) -> None:
@@ -313,7 +314,7 @@ class ActionClient:
         result = goal.result
         is_over = goal.state.is_terminal
         if is_over:
-            self._sent.pop(goal.id, None)
+            self._over = self._sent.pop(goal.id, None)
         tracer: Any = current().tracer
 
         def update() -> None:

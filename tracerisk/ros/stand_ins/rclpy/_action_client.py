@@ -293,6 +293,8 @@ class ActionClient(Entity):
             if goal is None or goal.state is GoalState.REJECTED:
                 response.return_code = CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
             self._came["cancel"].append((future, response))
+            if goal is not None:
+                goal.ask_cancel()
             return future
         sent.cancels.append(future)
         goal.ask_cancel()
