@@ -69,11 +69,12 @@ NOTES: frozenset[str] = frozenset(
         "nothing_to_grasp",
         "removed_name",
         "stopped_nothing",
+        "unlikely_unit",
         "unused",
     }
 )
 """The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did
-nothing."""
+nothing, and what may be meant otherwise."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
 

@@ -7,11 +7,13 @@ import math
 import pytest
 
 from tracerisk.twin.motion.plausible_units import (
+    are_radians_likely,
     cut_line,
     floored_percent,
     length_guess,
     past_limits,
     shown_limits,
+    speed_guess,
 )
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import load_robot
@@ -27,6 +29,37 @@ TURN_OF_UR = load_robot("ur5e").joint("shoulder_pan_joint")
 )
 def test_more_than_a_turn_on_a_joint_that_cannot_make_one_may_be_degrees(value, guess):
     assert shown_limits(ELBOW, value) == f"[-3.0718, -0.0698]{guess}"
+
+
+@pytest.mark.parametrize(
+    ("value", "guess"), [(5.0, " (degrees?)"), (-4.0, " (degrees?)"), (4.71, ""), (-2.9, "")]
+)
+def test_a_whole_number_past_the_limits_may_be_degrees(value, guess):
+    assert shown_limits(PANDA.joint("panda_joint1"), value).endswith(f"]{guess}")
+
+
+@pytest.mark.parametrize(
+    ("speed", "guess"),
+    [(20.0, " (deg/s?)"), (-100.0, " (deg/s?)"), (2.0, ""), (-2.175, ""), (500.0, "")],
+)
+def test_a_velocity_past_its_limit_may_be_degrees_per_second(speed, guess):
+    assert speed_guess(PANDA.joint("panda_joint1"), speed) == guess
+
+
+@pytest.mark.parametrize(
+    ("goal", "likely"),
+    [
+        ([0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], True),
+        ([0.0, 1.57, 0.0, -1.2, 0.0, 0.0, 0.0], True),
+        ([0.0, 0.0, 5.0, -2.0, 0.0, 0.0, 0.0], False),
+        ([0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], False),
+        ([0.5, -45.0, 0.0, -135.0, 0.0, 90.0, 45.0], False),
+        ([0.0] * 7, False),
+        ([0.5, 0.5, 0.0, 2.5, 0.0, 0.0, 0.0], False),
+    ],
+)
+def test_small_broken_numbers_for_several_joints_may_be_radians(goal, likely):
+    assert are_radians_likely(PANDA.arm_joints, goal) is likely
 
 
 def test_within_the_limits_of_a_joint_that_makes_a_turn_nothing_is_guessed():

@@ -18,6 +18,7 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.description import Case, Driver, Value, is_share
+from tracerisk.vendors.message_paths import is_of_ros
 from tracerisk.vendors.requests import Goal, Request
 
 if TYPE_CHECKING:
@@ -135,6 +136,9 @@ class DescribedMotions:
         )
         named = self._by_joints(named)
         self._check_names(named)
+        if self._is_in_degrees(value, request):
+            degrees = [math.degrees(named.get(name, 0.0)) for name in self._arm.joints]
+            self._arm.look_at_degrees_per_s(_asked_by(value), degrees)
         if not is_share(value.unit):
             return dict(named)
         rated = {joint.name: joint.velocity_limit for joint in self._arm.arm}
@@ -207,7 +211,19 @@ class DescribedMotions:
         constant = value.constant
         if isinstance(constant, int | float) and not isinstance(constant, bool):
             value = replace(value, constant=[constant] * len(self._arm.joints))
-        return request.goals(value, roles.get("joint_names"), "angle")
+        goals = request.goals(value, roles.get("joint_names"), "angle")
+        is_relative = request.flag(roles.get("relative"), default=False)
+        if self._is_in_degrees(value, request) and not is_relative:
+            for goal in goals:
+                listed = goal.values() if isinstance(goal, Mapping) else goal
+                degrees = [math.degrees(each) for each in listed][: len(self._arm.joints)]
+                self._arm.look_at_degrees(_asked_by(value), degrees)
+        return goals
+
+    def _is_in_degrees(self, value: Value, request: Request) -> bool:
+        """Return whether a value holds degrees that the sender wrote."""
+        unit = value.unit or self._driver.units.angle
+        return bool(value.paths) and unit.startswith("deg") and not is_of_ros(request.raw(value))
 
     def _named(self, name: str) -> list[Goal]:
         """Return the points of a motion in the parameters, or a named state of the robot."""
@@ -405,6 +421,11 @@ class DescribedMotions:
         return JointTrajectory(
             found.joints, found.time * longer, found.position, found.velocity / longer
         )
+
+
+def _asked_by(value: Value) -> str:
+    """Return what the interface of a value is called: its key begins with kind and name."""
+    return value.key.split(".")[1].rsplit("/", 1)[-1]
 
 
 def _differ(one: Sequence[float], other: Sequence[float]) -> bool:

@@ -167,4 +167,4 @@ def _map(entry: YamlMap) -> dict[str, Any] | None:
 
 
 def _unit(entry: YamlMap) -> str:
-    return entry.choice("unit", UNITS, "unit") if entry.string("unit", default="") else ""
+    return entry.choice("unit", UNITS, "unit") if "unit" in entry else ""

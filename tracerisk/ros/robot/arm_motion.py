@@ -16,7 +16,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.motion_profiles import Ramp, at_velocities, ramped
 from tracerisk.ros.transforms.poses import ORIGIN, angle_between, compose, inverse
 from tracerisk.twin.motion.execution import Motion
-from tracerisk.twin.motion.plausible_units import cut_line, shown_limits
+from tracerisk.twin.motion.plausible_units import are_radians_likely, cut_line, shown_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robots.gripper_ends import driver_ends, position_at, width_at
 from tracerisk.twin.robots.robot import Scaling
@@ -141,6 +141,31 @@ class ArmMotion:
                     f"{value:.3f} for '{joint.name}' is outside its limits "
                     f"{shown_limits(joint, value)}",
                 )
+
+    def look_at_degrees(self, name: str, goal: Sequence[float]) -> None:
+        """Note a goal of joints in degrees that may be one in radians; `name` asks for it."""
+        if are_radians_likely(self.arm, goal):
+            values = ", ".join(f"{value:.4g}" for value in goal)
+            self._commands.note(
+                "unlikely_unit",
+                f"{name} takes degrees, and [{values}] (radians?) leads no joint further than "
+                f"{max(map(abs, goal)):.3g} degrees from zero",
+                name,
+            )
+
+    def look_at_degrees_per_s(self, name: str, speeds: Sequence[float]) -> None:
+        """Note velocities of joints in deg/s that may be in rad/s; `name` asks for them."""
+        pairs = list(zip(self.arm, speeds, strict=False))
+        joint, speed = max(pairs, key=lambda pair: abs(pair[1]), default=(None, 0.0))
+        if joint is None or not speed or joint.type == "prismatic":
+            return
+        if all(abs(each) <= member.velocity_limit for member, each in pairs):
+            self._commands.note(
+                "unlikely_unit",
+                f"{name} takes deg/s: {speed:.4g} (rad/s?) turns joint '{joint.name}' by "
+                f"{speed:.4g} degrees in a second, and not by {math.degrees(speed):.3g}",
+                name,
+            )
 
     def fastest_s(
         self,

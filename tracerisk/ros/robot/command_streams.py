@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tracerisk.instrument.helper_rule import call_path
 from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands, unit_of
 from tracerisk.ros.robot.motion_profiles import at_velocities
+from tracerisk.twin.motion.plausible_units import speed_guess
 from tracerisk.twin.motion.streams import SetPointStream
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, PlanningError
 
@@ -226,6 +227,7 @@ class CommandStreams:
         did not ask for that. `stack` is as in `to_position`.
         """
         now_ns = self._commands.scheduler.now_ns
+        self._look_at(topic, asked)
         trajectory = self._velocities.next(asked, now_ns, for_s)
         if not any(asked.values()):
             self._commands.stop(tuple(asked))
@@ -236,6 +238,20 @@ class CommandStreams:
                 else ""
             )
             self.follow(topic, kind, trajectory, is_set_point=True, timed_out=said, stack=stack)
+
+    def _look_at(self, topic: str, asked: Mapping[str, float]) -> None:
+        """Note a velocity above its joint's limit that may be in another unit."""
+        for name, speed in asked.items():
+            joint = self._commands.twin.robot.joint(name)
+            if guess := speed_guess(joint, speed):
+                unit, limit = unit_of(joint), joint.velocity_limit
+                self._commands.note(
+                    "unlikely_unit",
+                    f"a velocity of {speed:.4g} {unit}/s{guess} for joint '{name}' is above its "
+                    f"limit of {limit:.3g} {unit}/s, which it is given instead",
+                    topic,
+                )
+                return
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
         """Report that a message moved nothing, and why."""

@@ -97,8 +97,8 @@ class TwinCommands:
         """When each stream that moves nothing last had a message [ns]."""
         self._arrived: LiveCommand | None = None
         """The last command that came to its goal; `None` where another ended otherwise since."""
-        self._late: set[tuple[Site, ...]] = set()
-        """Whence stops came too late already."""
+        self._noted: set[tuple[str, tuple[Site, ...]]] = set()
+        """What kinds of findings were noted of what is sent from where."""
         self._is_watching = False
         self._waited: list[tuple[Motion, Callable[[Motion], None]]] = []
         self.scheduler.when_alone.append(self._end_alone)
@@ -187,24 +187,27 @@ class TwinCommands:
 
     def _note_late(self, name: str, motion: Motion, kind: str, sent_by: tuple[Frame, ...]) -> None:
         stack, ended_ns = self.stack(), motion.ended_ns
-        place = tuple(frame.site for frame in stack)
-        if not stack or not sent_by or ended_ns is None or place in self._late:
+        late_ns = 0 if ended_ns is None else self.scheduler.now_ns - ended_ns
+        if not stack or not sent_by or late_ns < _LATE_NS:
             return
-        late_ns = self.scheduler.now_ns - ended_ns
-        if late_ns < _LATE_NS:
-            return
-        self._late.add(place)
         # Both may be sent by a function that sends all: where the ways to it part says more.
         pairs = list(zip(stack, sent_by, strict=False))
         here, there = next((pair for pair in pairs if pair[0].site != pair[1].site), pairs[-1])
-        self.report(
+        self.note(
             "stopped_nothing",
             f"{name} of line {here.site[0]} stopped nothing: what line {there.site[0]} had moved "
             f"({kind}) had ended {late_ns / 1e9:.1f} s before; to stop it on its way, start it "
             "without waiting for its end",
-            stack,
-            object_name=name,
+            name,
         )
+
+    def note(self, kind: str, message: str, object_name: str = "") -> None:
+        """Record a finding of what is sent from here, the first time that it is sent."""
+        stack = self.stack()
+        place = kind, tuple(frame.site for frame in stack)
+        if place not in self._noted:
+            self._noted.add(place)
+            self.report(kind, message, stack, object_name=object_name)
 
     def rest(self, joints: Sequence[str] | None = None) -> None:
         """Bring joints (all) to rest, and note which commands are over with that."""

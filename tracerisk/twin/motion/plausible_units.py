@@ -26,6 +26,30 @@ def past_limits(joint: Joint, value: float, slack: float) -> str:
     return f"{value:g}, past its limits {shown_limits(joint, value)}"
 
 
+def speed_guess(joint: Joint, speed: float) -> str:
+    """Return a guess of the unit of a velocity above a joint's limit; empty for none [rad/s]."""
+    if abs(speed) <= joint.velocity_limit:
+        return ""
+    if joint.type == "prismatic":
+        return " (mm/s?)" if abs(speed) > _FAR * joint.velocity_limit else ""
+    return " (deg/s?)" if math.radians(abs(speed)) <= joint.velocity_limit else ""
+
+
+def are_radians_likely(joints: Sequence[Joint], goal: Sequence[float]) -> bool:
+    """Return whether a goal in degrees may be one in radians.
+
+    It leads several joints hardly away from zero, none by whole degrees alone, and would be within
+    their limits in radians.
+    """
+    moved = [value for value in goal if value]
+    if len(moved) < 2 or all(float(value).is_integer() for value in moved):
+        return False
+    return max(map(abs, moved)) <= 2 * math.pi and all(
+        joint.type != "prismatic" and joint.lower <= value <= joint.upper
+        for joint, value in zip(joints, goal, strict=False)
+    )
+
+
 def cut_line(goal: Pose, fraction: float, here: Pose) -> str:
     """Return in words how much of the line from `here` to a pose can be followed."""
     x, y, z = goal.position
@@ -54,5 +78,8 @@ def _guess(joint: Joint, value: float) -> str:
     furthest = max(abs(joint.lower), abs(joint.upper))
     if joint.type == "prismatic":
         return " (mm?)" if abs(value) > _FAR * furthest else ""
-    is_in_degrees = max(2 * math.pi, furthest) < abs(value) <= 360.0
-    return " (degrees?)" if is_in_degrees else ""
+    if max(2 * math.pi, furthest) < abs(value) <= 360.0:
+        return " (degrees?)"
+    # Nobody gives whole radians, and the others are as likely in radians.
+    is_whole = float(value).is_integer() and furthest < abs(value) <= 360.0
+    return " (degrees?)" if is_whole and joint.lower <= math.radians(value) <= joint.upper else ""

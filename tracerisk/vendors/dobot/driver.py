@@ -198,6 +198,7 @@ class DobotDriver(TwinNode):
         if getattr(request, "mdis", None):
             self._refuse(f"an output along {kind}", request, answer)
         if request.mode:
+            self._arm.look_at_degrees(kind, values)
             return self._add(kind, request, lambda words: by_joints(values, words))
         return self._add(kind, request, lambda words: by_pose(pose_of(values), words))
 

@@ -105,6 +105,8 @@ class DoosanController(DoosanReports):
     def _joint(self, asked: Any) -> JointTrajectory:
         each = [1.0] * len(self._arm.joints)
         speeds, rises = [asked.vel * one for one in each], [asked.acc * one for one in each]
+        if not asked.mode:
+            self._arm.look_at_degrees("move_joint", list(asked.pos))
         return self._motion.joint_move(list(asked.pos), asked.mode, speeds, rises, asked.time)
 
     def _jointx(self, asked: Any) -> JointTrajectory:
@@ -260,6 +262,7 @@ class DoosanController(DoosanReports):
         return self._motion.line([pose_of(asked.pos)], list(asked.vel), asked.time)
 
     def _speed_joints(self, asked: Any) -> JointTrajectory | None:
+        self._arm.look_at_degrees_per_s("speedj_stream", list(asked.vel))
         return self._arm.at_speeds([math.radians(each) for each in asked.vel], asked.time or None)
 
     def _speed_line(self, asked: Any) -> JointTrajectory | None:

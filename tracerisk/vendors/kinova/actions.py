@@ -73,6 +73,8 @@ class KortexArm:
             _put(here, each.joint_identifier, each.value)
         if not asked.joint_angles.joint_angles:
             raise PlanningError("invalid_goal", "no joint angles")
+        asked_for = [each.value for each in asked.joint_angles.joint_angles]
+        self.arm.look_at_degrees("a goal of joint angles", asked_for)
         return self._to_angles(here, asked.constraint)
 
     def reach_angle(self, asked: Any) -> JointTrajectory:
@@ -102,6 +104,7 @@ class KortexArm:
         speeds = [0.0] * len(self.arm.joints)
         for each in asked.joint_speeds:
             _put(speeds, each.joint_identifier, math.radians(each.value))
+        self.arm.look_at_degrees_per_s("joint_velocity", [math.degrees(each) for each in speeds])
         return self.arm.at_speeds(speeds, asked.duration / 1000.0 or None)
 
     def twist(self, asked: Any, frame: int) -> JointTrajectory | None:
