@@ -170,13 +170,18 @@ error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
         ("MoveCartesian, 'set_position'", "pose=[300.0, 0.0, 250.0]"),
         ("MoveCartesian, 'set_tool_position'", "pose=[10.0]"),
         ("MoveCartesian, 'set_position'", "pose=[1.0] * 5"),
+        ("MoveJoint, 'set_servo_angle'", "angles=[0.1] * 5"),
+        ("MoveJoint, 'set_servo_angle'", "angles=[]"),
     ],
 )
 def test_a_request_of_the_wrong_length_is_answered_with_997(run_on, service, call):
     ran = run_on(
         "xarm6",
-        HEAD2 + f"answer = call({service}, {call}, wait=True)\n",
+        HEAD2 + f"answer = call({service}, {call}, wait=True)\n"
+        "error = call(GetInt16List, 'get_err_warn_code').datas[0]\n",
         ros=2,
     )
     assert ran["answer"].ret == 997
+    assert ran["error"] == 0
     assert ran.recording.commands == ()
+    assert "values" in ran.findings[0]

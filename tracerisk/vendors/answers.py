@@ -223,9 +223,11 @@ class Answers:
         return result.outcome == "succeeded"
 
     def _code(self, result: Result) -> Any:
-        codes = self._driver.codes
-        if result.outcome in codes:
-            return codes[result.outcome]
+        codes, outcome = self._driver.codes, result.outcome
+        if outcome == "wrong_count" and outcome not in codes:
+            outcome = "invalid_goal"
+        if outcome in codes:
+            return codes[outcome]
         return codes.get("succeeded", 0) if self._success(result) else codes.get("failed", -1)
 
     def _message(self, result: Result) -> str:

@@ -192,7 +192,7 @@ class DescribedDriver(TwinNode):
                 self._hold_trajectories(name)
 
     def _hold_trajectories(self, name: str) -> None:
-        """Have the controllers carry out nothing where the state is not as trajectories need it."""
+        """Hold the controllers where the state is not as trajectories need it."""
         needed = self._driver.trajectories_need.get(name, ())
         if needed:
             is_so = str(self._state[name]) in map(str, needed)

@@ -131,9 +131,11 @@ class DescribedMotions:
         """Return the velocities of joints that are asked for [rad/s], by their names."""
         value = case.roles["joints"]
         (goal, *_) = request.goals(value, case.roles.get("joint_names"), "angle")
-        named = (
-            goal if isinstance(goal, Mapping) else dict(zip(self._arm.joints, goal, strict=False))
-        )
+        if isinstance(goal, Mapping):
+            named = goal
+        else:
+            self._check_count(goal)
+            named = dict(zip(self._arm.joints, goal, strict=False))
         named = self._by_joints(named)
         self._check_names(named)
         if self._is_in_degrees(value, request):
@@ -164,7 +166,7 @@ class DescribedMotions:
         return lambda: self._arm.grip_motion(share, max_effort=effort)
 
     def tool(self, case: Case, request: Request) -> Pose:
-        """Return where a tool is to be whose place the driver is told, seen from its link."""
+        """Return where the tool is that the driver is given, seen from its link."""
         if "transform" in case.roles:
             return request.transform(case.roles["transform"])
         ((pose, _), *_) = request.poses(case.roles["pose"])
@@ -212,6 +214,9 @@ class DescribedMotions:
         if isinstance(constant, int | float) and not isinstance(constant, bool):
             value = replace(value, constant=[constant] * len(self._arm.joints))
         goals = request.goals(value, roles.get("joint_names"), "angle")
+        for goal in goals:
+            if not isinstance(goal, Mapping):
+                self._check_count(goal)
         is_relative = request.flag(roles.get("relative"), default=False)
         if self._is_in_degrees(value, request) and not is_relative:
             for goal in goals:
@@ -219,6 +224,13 @@ class DescribedMotions:
                 degrees = [math.degrees(each) for each in listed][: len(self._arm.joints)]
                 self._arm.look_at_degrees(_asked_by(value), degrees)
         return goals
+
+    def _check_count(self, values: Sequence[float]) -> None:
+        """Raise PlanningError where there is not one value a joint; those of several arms' messages
+        have room for the joints of the longest."""
+        count = len(self._arm.joints)
+        if len(values) < count or any(values[count:]):
+            raise PlanningError("wrong_count", f"{len(values)} joint values for {count} joints")
 
     def _is_in_degrees(self, value: Value, request: Request) -> bool:
         """Return whether a value holds degrees that the sender wrote."""

@@ -43,11 +43,13 @@ WORDS = frozenset({"frame", "named"})
 """The roles of which a plain string is the word itself, and no field."""
 
 OUTCOMES = (
-    *("succeeded", "failed", "bad_request", "invalid_goal", "no_ik_solution", "no_plan"),
+    *("succeeded", "failed", "bad_request", "wrong_count", "invalid_goal"),
+    *("no_ik_solution", "no_plan"),
     *("collision", "start_in_collision", "aborted", "preempted", "timeout"),
     *("busy", "disabled", "in_error", "not_simulated"),
 )
-"""What a command can come to; `failed` stands for each failure that has no code of its own."""
+"""What a command can come to; `failed` stands for each failure that has no code of its own, and
+`invalid_goal` for `wrong_count`: other numbers of values than there are joints."""
 
 REFERENCES = (
     *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation"),

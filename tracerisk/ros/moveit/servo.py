@@ -229,7 +229,7 @@ class Servo(TwinNode):
         elif begins == _BY_TYPE and self._expected is None:
             if not self._is_called("switch_command_type"):
                 return (
-                    "servo was not told which type of commands to take; call its service "
+                    "servo does not know which type of commands to take; call its service "
                     "switch_command_type first"
                 )
         elif self._expected not in (None, kind):

@@ -25,7 +25,13 @@ Leads = Literal[
 ]
 """Where a trajectory leads: a velocity has no goal that it could miss."""
 PlanningFailure = Literal[
-    "invalid_goal", "no_ik_solution", "no_plan", "collision", "start_in_collision", "bad_request"
+    "invalid_goal",
+    "no_ik_solution",
+    "no_plan",
+    "collision",
+    "start_in_collision",
+    "bad_request",
+    "wrong_count",
 ]
 
 
