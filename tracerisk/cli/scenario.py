@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from tracerisk.ros.controller.needs import Missed, Need
 
 _LINES = 3
-_SEARCH_S = 100.0
+_SEARCH_S = 60.0
 _ENDING = ".scenario.yaml"
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.config import Settings
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.formats import load_hardware
-from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
-from tracerisk.pipeline.robot.choice import choose_launched_robot
+from tracerisk.pipeline.launch.choose import LaunchChoice
+from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.run.controller_run import run_controller
@@ -29,7 +29,10 @@ _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its g
 
 
 def trace_attempts(
-    controller: Controller, settings: Settings, options: RunOptions = PLAIN
+    controller: Controller,
+    settings: Settings,
+    options: RunOptions = PLAIN,
+    kept: KeptChoices | None = None,
 ) -> Trace:
     """Return what the run showed whose launch file and robot fit the controller.
 
@@ -40,9 +43,11 @@ def trace_attempts(
     A run that shows no risk for want of something that other nodes of the workspace provide is
     done again with these beside it.
     Simulated time and the number of runs bound the attempts. A run that a limit of the machine
-    ended is the last: nothing is concluded from it.
+    ended is the last: nothing is concluded from it. What is chosen of the workspace is `kept` for
+    further runs of the controller.
     """
     settings = with_scenario(settings)
+    kept = kept or KeptChoices()
     simulated_s = 0.0
 
     def may_go_on() -> bool:
@@ -52,7 +57,8 @@ def trace_attempts(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
     ) -> ControllerRun:
         nonlocal simulated_s
-        done = _with_robot(controller, settings, choice, companions, replace(options, keep=keep))
+        asked = replace(options, keep=keep)
+        done = _with_robot(controller, settings, choice, companions, asked, kept)
         simulated_s += done.trace.end.simulated_s or 0.0
         if options.on_run is not None:
             options.on_run(done)
@@ -62,14 +68,18 @@ def trace_attempts(
         done = run(choice, keep)
         if not settings.companions or _is_final(done.trace):
             return done.trace
+        if _lacks(done) in kept.in_vain:
+            return done.trace
         found = _with_companions(
             controller, settings, done, lambda companions: run(choice, None, companions), may_go_on
         )
+        if found is None:
+            kept.in_vain.add(_lacks(done))
         if found is None or keep is None or _is_cut_short(found[0]):
             return done.trace if found is None else found[0]
         return run(choice, keep, found[1]).trace
 
-    choice = choose_launch(controller, settings)
+    choice = kept.launch(controller, settings)
     trace = attempt(choice, options.keep)
     is_found = choice.setup is not None and settings.launch is True
     if not is_found or not may_go_on() or _is_final(trace):
@@ -99,6 +109,11 @@ def _is_cut_short(trace: Trace) -> bool:
     return trace.end.cause in OF_THE_MACHINE
 
 
+def _lacks(run: ControllerRun) -> Hashable:
+    """Return how a run ended, and what it lacked."""
+    return run.trace.end.cause, run.trace.end.location, frozenset(run.needs)
+
+
 def _is_final(trace: Trace) -> bool:
     return _shows_risk(trace) or _is_cut_short(trace)
 
@@ -121,13 +136,16 @@ def _with_companions(
         if not more:
             return None
         companions = (*companions, *more)[:_MOST_COMPANIONS]
-        done = run(companions)
+        before, done = done, run(companions)
         if _is_cut_short(done.trace):
             return done.trace, companions
         if _shows_risk(done.trace):
             theirs = {each.told for each in companions}
             is_own = not any(each.ref.file in theirs for each in done.trace.functions)
             return (done.trace, companions) if is_own else None
+        if _lacks(done) == _lacks(before):
+            # Nor would another node that says it provides the same.
+            return None
     return None
 
 
@@ -137,10 +155,11 @@ def _with_robot(
     launch: LaunchChoice,
     companions: tuple[Companion, ...],
     options: RunOptions,
+    kept: KeptChoices,
 ) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
-    choice = choose_launched_robot(controller, settings, launch)
+    choice = kept.robot(controller, settings, launch, asked)
     for _ in range(_ROBOTS_TRIED):
         # What the robot has no place for is reported before a minute is spent on simulation.
         bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
@@ -150,7 +169,7 @@ def _with_robot(
         if settings.robot is not None or not set(done.joints_asked) - set(asked):
             break
         asked = (*asked, *done.joints_asked)
-        other = choose_launched_robot(controller, settings, launch, also_named=asked)
+        other = kept.robot(controller, settings, launch, asked)
         if other.robot == choice.robot:
             break
         choice = other

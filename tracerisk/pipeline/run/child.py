@@ -181,7 +181,7 @@ def _run(
     runtime = runtime_of(request, scenario, scheduler, tracer, twin, recorder, workspace)
     cell = CellLog(runtime.graph, AskedCalls(recorder, scheduler, scenario.success).take)
     companions = Companions(request.companions, runtime, recorder)
-    watch = RunWatch(scheduler, recorder)
+    watch = RunWatch(scheduler, recorder, request.idle_s)
     note_given(recorder, scenario)
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2

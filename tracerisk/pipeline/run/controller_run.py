@@ -112,6 +112,7 @@ def run_controller(
             seed=settings.seed,
             distro=choose_distro(controller, settings),
             drafts=options.drafts,
+            idle_s=options.idle_s,
             packages={name: str(each) for name, each in workspace.packages.items()},
             prefixes=workspace.prefixes,
             live_speed=options.live_speed,
@@ -264,13 +265,14 @@ def _run_child(
         if options.meanwhile is not None:
             options.meanwhile()
         ended = watch(RunningChild(child, start, request, settings, options))
-        has_begun = start.pid is not None
+        has_begun, start_s = start.pid is not None, start.cpu_s or 0.0
     finally:
         # Whatever the controller started goes with it.
         end(child)
         start.close()
         passing.join(_GRACE_S)
-    return replace(ended, has_begun=has_begun, last_line=passing.last_line)
+    last_line = passing.last_line
+    return replace(ended, has_begun=has_begun, last_line=last_line, start_s=start_s)
 
 
 def _watch(child: RunningChild) -> ProcessEnd:

@@ -20,6 +20,7 @@ from tracerisk.pipeline.trace.run_files import (
     AROUND,
     DRAFTS,
     EVENTS,
+    IDLE_S,
     INSTALLED,
     JOINTS_ASKED,
     LAUNCH,
@@ -55,7 +56,8 @@ class ProcessEnd:
     """How the process ended: its return code, or the limit that was reached and where.
 
     `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
-    `own_s` is for how long it computed or slept, where that was looked at [s].
+    `own_s` is for how long it computed or slept, where that was looked at, from that line on [s];
+    `start_s` is what it had computed by then.
     """
 
     code: int
@@ -64,6 +66,7 @@ class ProcessEnd:
     has_begun: bool = False
     last_line: str = ""
     own_s: float = 0.0
+    start_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,8 @@ class ControllerRun:
 
     `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
     `request` are what it ran with: enough to run it once more. `own_s` is for how long its process
-    computed or slept [s]. `shift` is a place that was not reached and by how much to move it.
+    computed or slept from its first line on, `start_s` what it had computed by then [s]. `shift` is
+    a place that was not reached and by how much to move it.
     """
 
     trace: Trace
@@ -83,6 +87,7 @@ class ControllerRun:
     drafts: tuple[Draft, ...] = ()
     own_s: float = 0.0
     shift: PlaceAndShift | None = None
+    start_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +98,7 @@ class RunOptions:
     for its needs. With `live_speed` it is on real rospy, at most so many times as fast as the wall
     clock. `on_run` is called with each run that is tried. What a `quiet` run prints is dropped.
     Its trace is to be judged `beside` another run, as `make_trace` says. `meanwhile` is called
-    once its process computes.
+    once its process computes. A loop is idle in which nothing was commanded for `idle_s` [s].
     """
 
     keep: Path | None = None
@@ -104,6 +109,7 @@ class RunOptions:
     quiet: bool = False
     beside: Recording | None = None
     meanwhile: Callable[[], None] | None = None
+    idle_s: float = IDLE_S
 
 
 PLAIN = RunOptions()
@@ -166,7 +172,17 @@ def _read(
     noted = recording.note(DRAFTS) or {"drafts": (), "shift": None}
     drafted, shift = tuple(drafts_of(noted["drafts"])), noted["shift"]
     joints = tuple(dict.fromkeys(asked))
-    return ControllerRun(trace, robot, request, joints, needs, drafted, process_end.own_s, shift)
+    return ControllerRun(
+        trace,
+        robot,
+        request,
+        joints,
+        needs,
+        drafted,
+        process_end.own_s,
+        shift,
+        process_end.start_s,
+    )
 
 
 def _recording(folder: Path, request: RunRequest) -> Recording:

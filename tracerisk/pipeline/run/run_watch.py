@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import Recorder, is_near
 from tracerisk.instrument.tracer import Frame
-from tracerisk.pipeline.trace.run_files import CYCLE, MISSION_END
+from tracerisk.pipeline.trace.run_files import CYCLE, IDLE_S, MISSION_END
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.time.scheduler import ControllerThread, Scheduler
 from tracerisk.trace import CommandEnd
@@ -21,8 +21,6 @@ CYCLES_SEEN = 3
 """How often the same cycle must have come."""
 _CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
 _SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
-IDLE_S = 60.0
-"""For how long nothing must have been commanded before a loop counts as idle [s]."""
 _LONGEST_CYCLE = 100
 
 # A way to a command: each function and the place in it. An iteration is its ways, in turn.
@@ -53,9 +51,11 @@ class RunWatch:
     """Watches commands and loops of a run, and ends it where nothing new will come.
 
     `schedule` (an attribute) is that of the scenario: while it has more to give, a run goes on.
+    A loop is idle in which nothing was commanded for `idle_s` [s].
     """
 
-    def __init__(self, scheduler: Scheduler, recorder: Recorder) -> None:
+    def __init__(self, scheduler: Scheduler, recorder: Recorder, idle_s: float = IDLE_S) -> None:
+        self.idle_s = idle_s
         self._scheduler = scheduler
         self._recorder = recorder
         self.schedule: Schedule | None = None
@@ -155,7 +155,7 @@ class RunWatch:
         """Look whether the controller only idles; called whenever the world has moved."""
         since_ns = self._idle_ns = self._idle_since_ns()
         now_ns = self._scheduler.now_ns
-        if since_ns is None or now_ns - since_ns < IDLE_S * 1e9:
+        if since_ns is None or now_ns - since_ns < self.idle_s * 1e9:
             return
         if self._scheduler.over is not None:
             return
@@ -164,13 +164,15 @@ class RunWatch:
         if self._last_command_ns is None:
             self._scheduler.end(
                 "no_motion",
-                f"a loop without an end, in which nothing was commanded for {IDLE_S:g} s of "
+                f"a loop without an end, in which nothing was commanded for {self.idle_s:g} s of "
                 "simulated time",
                 place,
             )
             return
         self._scheduler.end(
-            "idle", f"nothing more was commanded in {IDLE_S:g} s of a loop without an end", place
+            "idle",
+            f"nothing more was commanded in {self.idle_s:g} s of a loop without an end",
+            place,
         )
 
     def run_over(self, cause: str) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.pipeline.run.run_watch import IDLE_S, RunWatch
+from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.thread import ControllerThread
@@ -35,7 +35,7 @@ class _Waits:
 class StallWatch:
     """Ends a run in which every thread waits at the same places again and again.
 
-    That is so where nothing was commanded for 60 s of simulated time, something that the
+    That is so where nothing was commanded for the `idle_s` of the watch, something that the
     controller asked for is not there, and `is_pending` says that the scenario has no more to give.
     """
 
@@ -56,7 +56,7 @@ class StallWatch:
         threads = [each for each in self.scheduler.threads if each.is_controllers]
         for thread in threads:
             self._note(thread, now_ns)
-        if now_ns - self.watch.last_event_ns < IDLE_S * 1e9:
+        if now_ns - self.watch.last_event_ns < self.watch.idle_s * 1e9:
             return
         stalled = [thread for thread in threads if self._stalls(thread, now_ns)]
         if not stalled or any(
@@ -71,8 +71,8 @@ class StallWatch:
             place = self._waits[thread.number].location
             self.scheduler.end(
                 "deadlock",
-                f"{thread.name} has only waited for {IDLE_S:g} s of simulated time, and nothing "
-                f"provides {self.needs.listed(unmet)}",
+                f"{thread.name} has only waited for {self.watch.idle_s:g} s of simulated time, and "
+                f"nothing provides {self.needs.listed(unmet)}",
                 place or unmet[0].location,
             )
 
@@ -93,7 +93,7 @@ class StallWatch:
 
     def _stalls(self, thread: ControllerThread, now_ns: int) -> bool:
         known = self._waits[thread.number]
-        if now_ns - known.new_ns < IDLE_S * 1e9:
+        if now_ns - known.new_ns < self.watch.idle_s * 1e9:
             return False
         wait = thread.wait
         is_lasting = wait is not None and wait.deadline_ns is None and wait.kind == "unmet"

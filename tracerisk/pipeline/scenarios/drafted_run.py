@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.robot.guess import may_be_assumed
+from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import DraftsNoted
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries
     from tracerisk.pipeline.scenarios.rounds import Rounds
 
-# A run goes on for a while only; `tracerisk scenario` searches longer.
-_MOST_RUNS = 6
-_MOST_DURATIONS = 1
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
 # Risk blocks move the lines of a source, and what is reported must not change with them.
@@ -48,12 +46,13 @@ def trace_with_draft(
     ends a run, the first run's outcome stands.
     """
     began, keep = time.monotonic(), options.keep
+    kept = KeptChoices()
     runs: list[ControllerRun] = []
     drafts: DraftsNoted = "without_risk" if settings.draft else "never"
 
     def rounds() -> Rounds:
         # Most runs need none of it.
-        from tracerisk.pipeline.scenarios.rounds import Rounds
+        from tracerisk.pipeline.scenarios.rounds import SEARCH_S, Rounds
 
         left_s = settings.wall_limit_s - (time.monotonic() - began)
         base = None if settings.scenario is None else Path(settings.scenario)
@@ -63,13 +62,14 @@ def trace_with_draft(
             within,
             base,
             options.progress,
-            most_runs=_MOST_RUNS,
-            most_durations=_MOST_DURATIONS,
+            kept,
+            # The runs after the first are all made for what it lacks.
+            SEARCH_S - sum(run.start_s + run.own_s for run in runs[1:]),
         )
 
     try:
         noted = replace(options, drafts=drafts, on_run=runs.append)
-        trace = trace_attempts(controller, settings, noted)
+        trace = trace_attempts(controller, settings, noted, kept)
     except (SeveralRobotsError, UnreadableRobotError) as error:
         found = None
         if settings.draft and may_be_assumed(controller, error):

@@ -7,7 +7,7 @@ it is left out.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from tracerisk.config import Settings
 from tracerisk.errors import DriverError, ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
+from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
@@ -35,6 +36,7 @@ from tracerisk.pipeline.scenarios.entries import (
 )
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
+from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
@@ -53,6 +55,11 @@ if TYPE_CHECKING:
 _MOST_RUNS = 12
 _MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
 _LEAST_WALL_S = 1.0  # what a run may take, however little is left of the wall time of all
+_MOST_FRUITLESS = 3  # runs in a row that show nothing which no run before has shown
+_IDLE_S = 20.0  # what is drafted comes sooner: for how long a run with it may wait [s]
+_LEAST_CPU_S = 10.0  # what a run may compute, however little is left of the search
+SEARCH_S = 60.0
+"""For how long the runs of a search may compute or sleep in all [s]."""
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _MOST_PLACES = 2  # other poses for what a motion did not reach
@@ -70,7 +77,7 @@ def draft_scenario(
     base: Path | None,
     *,
     progress: Progress | None = None,
-    own_s: float | None = None,
+    own_s: float = SEARCH_S,
 ) -> ScenarioDraft:
     """Return a scenario with which the controller runs: `base`, and what that does not give.
 
@@ -80,13 +87,14 @@ def draft_scenario(
     is in the result.
     """
     several_come()
-    return Rounds(controller, settings, base, progress, own_s).result()
+    return Rounds(controller, settings, base, progress, KeptChoices(), own_s).result()
 
 
 class Rounds:
     """The runs of a search for a scenario; `best` is what it has come to so far.
 
-    All of them together have the wall time that the settings give to a run.
+    All of them together have the wall time that the settings give to a run. `kept` is what was
+    chosen of the workspace.
     """
 
     draft_name = "drafted.scenario.yaml"  # gone after each run
@@ -97,18 +105,17 @@ class Rounds:
         settings: Settings,
         base: Path | None,
         progress: Progress | None,
-        own_s: float | None = None,
-        most_runs: int = _MOST_RUNS,
-        most_durations: int = _MOST_DURATIONS,
+        kept: KeptChoices,
+        own_s: float = SEARCH_S,
     ) -> None:
-        """`most_durations` is the simulated time of all, in that which one may take."""
-        self._most_runs = most_runs
-        self._most_s = most_durations * settings.run_duration_s
+        """`own_s` is for how long its runs may compute or sleep in all [s]."""
+        self._most_s = _MOST_DURATIONS * settings.run_duration_s
         self._controller = controller
         self._settings = settings
         self.base = base
         self._known = Scenario() if base is None else read_scenario(base)
         self._progress = progress
+        self._kept = kept
         root = controller.root.resolve()
         script = controller.path.resolve()
         program = program_of(script, root, find_workspace(root))
@@ -125,7 +132,7 @@ class Rounds:
         self._own_s = own_s
         self._used_s = 0.0
         self._running = Entries()
-        self._cut = ""
+        self.cut = ""
         self._singles: list[Entries] = []
         self._before = Entries()
         self._lines: list[CommandLine] | None = None
@@ -142,10 +149,10 @@ class Rounds:
 
     def _is_over(self) -> bool:
         """Return whether the runs have taken the time of the search."""
-        return self._own_s is not None and self._used_s >= self._own_s
+        return self._used_s >= self._own_s
 
     def _end_early(self, words: str) -> None:
-        self._cut = words
+        self.cut = words
         self.is_cut_short = True
         if not self.best.is_traced:
             # What was found for the last run, though nobody knows yet how that ends.
@@ -157,16 +164,15 @@ class Rounds:
         The number of these runs and their simulated time bound it.
         """
         self._simulated_s = 0.0
-        seen = {self.text(attempt.entries)}
-        for number in range(1, self._most_runs + 1):
+        seen, shown, n_fruitless = {self.text(attempt.entries)}, {_shown(attempt)}, 0
+        for number in range(1, _MOST_RUNS + 1):
             following = (each for each in self._next(attempt) if self.text(each) not in seen)
             more = next(following, None)
-            if more is None or number == self._most_runs or self._simulated_s >= self._most_s:
+            if more is None or number == _MOST_RUNS or self._simulated_s >= self._most_s:
                 break
             is_last = self._is_over()
             if is_last:
-                self._cut = f"the search was ended after {self._own_s:g} s (--search-limit)"
-                self.is_cut_short = True
+                self._end_at_limit()
                 if self.best.is_traced:
                     break
             self._running = more
@@ -176,12 +182,22 @@ class Rounds:
                 self.best = attempt
                 break
             seen.add(self.text(more))
+            n_fruitless = n_fruitless + 1 if _shown(attempt) in shown else 0
+            shown.add(_shown(attempt))
+            if n_fruitless == _MOST_FRUITLESS:
+                break
+
+    def _end_at_limit(self) -> None:
+        self.cut = f"the search was ended after {self._own_s:g} s (--search-limit)"
 
     def _next(self, attempt: Attempt) -> Iterator[Entries]:
         """Yield what may be tried after a run, the likeliest first."""
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
-            self.is_cut_short = True
+            if self._is_over():
+                self._end_at_limit()
+            else:
+                self.is_cut_short = True
             if not self.best.is_traced:
                 self.best = attempt
             return
@@ -230,7 +246,7 @@ class Rounds:
             self.text(entries),
             given,
             missing,
-            self._cut,
+            self.cut,
             entries.robot,
             entries.arguments,
             best.trace,
@@ -266,14 +282,18 @@ class Rounds:
                 or self._known.robot
                 or (None if entries.robot is None else entries.robot.name),
                 wall_limit_s=max(wall_s, _LEAST_WALL_S),
+                cpu_limit_s=min(
+                    self._settings.cpu_limit_s, max(self._own_s - self._used_s, _LEAST_CPU_S)
+                ),
             )
-            noted = replace(options, progress=self._progress, drafts="always")
-            return trace_attempts(self._controller, settings, noted)
+            idle_s = _IDLE_S if entries.drafts else IDLE_S
+            noted = replace(options, progress=self._progress, drafts="always", idle_s=idle_s)
+            return trace_attempts(self._controller, settings, noted, self._kept)
 
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
-        self._used_s += sum(run.own_s for run in runs)
+        self._used_s += sum(run.start_s + run.own_s for run in runs)
         chosen = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
             # What nodes beside the controller give needs no scenario, unless it shows nothing so.
@@ -461,3 +481,16 @@ class Rounds:
     def _may_need_arguments(self, attempt: Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
+
+
+def _shown(attempt: Attempt) -> Hashable:
+    """Return what a run showed: how it ended, what it lacked still, what went wrong."""
+    trace = attempt.trace
+    if trace is None:
+        return None if attempt.error is None else attempt.error.message
+    reasons = () if trace.verdict is None else trace.verdict.reasons
+    lacking = {(each.section, each.key) for each in attempt.wanted} - attempt.entries.drafts.keys()
+    return (
+        (trace.end.cause, trace.end.location, attempt.score, frozenset(lacking)),
+        frozenset((e.code, e.function, e.object) for e in reasons if e.code != "input-assumed"),
+    )

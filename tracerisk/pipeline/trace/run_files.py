@@ -36,6 +36,8 @@ ENTRY = "entry"
 """The note of the function that was called to start the controller: `function`, `named_in`."""
 ELSEWHERE = "elsewhere"
 """The note of a module found off the import path: `module`, and `folder` from the root."""
+IDLE_S = 60.0
+"""For how long nothing must have been commanded before a loop counts as idle [s]."""
 CYCLE = "cycle"
 """The note of the equal cycles: `start_ns` of the first, and how many were `seen`."""
 MISSION_END = "mission_end"
@@ -200,6 +202,7 @@ class RunRequest:
     compiled in the place of what the files hold.
     `beside` is the run without faults: one with faults ends when its fate is decided; `None` where
     it is to be followed to its end. `world` names how the cell around the controller behaves.
+    `idle_s` is for how long nothing must have been commanded before a loop counts as idle [s].
     """
 
     controller: str
@@ -233,6 +236,7 @@ class RunRequest:
     beside: RunBeside | None = None
     replaced: Mapping[str, str] = field(default_factory=dict)
     world: str = NOMINAL.name
+    idle_s: float = IDLE_S
 
     @property
     def replaced_bytes(self) -> dict[str, bytes]:
