@@ -58,6 +58,9 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
+UNUSED = "unused"
+"""The kind of a finding on what of a scenario nobody made use of; `object` is an entry that nobody
+has confirmed."""
 NOTES: frozenset[str] = frozenset(
     {
         "assumed_name",
@@ -70,7 +73,7 @@ NOTES: frozenset[str] = frozenset(
         "removed_name",
         "stopped_nothing",
         "unlikely_unit",
-        "unused",
+        UNUSED,
     }
 )
 """The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did

@@ -57,7 +57,8 @@ class UnmetNeeds:
     controller is `script`.
     `drafts` says when the end notes what a scenario could say for every need, however it came.
 
-    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end;
+    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end:
+    words, place, and the entry where that is not confirmed;
     `unanswered` returns the goals that it sent without a result: words, place, whether taken.
 
     `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
@@ -68,7 +69,7 @@ class UnmetNeeds:
     interfaces: Any
     root: Path
     has_commanded: Callable[[], bool]
-    unused: Callable[[], Iterable[tuple[str, Location]]]
+    unused: Callable[[], Iterable[tuple[str, Location, str]]]
     unanswered: Callable[[], Iterable[tuple[str, Location, bool]]]
     values: UsableValues
     script: Path = Path()
@@ -101,9 +102,10 @@ class UnmetNeeds:
 
     def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
         """Return the end of a run with what it lacked, where that may be why it ended."""
-        for text, place in self.unused():
+        for text, place, entry in self.unused():
             here = replace(place, file=Path(place.file).name)
-            self.runtime.recorder.finding("unused", f"in the scenario, but {text}", here)
+            text = f"in the scenario, but {text}"
+            self.runtime.recorder.finding("unused", text, here, object_name=entry)
         cause, message = self._judge_unanswered(cause, message)
         scheduler = self.runtime.scheduler
         named = scheduler.needs.named_in(message, scheduler.now_ns) if cause == "raised" else ()
@@ -244,10 +246,14 @@ class UnmetNeeds:
         left_off = () if shows_risk else needs.left_off
         if needs.came_nowhere is not None and not shows_risk:
             left_off = (*left_off, needs.came_nowhere)
-        beside = self._further(self._beside())
+        # Of what the script asks for by name, what comes later is given with what comes first.
+        later = () if shows_risk else self._further(self.in_source(self.script))
+        beside = (*self._further(self._beside()), *later)
         obeyed = self._may_be_obeyed()
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
-        for each in (*unserved, *beside, *uncalled, *left_off, *obeyed):
+        # Of a library's many clients only those are in use that are waited for or called.
+        own = [each for each in unserved if each.need.kind == "topic" or self._is_script(each)]
+        for each in (*own, *beside, *uncalled, *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():
@@ -256,6 +262,10 @@ class UnmetNeeds:
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         fields = [asdict(each) for each in placed]
         self.runtime.recorder.note(DRAFTS, drafts=fields, shift=self.shift())
+
+    def _is_script(self, missed: Missed) -> bool:
+        """Return whether the script itself asks for something, and no module that it imports."""
+        return missed.location is not None and Path(missed.location.file) == self.script
 
     def _may_be_obeyed(self) -> Iterator[Missed]:
         """Yield what is published to nobody, and by its fields may move the robot."""

@@ -14,13 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
-from tracerisk.errors import Location, TraceRiskError
+from tracerisk.errors import Location
 from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import DraftsNoted
 from tracerisk.pipeline.workspace.controller import Controller, from_root
+from tracerisk.pipeline.workspace.needs_in_source import may_lack, reads_arguments
+from tracerisk.sandbox.fork_server import several_come
 from tracerisk.trace import DRAFTED, MISSION_MISSED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
 from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
@@ -33,7 +35,6 @@ _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
 # Risk blocks move the lines of a source, and what is reported must not change with them.
 _LINE_OF_SOURCE = re.compile(r"(\.py):\d+\b")
-_OF_ARGUMENTS = re.compile(r"arg")
 
 
 def trace_with_draft(
@@ -49,6 +50,9 @@ def trace_with_draft(
     kept = KeptChoices()
     runs: list[ControllerRun] = []
     drafts: DraftsNoted = "without_risk" if settings.draft else "never"
+
+    if settings.draft and may_lack(controller):
+        several_come()
 
     def rounds() -> Rounds:
         # Most runs need none of it.
@@ -99,16 +103,7 @@ def _may_need_draft(
     if settings.args:
         return False
     # Arguments are nothing that it asks its world for: how it ended shows that they lack.
-    if trace.end.cause != "raised":
-        return True
-    place = trace.end.location
-    if place is None or place.line is None or not place.file.endswith(".py"):
-        return False
-    try:
-        lines = controller.source_of(place.file).decode(errors="replace").splitlines()
-    except TraceRiskError:
-        return False
-    return any(_OF_ARGUMENTS.search(line) for line in lines[place.line - 1 : place.line])
+    return trace.end.cause != "raised" or reads_arguments(controller, trace.end)
 
 
 def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | None) -> (

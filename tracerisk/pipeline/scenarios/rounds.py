@@ -7,6 +7,7 @@ it is left out.
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -38,7 +39,7 @@ from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines
+from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines, reads_arguments
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
@@ -47,7 +48,7 @@ from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.sandbox.fork_server import several_come
 from tracerisk.sandbox.scratch import scratch
-from tracerisk.trace import Trace
+from tracerisk.trace import UNUSED, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -163,8 +164,33 @@ class Rounds:
 
         The number of these runs and their simulated time bound it.
         """
+        self._search(attempt)
+        if self.best.is_traced and not self.is_cut_short and not self._is_over():
+            self._leave_out_unused()
+
+    def _leave_out_unused(self) -> None:
+        """Leave out of the best scenario what its run made no use of, unless that makes it worse.
+
+        A run that came to its end shows what it uses; one that was stuck might have come there.
+        """
+        entries, trace = self.best.entries.copy(), self.best.trace
+        assert trace is not None
+        for finding in trace.findings:
+            place = finding.location
+            if finding.kind != UNUSED or place is None or place.file != self.draft_name:
+                continue
+            key = self.entry_at(self.best.entries, place.line or 0)
+            if finding.object and key is not None:
+                entries.drafts.pop(key, None)
+        if len(entries.drafts) < len(self.best.entries.drafts):
+            attempt = self._run(entries)
+            if attempt.score >= self.best.score:
+                self.best = attempt
+
+    def _search(self, attempt: Attempt) -> None:
         self._simulated_s = 0.0
         seen, shown, n_fruitless = {self.text(attempt.entries)}, {_shown(attempt)}, 0
+        raised = Counter([_raised(attempt)])
         for number in range(1, _MOST_RUNS + 1):
             following = (each for each in self._next(attempt) if self.text(each) not in seen)
             more = next(following, None)
@@ -184,7 +210,8 @@ class Rounds:
             seen.add(self.text(more))
             n_fruitless = n_fruitless + 1 if _shown(attempt) in shown else 0
             shown.add(_shown(attempt))
-            if n_fruitless == _MOST_FRUITLESS:
+            raised[_raised(attempt)] += 1
+            if n_fruitless == _MOST_FRUITLESS or raised[_raised(attempt)] > _MOST_FRUITLESS:
                 break
 
     def _end_at_limit(self) -> None:
@@ -206,6 +233,10 @@ class Rounds:
             yield mended
             return
         before, wanted = self.best, None
+        if self._ends_for_arguments(attempt):
+            self.best = max(before, attempt, key=lambda each: each.score)
+            # Without them it comes to nothing else.
+            yield from self._with_arguments()
         if attempt.score >= before.score:
             self.best = attempt
             wanted = self._with_wanted(attempt)
@@ -228,12 +259,23 @@ class Rounds:
         if self.best.is_faulted:
             yield without_repeats(self.best.entries)
         if not self.best.is_traced and self._may_need_arguments(attempt):
-            if self._lines is None:
-                self._lines = list(command_lines(self._controller, self._written.arguments))
-            while self._lines:
-                entries = self.best.entries.copy()
-                entries.arguments = self._lines.pop(0)
-                yield entries
+            yield from self._with_arguments()
+
+    def _with_arguments(self) -> Iterator[Entries]:
+        """Yield the best entries with each command line that was not tried yet."""
+        if self._lines is None:
+            self._lines = list(command_lines(self._controller, self._written.arguments))
+        while self._lines:
+            entries = self.best.entries.copy()
+            entries.arguments = self._lines.pop(0)
+            yield entries
+
+    def _ends_for_arguments(self, attempt: Attempt) -> bool:
+        """Return whether a run ended where the source reads its command line, and has none."""
+        trace = attempt.trace
+        if trace is None or attempt.entries.arguments or not self._may_need_arguments(attempt):
+            return False
+        return reads_arguments(self._controller, trace.end)
 
     def _draft(self, best: Attempt) -> ScenarioDraft:
         entries = best.entries.copy()
@@ -481,6 +523,13 @@ class Rounds:
     def _may_need_arguments(self, attempt: Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
+
+
+def _raised(attempt: Attempt) -> Hashable:
+    """Return the exception that ended a run; the run itself where none did."""
+    if attempt.trace is None or not attempt.has_raised:
+        return id(attempt)
+    return attempt.trace.end.message, attempt.trace.end.location
 
 
 def _shown(attempt: Attempt) -> Hashable:

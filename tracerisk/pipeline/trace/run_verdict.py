@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -30,7 +30,8 @@ from tracerisk.pipeline.trace.recorded_run import (
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
-from tracerisk.trace import Acceptance, Coverage, EndCause, Finding, Verdict, Visit
+from tracerisk.ros.scenario.marks import Unconfirmed
+from tracerisk.trace import UNUSED, Acceptance, Coverage, EndCause, Finding, Verdict, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -99,6 +100,9 @@ def run_verdict(
     """
     controller, settings, recording = ran.controller, ran.settings, ran.recording
     given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
+    # What nobody has confirmed and the run made no use of decides nothing.
+    unused = {each.object for each in findings if each.kind == UNUSED and each.object}
+    used = [each for each in findings if each.kind != UNUSED or not each.object]
     commands = tuple(_commands(ran, samples, contacts))
     note = recording.note(CALLS)
     calls = None if note is None else Calls.of(note)
@@ -107,7 +111,7 @@ def run_verdict(
     run = RecordedRun(
         end=ran.end,
         end_function=function_of(controller, ran.end.location),
-        findings=with_settled_refusals(findings, calls, ran.end, controller.source_of),
+        findings=with_settled_refusals(used, calls, ran.end, controller.source_of),
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
@@ -115,7 +119,7 @@ def run_verdict(
         falls=falls(samples, contacts) if samples is not None else (),
         mission=tuple(_mission(ran, samples, contacts, visits)),
         assumed=tuple(_assumed(ran.robot, recording)),
-        unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
+        unconfirmed=tuple(_unconfirmed(given["unconfirmed"], unused, controller)),
         has_objects=bool(named),
         is_duration_given=settings.duration_s is not None,
         is_speed_known=ran.robot.name != GENERIC,
@@ -156,18 +160,19 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
 
 
 def _unconfirmed(
-    entries: Sequence[Mapping[str, Any]], controller: Controller
+    entries: Sequence[Mapping[str, Any]], unused: Collection[str], controller: Controller
 ) -> Iterator[tuple[str, str, Location]]:
     root = controller.root.resolve()
-    for each in entries:
-        file, line, _ = each["location"].values()
-        text = f": {each['words']}" if each["words"] else ""
-        section, name = each["section"], each["name"]
-        what = name if name.startswith(section) else f"{section} {name}"
+    for fields in entries:
+        file, line, column = fields["location"].values()
+        entry = Unconfirmed(**{**fields, "location": Location(file, line, column)})
+        if entry.what in unused:
+            continue
+        text = f": {entry.words}" if entry.words else ""
         place = Location(from_root(root, Path(file).resolve()), line)
         yield (
-            each["name"],
-            f"{what} of the scenario is assumed{text}; delete its mark to confirm it",
+            entry.name,
+            f"{entry.what} of the scenario is assumed{text}; delete its mark to confirm it",
             place,
         )
 

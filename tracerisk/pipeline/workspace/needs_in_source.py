@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from tracerisk.errors import Location
+from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
@@ -18,6 +19,7 @@ from tracerisk.ros.controller.needs import Missed, Need
 from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed
 from tracerisk.source.ros_version import ros_version
+from tracerisk.trace import RunEnd
 
 _SIGNATURES: dict[int, dict[str, Signature]] = {
     1: {
@@ -48,6 +50,9 @@ _BOTH = {
 }
 _DEFAULTS = {"get_param": ("default",), "declare_parameter": ("value", "descriptor")}
 _LONGEST = 60  # of an expression that is shown for a name
+_OF_ARGUMENTS = re.compile(r"arg")
+_ARGV = re.compile(rb"\b(argv\[|add_argument\b)")
+_LEFT_OUT = frozenset({"action", "frame"})  # which the twin often gives
 _PART = 2  # arguments of which the second is a default
 
 
@@ -124,6 +129,29 @@ class CommandLine:
 
     words: tuple[str, ...]
     remark: str
+
+
+def may_lack(controller: Controller) -> bool:
+    """Return whether a script asks for something by name that somebody else has to give it."""
+    script = controller.path.resolve()
+    ros = ros_version(script, controller.root.resolve())
+    return _ARGV.search(controller.source) is not None or any(
+        each.need.kind not in _LEFT_OUT for each in asked_in_file(script, ros)
+    )
+
+
+def reads_arguments(controller: Controller, end: RunEnd) -> bool:
+    """Return whether a run was ended by an exception at a line that reads the command line."""
+    place = end.location
+    if end.cause != "raised" or place is None or place.line is None:
+        return False
+    if not place.file.endswith(".py"):
+        return False
+    try:
+        lines = controller.source_of(place.file).decode(errors="replace").splitlines()
+    except TraceRiskError:
+        return False
+    return any(_OF_ARGUMENTS.search(line) for line in lines[place.line - 1 : place.line])
 
 
 def command_lines(controller: Controller, written: Iterable[tuple[tuple[str, ...], str]] = ()) -> (

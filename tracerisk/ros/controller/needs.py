@@ -84,6 +84,7 @@ class NeedLedger:
         self._left_empty: dict[str, Missed] = {}
         self._left_off: dict[str, Missed] = {}
         self._sought: dict[tuple[NeedKind, str], Missed] = {}
+        self._met: set[tuple[NeedKind, str]] = set()
         self._errors: list[str] = []
         self._doubts: dict[Need, set[str]] = {}
         self.came_nowhere: Missed | None = None
@@ -172,6 +173,11 @@ class NeedLedger:
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""
         self._missed.pop((need.kind, need.name), None)
+        self._met.add((need.kind, need.name))
+
+    def is_met(self, kind: NeedKind, name: str) -> bool:
+        """Return whether a thing was asked for, or waited for, and was there."""
+        return (kind, name) in self._met
 
     def note_type(self, kind: NeedKind, name: str, type_name: str) -> None:
         """Note of which type a thing is that the controller may ask for by its name alone."""

@@ -7,6 +7,7 @@ deletes it says that the entry is so in their cell.
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,12 +24,26 @@ _NAMES = ("topic", "name", "service", "action", "frame", "driver")
 
 @dataclass(frozen=True, slots=True)
 class Unconfirmed:
-    """An entry with the mark: its `section`, what it is called, what the mark says, and where."""
+    """An entry with the mark: its `section`, what it is called, what the mark says, and where.
+
+    It goes from its `first_line` to before its `end_line`.
+    """
 
     section: str
     name: str
     words: str
     location: Location
+    first_line: int
+    end_line: int
+
+    @property
+    def what(self) -> str:
+        """The entry in words: `services /add`, `answers[1]`."""
+        return self.name if self.name.startswith(self.section) else f"{self.section} {self.name}"
+
+    def holds(self, place: Location) -> bool:
+        """Return whether a place of the scenario is within the entry."""
+        return self.first_line <= (place.line or 0) < self.end_line
 
 
 def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
@@ -42,9 +57,11 @@ def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
     for line, words in marks:
         before = [each for each in places if each[0] <= line]
         if before:
-            _, section, name = before[-1]
+            first, section, name = before[-1]
             place = Location(str(path), line)
-            found.setdefault((section, name), Unconfirmed(section, name, words, place))
+            end = next((each[0] for each in places if each[0] > line), sys.maxsize)
+            entry = Unconfirmed(section, name, words, place, first, end)
+            found.setdefault((section, name), entry)
     return tuple(found.values())
 
 

@@ -45,6 +45,7 @@ class ScenarioAction:
             raise ScenarioError(error.message, entry.location) from error
         self._entry = entry
         self._schedule = schedule
+        self._needs = runtime.scheduler.needs
         self._goals = 0
         self._outcomes = [
             _Outcome(
@@ -67,7 +68,7 @@ class ScenarioAction:
     @property
     def unused(self) -> tuple[str, Location] | None:
         """What nobody made use of, in words, and its place; None where somebody did."""
-        if self._goals:
+        if self._goals or self._needs.is_met("action", self._entry.name):
             return None
         return f"nobody sent a goal to action server {self._entry.name}", self._entry.location
 
@@ -132,7 +133,7 @@ class ScenarioService:
     @property
     def unused(self) -> tuple[str, Location] | None:
         """What nobody made use of, in words, and its place; None where somebody did."""
-        if self._calls:
+        if self._calls or self._scheduler.needs.is_met("service", self._entry.name):
             return None
         return f"nobody called service {self._entry.name}", self._entry.location
 

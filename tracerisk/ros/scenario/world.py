@@ -32,6 +32,7 @@ class ScenarioWorld:
     def __init__(self, runtime: Runtime, interfaces: Any, scenario: Scenario) -> None:
         self.schedule = Schedule(runtime.scheduler)
         self._parameters = scenario.parameters
+        self._unconfirmed = scenario.unconfirmed
         self._asked = runtime.graph.parameters
         into_tree(runtime.parameters, runtime.graph.parameters)
         self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
@@ -52,8 +53,11 @@ class ScenarioWorld:
         """Return the goals that it sent and that have no result, as `ScenarioCall.unanswered`."""
         return tuple(found for call in self._calls for found in call.unanswered)
 
-    def unused(self) -> tuple[tuple[str, Location], ...]:
-        """Return what nobody made use of, in words and with its place: a name may be mistaken."""
+    def unused(self) -> tuple[tuple[str, Location, str], ...]:
+        """Return what nobody made use of, in words and with its place: a name may be mistaken.
+
+        The third is the entry in words where nobody has confirmed it, else empty.
+        """
         found = [
             *(each.unused for each in self._services),
             *(each.unused for each in self._actions),
@@ -65,4 +69,7 @@ class ScenarioWorld:
                 if each.location is not None and not self._asked.is_asked(each.name)
             ),
         ]
-        return tuple(each for each in found if each is not None)
+        return tuple(
+            (text, place, next((e.what for e in self._unconfirmed if e.holds(place)), ""))
+            for text, place in (each for each in found if each is not None)
+        )

@@ -1,0 +1,157 @@
+"""What a search for a draft runs, what it leaves out again, and where it ends."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.robot import kept_choices
+from tracerisk.pipeline.run import attempts
+from tracerisk.pipeline.scenarios import rounds
+from tracerisk.pipeline.scenarios.rounds import draft_scenario
+from tracerisk.pipeline.workspace.controller import load_controller
+
+HEAD = """\
+import sys
+import moveit_commander, rospy
+from std_msgs.msg import Bool, String
+from std_srvs.srv import SetBool, Trigger
+
+rospy.init_node("cell")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+
+def turn(angle):
+    joints = arm.get_current_joint_values()
+    joints[0] += angle
+    arm.go(joints, wait=True)
+
+
+"""
+LIBRARY = """\
+import rospy
+from std_srvs.srv import SetBool, Trigger
+
+
+class Cell:
+    def __init__(self):
+        self.clients = [rospy.ServiceProxy(f"/io/{n}", Trigger) for n in range(45)]
+        self.lamp = rospy.ServiceProxy("/lamp", SetBool)
+"""
+ONE_OF_MANY = (
+    HEAD.replace("import sys", "import sys\nfrom library import Cell")
+    + "cell = Cell()\ncell.clients[7]()\nturn(0.1)\n"
+)
+WAITED_FOR = ONE_OF_MANY.replace("cell.clients[7]()", "cell.clients[7].wait_for_service()")
+OWN_UNUSED = (
+    HEAD + "lamp = rospy.ServiceProxy('/lamp', SetBool)\nrospy.ServiceProxy('/start', Trigger)()\n"
+    "if len(sys.argv) > 9:\n    lamp(True)\nturn(0.1)\n"
+)
+OTHER_BRANCH = (
+    HEAD + "rospy.wait_for_message('/go', Bool)\nif len(sys.argv) > 9:\n"
+    "    rospy.wait_for_message('/late', String)\n    rospy.get_param('/late')\nturn(0.1)\n"
+)
+
+
+def _drafted(folder: Path, source: str) -> rounds.ScenarioDraft:
+    (folder / "c.py").write_text(source)
+    (folder / "library.py").write_text(LIBRARY)
+    return draft_scenario(load_controller(folder / "c.py"), Settings(), None)
+
+
+@pytest.mark.parametrize(
+    ("source", "keys"),
+    [
+        (ONE_OF_MANY, {"/io/7"}),
+        (WAITED_FOR, {"/io/7"}),
+        (OWN_UNUSED, {"/start"}),
+        (OTHER_BRANCH, {"/go"}),
+    ],
+    ids=["called", "waited for", "own client not called", "branch that did not run"],
+)
+def test_only_what_a_run_makes_use_of_is_drafted(tmp_path, source, keys):
+    draft = _drafted(tmp_path, source)
+    assert {each.key for each in draft.given} == keys
+    assert draft.trace is not None
+    assert draft.trace.verdict.kind == "partial"
+    assert {each.object for each in draft.trace.verdict.reasons} == keys
+
+
+def test_a_marked_entry_that_no_run_uses_is_no_reason_and_an_unmarked_one_is(example):
+    example.write("c.py", HEAD + "rospy.ServiceProxy('/start', Trigger)()\nturn(0.1)\n")
+    example.write(
+        "s.yaml",
+        "services:\n"
+        "  - name: /start  # assumed\n    type: std_srvs/Trigger\n"
+        "  - name: /lamp  # assumed: a guess\n    type: std_srvs/SetBool\n"
+        "publish:\n  - topic: /part\n    type: std_msgs/String  # assumed\n    message: {data: a}\n"
+        "parameters:\n  ~speed: 0.1\n  ~far: 0.1  # assumed\n",
+    )
+    ran = example.run("run", "c.py", "--check", "--json", "--scenario", "s.yaml")
+    reasons = {(each["code"], each["words"][:40]) for each in ran.json["verdict"]["reasons"]}
+    assert reasons == {
+        ("input-assumed", "services /start of the scenario is assum"),
+        ("unused-input", "in the scenario, but nobody asked for pa"),
+    }
+    unused = [each for each in ran.json["trace"]["findings"] if each["kind"] == "unused"]
+    assert {each["object"] for each in unused} == {
+        "", "services /lamp", "publish /part", "parameters ~far"
+    }  # fmt: skip
+
+
+def test_the_workspace_is_read_once_for_all_runs(tmp_path, monkeypatch):
+    counts: Counter[str] = Counter()
+    for name in ("choose_launch", "choose_launched_robot"):
+        monkeypatch.setattr(kept_choices, name, _counted(kept_choices, name, counts))
+    monkeypatch.setattr(attempts, "run_controller", _counted(attempts, "run_controller", counts))
+    draft = _drafted(
+        tmp_path, HEAD + "cell = rospy.get_param('/' + 'cell')\nrospy.get_param(cell)\nturn(0.1)\n"
+    )
+    assert len(draft.given) == 2
+    assert counts == {"choose_launch": 1, "choose_launched_robot": 1, "run_controller": 3}
+
+
+def _counted(module, name, counts):
+    called = getattr(module, name)
+
+    def counting(*args, **kwargs):
+        counts[name] += 1
+        return called(*args, **kwargs)
+
+    return counting
+
+
+FRUITLESS = {
+    "a fault that no value mends": (
+        HEAD + "for name in 'abcdefghi':\n    rospy.Subscriber('/' + name, String, print)\n"
+        "rospy.wait_for_message('/job', String)\nrospy.sleep(2.0)\nraise ValueError('no job')\n"
+    ),
+    "words of a command line": (
+        HEAD + "for word in 'abcdefghi':\n    if len(sys.argv) > 1 and sys.argv[1] == word:\n"
+        "        pass\n"
+        + "".join(f"if len(sys.argv) > 1 and sys.argv[1] == '{n}':\n    pass\n" for n in range(9))
+    ),
+}
+
+
+@pytest.mark.parametrize("source", FRUITLESS.values(), ids=FRUITLESS)
+def test_a_search_that_comes_nowhere_ends(tmp_path, monkeypatch, source):
+    counts: Counter[str] = Counter()
+    monkeypatch.setattr(attempts, "run_controller", _counted(attempts, "run_controller", counts))
+    draft = _drafted(tmp_path, source)
+    assert not draft.trace.functions
+    assert counts["run_controller"] <= 7
+
+
+def test_a_run_of_a_search_has_what_is_left_of_its_computing(tmp_path):
+    busy = (
+        HEAD + "rospy.wait_for_message('/go', Bool)\nn = 0\nwhile not rospy.is_shutdown():\n    "
+        "n += 1\n"
+    )
+    (tmp_path / "c.py").write_text(busy)
+    found = draft_scenario(load_controller(tmp_path / "c.py"), Settings(), None, own_s=0.05)
+    assert found.cut == "the search was ended after 0.05 s (--search-limit)"
+    assert [each.key for each in found.given] == ["/go"]
