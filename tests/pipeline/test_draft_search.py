@@ -155,3 +155,45 @@ def test_a_run_of_a_search_has_what_is_left_of_its_computing(tmp_path):
     found = draft_scenario(load_controller(tmp_path / "c.py"), Settings(), None, own_s=0.05)
     assert found.cut == "the search was ended after 0.05 s (--search-limit)"
     assert [each.key for each in found.given] == ["/go"]
+
+
+LOOKS_UP = (
+    HEAD.replace("import moveit_commander, rospy", "import moveit_commander, rospy, tf2_ros")
+    + """\
+rospy.ServiceProxy('/start', Trigger)()
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer)
+buffer.lookup_transform('panda_link0', '{frame}', rospy.Time(0), rospy.Duration(1.0))
+turn(0.1)
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("frame", "meant"),
+    [
+        ("pand_link8", "panda_link8"),
+        ("panda_link08", "panda_link8"),
+        ("panda_hnad", "panda_hand"),
+        ("panda_Link7", "panda_link7"),
+    ],
+)
+def test_a_frame_whose_name_is_a_slip_is_not_drafted(tmp_path, frame, meant):
+    draft = _drafted(tmp_path, LOOKS_UP.format(frame=frame))
+    assert [each.key for each in draft.given] == ["/start"]
+    (missing,) = draft.missing
+    assert (missing.key, missing.words) == (frame, f"likely a mistake for {meant}")
+    assert f"# frame {frame}: likely a mistake for {meant}" in draft.text
+
+
+def test_a_frame_that_is_near_none_is_drafted(tmp_path):
+    draft = _drafted(tmp_path, LOOKS_UP.format(frame="part_0"))
+    assert {each.key for each in draft.given} == {"/start", "part_0"}
+
+
+def test_a_run_says_which_frame_is_likely_meant(example):
+    example.write("c.py", LOOKS_UP.format(frame="pand_link8"))
+    ran = example.run("run", "c.py")
+    assert ran.code == 4
+    assert "frame pand_link8 is likely a mistake for panda_link8 (c.py:19)" in ran.err
+    assert b"RiskAnnotation" not in example.read("c.py")

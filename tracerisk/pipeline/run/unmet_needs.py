@@ -19,6 +19,7 @@ from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.scenario.lines import scenario_lines
 from tracerisk.source.service_types import lines_of_function, service_type
+from tracerisk.text.near_names import likely_meant
 from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
@@ -289,11 +290,17 @@ class UnmetNeeds:
 
     def listed(self, unmet: tuple[Missed, ...], most: int = _LISTED) -> str:
         """Return the needs in words, at most `most`, each with the place that asks for it."""
-        places = [(each.need.words, self.below_root(each.location)) for each in unmet[:most]]
+        places = [(self._words(each.need), self.below_root(each.location)) for each in unmet[:most]]
         lines = [name + (f", asked for at {place}" if place else "") for name, place in places]
         if len(unmet) > most:
             lines.append(f"{len(unmet) - most} more")
         return "; ".join(lines)
+
+    def _words(self, need: Need) -> str:
+        """Return a need in words; of a frame whose name is a slip also what is meant."""
+        known = () if need.kind != "frame" else self.values.robot.link_names
+        meant = likely_meant(need.name.strip("/"), known)
+        return f"{need.words}, {meant}" if meant else need.words
 
     def below_root(self, place: Location | None) -> Location | None:
         """Return a place in the controller's source by its file's name below the root."""
@@ -339,7 +346,7 @@ class UnmetNeeds:
             {
                 "kind": each.need.kind,
                 "name": each.need.name,
-                "words": each.need.words,
+                "words": self._words(each.need),
                 "location": None if place is None else [place.file, place.line, place.column],
             }
             for each in map(_typed, self._missed())

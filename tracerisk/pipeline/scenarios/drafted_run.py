@@ -86,7 +86,11 @@ def trace_with_draft(
         return trace
     search = rounds()
     found = _found(controller, search, search.attempt(search.best.entries, trace, runs), keep)
-    return trace if found is None else found
+    if found is not None:
+        return found
+    # What it lacks first hides a name that it asks for later, which no draft can give.
+    message = "; ".join((trace.end.message, *search.mistakes))
+    return replace(trace, end=replace(trace.end, message=message))
 
 
 def _may_need_draft(

@@ -148,6 +148,15 @@ class Rounds:
             self._end_early("the search was interrupted")
         return self._draft(self.best)
 
+    @property
+    def mistakes(self) -> tuple[str, ...]:
+        """The names that the source likely has wrong, with what is meant and the place."""
+        return tuple(
+            f"{each.need.words} is {each.words}" + (f" ({each.location})" if each.location else "")
+            for each in self._cannot.values()
+            if each.need.kind == "frame"
+        )
+
     def _is_over(self) -> bool:
         """Return whether the runs have taken the time of the search."""
         return self._used_s >= self._own_s

@@ -32,6 +32,7 @@ from tracerisk.source.compared_values import (
     written_name,
 )
 from tracerisk.source.known_keys import known_keys
+from tracerisk.text.near_names import likely_meant
 from tracerisk.twin.physics.motion import Pose
 
 SECTIONS: Mapping[NeedKind, str] = {
@@ -386,7 +387,11 @@ def _sent_goal(lack: _Lack) -> _Made:
 
 
 def _frame(lack: _Lack) -> _Made:
-    need, values, pose = lack.need, lack.values, lack.values.pose
+    need, values = lack.need, lack.values
+    mistake = likely_meant(need.name.strip("/"), values.robot.link_names)
+    if mistake:
+        return None, mistake
+    pose = values.pose
     is_foot = _FOOT.search(need.name) is not None
     if is_foot:
         pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))

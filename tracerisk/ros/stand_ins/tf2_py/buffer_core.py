@@ -15,6 +15,7 @@ from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
+from tracerisk.text.near_names import likely_meant
 from tracerisk.twin.physics.motion import Pose
 
 from .exceptions import (
@@ -218,7 +219,8 @@ class BufferCore:
         missing = [name for name in names[::-1] if name not in known]
         if missing:
             text = " and ".join(f"'{name}'" for name in sorted(missing))
-            lookup_failed(f"tf look-up of frame {text} failed", missing[0])
+            meant = [f": {words}" for name in missing if (words := likely_meant(name, known))]
+            lookup_failed(f"tf look-up of frame {text} failed{''.join(meant[:1])}", missing[0])
             return
         why = {"connectivity": "nothing connects them", "extrapolation": "not at that time"}
         text = f"tf look-up of frame '{names[1]}' in '{names[0]}' failed"
