@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.pipeline.workspace.command_lines import command_lines
 from tracerisk.pipeline.workspace.controller import load_controller
-from tracerisk.pipeline.workspace.needs_in_source import asked_in_source, command_lines
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
+from tracerisk.ros.drafts.named_numbers import Reach
 
 ROS1 = """\
 import actionlib, rospy
@@ -146,3 +148,70 @@ def test_a_file_that_nobody_has_is_reported(tmp_path):
     (found,) = command_lines(load_controller(tmp_path / "c.py"))
     assert found.words == ("--file", "file", "--output-file", "output-file")
     assert "a file of yours has to stand for file" in found.remark
+
+
+REACH = Reach((0.4, 0.1, 0.25), (3.1416, 0.0, 0.5), (0.1, -0.2, 0.3, 0.4, 0.5, 0.6))
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (
+            "x, y, z = float(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])\n",
+            ("0.4", "0.1", "0.25"),
+        ),
+        (
+            "pose.position.x = float(sys.argv[1])\npose.position.y = float(sys.argv[2])\n",
+            ("0.4", "0.1"),
+        ),
+        ("move(x=float(sys.argv[1]), z=float(sys.argv[2]))\n", ("0.4", "0.25")),
+        ("x, y, z = map(float, sys.argv[1:4])\n", ("0.4", "0.1", "0.25")),
+        ("goal = [float(word) for word in sys.argv[1:4]]\n", ("0.4", "0.1", "0.25")),
+        (
+            "joints = [float(word) for word in sys.argv[1:]]\n",
+            ("0.1", "-0.2", "0.3", "0.4", "0.5", "0.6"),
+        ),
+        # In the units that docstring, comment, name or conversion say.
+        ("'''Usage: move.py X Y, in mm.'''\nx = float(sys.argv[1])\n", ("400",)),
+        ("z = int(sys.argv[1]) / 1000.0\n", ("250",)),
+        ("yaw = math.radians(float(sys.argv[1]))\n", ("28.6",)),
+        ("j2 = float(sys.argv[1])  # degrees\n", ("-11.5",)),
+        ("x_cm = float(sys.argv[1])\n", ("40",)),
+        # A number that is no place stays what it was.
+        ("count = int(sys.argv[1])\nif sys.argv[2] == 'fast': pass\n", ("1", "fast")),
+    ],
+)
+def test_positions_of_a_command_line_are_reached_in_the_units_that_are_said(
+    tmp_path, source, words
+):
+    head = "import rospy, sys, math\n"
+    source = source if source.startswith("'''") else head + source
+    (tmp_path / "c.py").write_text(source if head in source else source + head)
+    (found,) = command_lines(load_controller(tmp_path / "c.py"), (), REACH)
+    assert found.words == words
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("'x', type=float, help='target x in m'", ("0.4",)),
+        ("'--z', type=float, required=True, help='height in millimetres'", ("--z", "250")),
+        ("'xyz', type=float, nargs=3", ("0.4", "0.1", "0.25")),
+        ("'--yaw-deg', type=float, required=True", ("--yaw-deg", "28.6")),
+        ("'angle', type=float, help='turn by so many degrees'", ("11.5",)),
+        ("'joint_1', type=float, help='[rad]'", ("0.1",)),
+        ("'speed', type=float", ("0.1",)),
+        ("'side', choices=['left']", ("left",)),
+    ],
+)
+def test_positions_of_options_are_reached_in_the_units_that_are_said(tmp_path, option, words):
+    (tmp_path / "c.py").write_text(f"import rospy, argparse\np.add_argument({option})\n")
+    (found,) = command_lines(load_controller(tmp_path / "c.py"), (), REACH)
+    assert found.words == words
+
+
+def test_a_usage_that_names_numbers_alone_is_no_command(tmp_path):
+    (tmp_path / "c.py").write_text("import rospy, sys\nx = float(sys.argv[1])\n")
+    written = [(("X",), "c.py:1"), (("0.3",), "README.md:2")]
+    found = command_lines(load_controller(tmp_path / "c.py"), written, REACH)
+    assert [each.words for each in found] == [("0.3",), ("0.4",)]

@@ -128,3 +128,24 @@ def test_a_folder_that_is_gone_writes_nothing():
     gone = Path("/nowhere/at/all")
     program = Program(gone / "c.py", "c", frozenset({"c.py"}))
     assert WrittenValues(gone, program).arguments == ()
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("README.md", "Run `./pick.py 0.4 0.1` in the folder.\n"),
+        ("README.md", "    python3 -m cell.pick 0.4 0.1\n"),
+        ("run.sh", "python3.10 scripts/pick.py 0.4 0.1\n"),
+        ("scripts/pick.py", "'''Usage: pick.py 0.4 0.1'''\n"),
+        ("scripts/pick.py", "print('example: rosrun cell pick.py 0.4 0.1')\n"),
+        ("scripts/pick.py", "# e.g.: ./scripts/pick.py 0.4 0.1\n"),
+    ],
+)
+def test_a_command_of_a_banner_or_a_script_is_one_of_the_controller(tmp_path, file, text):
+    (tmp_path / "scripts").mkdir()
+    script = tmp_path / "scripts" / "pick.py"
+    script.write_text("")
+    (tmp_path / file).write_text(text)
+    program = Program(script, "cell", frozenset({"pick.py", "pick"}))
+    (found,) = WrittenValues(tmp_path, program).arguments
+    assert found == (("0.4", "0.1"), f"{file}:1")

@@ -35,6 +35,7 @@ from tracerisk.pipeline.trace.run_trace import make_trace
 from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, drafts_of
+from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
@@ -76,7 +77,7 @@ class ControllerRun:
     `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
     `request` are what it ran with: enough to run it once more. `own_s` is for how long its process
     computed or slept from its first line on, `start_s` what it had computed by then [s]. `shift` is
-    a place that was not reached and by how much to move it.
+    a place that was not reached and by how much to move it, `reach` what the arm reaches.
     """
 
     trace: Trace
@@ -88,6 +89,7 @@ class ControllerRun:
     own_s: float = 0.0
     shift: PlaceAndShift | None = None
     start_s: float = 0.0
+    reach: Reach | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +184,9 @@ def _read(
         process_end.own_s,
         shift,
         process_end.start_s,
+        None
+        if noted.get("reach") is None
+        else Reach(**{name: tuple(each) for name, each in noted["reach"].items()}),
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
+from tracerisk.pipeline.workspace.command_lines import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import drafts
@@ -262,7 +263,8 @@ class UnmetNeeds:
             made += drafts([Missed(need, 0, 0, None)], self.interfaces, doubting)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         fields = [asdict(each) for each in placed]
-        self.runtime.recorder.note(DRAFTS, drafts=fields, shift=self.shift())
+        reach = asdict(self.values.reach) if reads_command_line(self.script) else None
+        self.runtime.recorder.note(DRAFTS, drafts=fields, shift=self.shift(), reach=reach)
 
     def _is_script(self, missed: Missed) -> bool:
         """Return whether the script itself asks for something, and no module that it imports."""

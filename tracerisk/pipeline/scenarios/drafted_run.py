@@ -20,8 +20,9 @@ from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.trace.run_files import DraftsNoted
+from tracerisk.pipeline.workspace.command_lines import reads_arguments
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.pipeline.workspace.needs_in_source import may_lack, reads_arguments
+from tracerisk.pipeline.workspace.needs_in_source import may_lack
 from tracerisk.sandbox.fork_server import several_come
 from tracerisk.trace import DRAFTED, MISSION_MISSED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError

@@ -38,11 +38,12 @@ from tracerisk.pipeline.scenarios.entries import (
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
+from tracerisk.pipeline.workspace.command_lines import CommandLine, command_lines, reads_arguments
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines, reads_arguments
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
+from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
@@ -137,6 +138,7 @@ class Rounds:
         self._singles: list[Entries] = []
         self._before = Entries()
         self._lines: list[CommandLine] | None = None
+        self._reach: Reach | None = None
         self._left: set[Need] = set()
         self._in_other_units: set[EntryKey] = set()
 
@@ -273,7 +275,8 @@ class Rounds:
     def _with_arguments(self) -> Iterator[Entries]:
         """Yield the best entries with each command line that was not tried yet."""
         if self._lines is None:
-            self._lines = list(command_lines(self._controller, self._written.arguments))
+            written = self._written.arguments
+            self._lines = list(command_lines(self._controller, written, self._reach))
         while self._lines:
             entries = self.best.entries.copy()
             entries.arguments = self._lines.pop(0)
@@ -343,6 +346,7 @@ class Rounds:
 
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""
+        self._reach = next((run.reach for run in runs if run.reach), self._reach)
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
         self._used_s += sum(run.start_s + run.own_s for run in runs)
         chosen = next((run for run in runs if run.trace is trace), runs[-1])

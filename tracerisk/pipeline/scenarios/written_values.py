@@ -32,7 +32,11 @@ _PUBLISHES = re.compile(
     r"(?:rostopic|ros2\s+topic)\s+pub\b|(?:rosservice|ros2\s+service)\s+call\b|"
     r"ros2\s+action\s+send_goal\b|rosparam\s+set\b|ros2\s+param\s+set\b"
 )
-_RUNS = re.compile(r"(?:rosrun|ros2\s+run|python[23]?)\s")
+_RUNS = re.compile(
+    r"(?:rosrun|ros2\s+run|python[23]?(?:\.\d+)?)\s|(?<![\w/.])\./[\w/.-]+\s|"
+    r"(?:usage|example|e\.g\.)\s*:\s*(?=[\w./-]+\.py\s)",
+    re.IGNORECASE,
+)
 _TAKES = frozenset({"-r", "--rate", "-n", "--node-name", "-t", "--times", "-w", "-p", "-s"})
 _ENDS_COMMAND = frozenset({"&&", "||", ";", "|", "&", ">", ">>", "#"})
 _PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
@@ -87,7 +91,10 @@ class WrittenValues:
     def _rest(self, words: tuple[str, ...]) -> tuple[str, ...]:
         for at, word in enumerate(words[:6]):
             name = Path(word).name
-            if name in self._program.names and at:
+            if words[at - 1 : at] == ("-m",):
+                name = name.rpartition(".")[2]
+            # `./pick.py` runs it, and so does what stands before its name.
+            if name in self._program.names and (at or word.startswith("./")):
                 return tuple(each for each in words[at + 1 :])
         return ()
 
@@ -126,6 +133,10 @@ class WrittenValues:
             for number, line in enumerate(lines):
                 for match in pattern.finditer(line):
                     words = _words(lines, number, match.start())
+                    if path.suffix == ".py":
+                        # The text in which it stands ends on its line, but for one of many lines.
+                        cut = _within_text(line, match.start())
+                        words = words if cut == line else _words([cut], 0, match.start())
                     if words:
                         yield _Command(words, self._place(path, number + 1))
 
@@ -247,6 +258,17 @@ def _apart(one: Path, other: Path) -> int:
 
 def _rank(path: Path) -> int:
     return 0 if path.stem.lower().startswith("readme") else 1
+
+
+def _within_text(line: str, start: int) -> str:
+    """Return a line of Python up to the end of the text in which a command begins at `start`."""
+    before, rest = line[:start], line[start:]
+    for quote in ('"""', "'''"):
+        before, rest = before.replace(quote, ""), rest.partition(quote)[0]
+    for quote in ('"', "'"):
+        if before.count(quote) % 2:
+            rest = rest.partition(quote)[0]
+    return line[:start] + rest.partition("\\n")[0]
 
 
 def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:

@@ -57,7 +57,7 @@ JOINTS_ASKED = "joints_asked"
 NEEDS = "needs"
 """The note of what a run lacked: `needs`, the kind, name and type of each."""
 DRAFTS = "drafts"
-"""The note of what a scenario could say for each need: `drafts`."""
+"""The note of what a scenario could say for each need: `drafts`, and what the arm can `reach`."""
 DraftsNoted = Literal["never", "without_risk", "always"]
 """When that is noted; "without_risk": where the run ended badly or commanded nothing."""
 COMPANION = "companion"

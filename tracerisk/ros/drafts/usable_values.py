@@ -16,7 +16,8 @@ from functools import cached_property
 from typing import Any
 
 from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
-from tracerisk.ros.drafts.posture_numbers import numbers_of
+from tracerisk.ros.drafts.named_numbers import Reach
+from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw
 from tracerisk.ros.messages.fields import (
     DURATIONS,
     FLOATS,
@@ -175,6 +176,12 @@ class UsableValues:
         with self._alone():
             found = list(self._reachable())
         return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
+
+    @property
+    def reach(self) -> Reach:
+        """The pose and the posture, as plain numbers."""
+        turn = tuple(round(each, 4) + 0.0 for each in roll_pitch_yaw(self.pose.orientation))
+        return Reach(tuple(self.pose.position), turn, self.posture)
 
     @cached_property
     def start(self) -> Mapping[str, float]:
