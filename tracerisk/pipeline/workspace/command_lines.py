@@ -19,6 +19,7 @@ from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.ros.drafts.named_numbers import Reach, named_number, numbers_in_place, units_said
+from tracerisk.ros.drafts.said_around import lines_with
 from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed
 from tracerisk.trace import RunEnd
@@ -170,7 +171,7 @@ def _in_reach(
     if cast not in _NUMBERS or not names or "choices" in given or "default" in given:
         return ()
     name = max(names, key=len).strip("-").replace("-", "_")
-    units = units_said(f"{name} {_value(given.get('help'))}\n{_lines_with(text, f'.{name}')}")
+    units = units_said(f"{name} {_value(given.get('help'))}\n{lines_with(text, f'.{name}')}")
     if count > 1:
         numbers = numbers_in_place(count, units, reach) or ()
         return tuple(_shown(each, cast) for each in numbers)
@@ -261,7 +262,7 @@ def _of_argv(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandL
         word = words.get(index)
         if word is None or not word.cast or not word.name or reach is None:
             return "1"
-        units = units_said(f"{_said_of_all(tree)}\n{_lines_with(text, word.name)}")
+        units = units_said(f"{_said_of_all(tree)}\n{lines_with(text, word.name)}")
         number = named_number(word.name, units, reach)
         return "1" if number is None else _shown(number, word.cast)
 
@@ -282,7 +283,7 @@ def _of_slice(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[Command
         assert isinstance(node, ast.Assign)
         cast, name = _cast_in(node.value), last_name(node.targets[0])
         count = _slice_length(node.value) or (len(reach.posture) if _JOINTS.search(name) else 3)
-        units = units_said(f"{_said_of_all(tree)}\n{_lines_with(text, name)}")
+        units = units_said(f"{_said_of_all(tree)}\n{lines_with(text, name)}")
         numbers = numbers_in_place(count, units, reach) if cast else None
         if numbers is not None:
             words = tuple(_shown(each, cast) for each in numbers)
@@ -300,12 +301,6 @@ def _said_of_all(tree: ast.AST) -> str:
     ]
     docstring = ast.get_docstring(tree) if isinstance(tree, ast.Module) else None
     return "\n".join([docstring or "", *usage])
-
-
-def _lines_with(text: str, name: str) -> str:
-    """Return the lines of a source that name something, with their comments."""
-    named = re.compile(rf"(?<!\w){re.escape(name)}(?!\w)")
-    return "\n".join(line for line in text.splitlines() if named.search(line))
 
 
 def _shown(number: float, cast: str) -> str:

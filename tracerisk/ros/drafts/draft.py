@@ -10,11 +10,14 @@ from typing import Any
 from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver
+from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter, parameter_key
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
+from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.said_around import said_at, said_in_callback
 from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
 from tracerisk.ros.drafts.split_answers import numbers_answer
-from tracerisk.ros.drafts.usable_values import BOX, UsableValues, is_on
+from tracerisk.ros.drafts.usable_values import BOX, UsableValues
 from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
@@ -29,7 +32,6 @@ from tracerisk.source.compared_values import (
     compared_results,
     ordered_answers,
     used_as,
-    written_name,
 )
 from tracerisk.source.known_keys import known_keys
 from tracerisk.text.near_names import likely_meant
@@ -50,18 +52,6 @@ SECTIONS: Mapping[NeedKind, str] = {
 }
 """Where a scenario gives what is needed."""
 
-_TYPED: Mapping[str, Any] = {
-    "integer": 1,
-    "double": 0.1,
-    "string": "",
-    "byte_array": [0],
-    "bool_array": [False],
-    "integer_array": [0],
-    "double_array": [0.0],
-    "string_array": [""],
-}
-_READS = ("get_param", "get_param_cached", "get_parameter", "declare_parameter", "get_parameter_or")
-_ANONYMOUS = re.compile(r"^/(?:[\w/]*/)?\w+_\d+_\d{9,}/")
 _YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
 _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
 _MOST_IN_TURN = 6  # calls of one service, each with another value
@@ -86,13 +76,8 @@ _OF_DRIVERS = frozenset(
 )
 """Types of ROS that drivers of arms and grippers take too."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
+_ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
-_NUMBERS: tuple[tuple[str, Any], ...] = (
-    (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
-    (r"(^|_)(num|number|count|n|times|cycles|parts)(_|$)", 1),
-    (r"(vel(ocity)?|speed|acc(el(eration)?)?|scal(e|ing)(_factor)?)$", 0.1),
-    (r"(^|_)(timeout|duration|period|delay|time|wait)$", 1.0),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +218,7 @@ def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
         name = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
         value = {name.get(need.kind, "name"): need.name}
         words = "its type is not known"
-    key = _parameter_key(need, place) if need.kind == "parameter" else need.name
+    key = parameter_key(need, place) if need.kind == "parameter" else need.name
     return Draft(need, key, value, words, place)
 
 
@@ -258,7 +243,8 @@ def _topic(lack: _Lack) -> _Made:
         return unknown, "its type is not known"
     made, values = lack.interfaces.message(need.type_name), lack.values
     compared = compared_in_callback(lack.place)
-    message = values.fields(made, compared, need.name)
+    said, comments = said_in_callback(lack.place), _comments(lack, "msg")
+    message = values.fields(made, compared, need.name, said, comments)
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several: tuple[str | bool, ...] = ()
     if need.type_name == "std_msgs/String":
@@ -287,6 +273,12 @@ def _topic(lack: _Lack) -> _Made:
         return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
     entry = {**entry, "after": 1.0, "message": message}
     return entry, _typed_text(need.type_name, compared.values, values)
+
+
+def _comments(lack: _Lack, kind: str) -> Mapping[str, str]:
+    """Return the comments of the definition of what is lacking, by field."""
+    comments: Mapping[str, str] = lack.interfaces.comments(lack.need.type_name, kind)
+    return comments
 
 
 def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
@@ -374,14 +366,16 @@ def _call(lack: _Lack) -> _Made:
         entry |= {"request": {"transition": _BROUGHT_UP[0]}, "wait": True}
         return entry, "as who brings up a lifecycle node: configured, then activated"
     request = service_parts(lack.interfaces, need.type_name)[0]
-    sent = lack.values.fields(request, compared_in_callback(lack.place), need.name)
+    compared, said = compared_in_callback(lack.place), said_in_callback(lack.place)
+    sent = lack.values.fields(request, compared, need.name, said, _comments(lack, "srv"))
     return {**entry, "request": sent, "wait": True}, "one call, in its turn"
 
 
 def _sent_goal(lack: _Lack) -> _Made:
     need = lack.need
     goal = goal_class(lack.interfaces, need.type_name)
-    sent = lack.values.fields(goal, compared_in_callback(lack.place), need.name)
+    compared, said = compared_in_callback(lack.place), said_in_callback(lack.place)
+    sent = lack.values.fields(goal, compared, need.name, said, _comments(lack, "action"))
     entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
     return entry, "one goal, in its turn"
 
@@ -427,57 +421,20 @@ def _answer(lack: _Lack) -> _Made:
         words = "each key that the code knows" if keys else "the code names no key"
         return keys or None, words
     answers = known_answers(lack.place, lack.values)
+    asked = _ASKED_NUMBER.search(need.name.lower())
+    if (
+        asked
+        and {*answers} <= {*map(str, ANY_NUMBER)}
+        and used_as(lack.place, "input") in ("int", "float")
+    ):
+        units = units_of("", f"{need.name} {said_at(lack.place)}")
+        number = named_number(asked[0].replace(" ", "_"), units, lack.values.reach)
+        if number is not None:
+            return [f"{number + 0.0:.4g}"], f"within reach of {lack.values.robot.name}"
     if not answers:
         answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
         return list(answers), f"an answer to {need.name}"
     return list(answers), f"as the code compares the answer to {need.name}"
-
-
-def _parameter_key(need: Need, place: Location | None) -> str:
-    key = need.name
-    written = next((name for call in _READS if (name := written_name(place, call))), "")
-    if written.startswith("~") or _ANONYMOUS.match(key):
-        # Private to the node, whose own name may be another each time.
-        key = f"~{_ANONYMOUS.sub('', key)}" if not written.startswith("~") else written
-    return key
-
-
-def _parameter(lack: _Lack) -> _Made:
-    need, place, values = lack.need, lack.place, lack.values
-    last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
-    literals = next((found for call in _READS if (found := compared_results(place, call))), ())
-    kind = need.type_name or next((use for call in _READS if (use := used_as(place, call))), "")
-    fitting = [each for each in literals if _fits(each, kind)]
-    if fitting:
-        return fitting[0], "as the code compares it"
-    names = [joint.name for joint in values.joints]
-    if kind in ("", "string_array") and re.search(r"(^|_)joint(s|_names)$", last):
-        return names, f"the joints of {values.robot.name}"
-    if kind == "double_array" and re.search(r"joint|pos|home|ready|state|angle", last):
-        return list(values.posture), f"near where {values.robot.name} begins"
-    if kind in ("", "string", "str"):
-        text = values.text(last, ())
-        if text:
-            return text, f"of {values.robot.name}"
-    if kind in ("", "int", "float", "integer", "double"):
-        for pattern, number in _NUMBERS:
-            if re.search(pattern, last):
-                return int(number) or 1 if kind in ("int", "integer") else number, "a usual value"
-    if kind == "bool":
-        return is_on(last), "a value of its type"
-    plain = {"int": 1, "float": 0.1, "str": last}.get(kind)
-    if plain is not None:
-        return plain, "as the code uses it"
-    return _TYPED.get(kind, 1), "a value of its type" if kind in _TYPED else "a guess"
-
-
-def _fits(value: Any, kind: str) -> bool:
-    wanted: Mapping[str, type | tuple[type, ...]] = {
-        "string": str, "str": str, "bool": bool, "integer": int, "int": int,
-        "double": (int, float), "float": (int, float), "": (str, int, float),
-    }  # fmt: skip
-    is_bool = isinstance(value, bool)
-    return kind in wanted and isinstance(value, wanted[kind]) and is_bool == (kind == "bool")
 
 
 _ENTRIES = {
@@ -490,6 +447,6 @@ _ENTRIES = {
     "object": _object,
     "start": _start,
     "input": _answer,
-    "parameter": _parameter,
+    "parameter": lambda lack: drafted_parameter(lack.need, lack.place, lack.values),
     "command": _command,
 }

@@ -58,6 +58,11 @@ SI = Units()
 """Radians and metres."""
 
 
+def units_of(name: str, *texts: str) -> Units:
+    """Return the units that the first of some texts names that names any, each with the name."""
+    return next((units for text in texts if (units := units_said(f"{name} {text}")) != SI), SI)
+
+
 def units_said(text: str) -> Units:
     """Return the units that a text names, or to which code converts: `radians(x)`, `y / 1000`."""
     said = text.lower()
@@ -95,7 +100,7 @@ def named_number(name: str, units: Units, reach: Reach) -> float | None:
     if place is not None:
         at = "xyz".index(place[1])
         return units.length(_STEP_M if is_step else reach.position[at])
-    if _ANGLE.search(plain) or (is_step and units.per_radian > 1.0):
+    if (_ANGLE.search(plain) or is_step) and units.per_radian > 1.0:
         return units.angle(_STEP_RAD)
     if (_LENGTH.search(plain) or is_step) and units.per_metre > 1.0:
         return units.length(_STEP_M)

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
+from tracerisk.ros.drafts.named_numbers import SI, Units
 from tracerisk.twin.physics.motion import Pose
 
 _JOINTS = re.compile(
@@ -21,8 +22,14 @@ _POINT = re.compile(r"pos|point|xyz|target|goal|cent(er|re)|translation", re.IGN
 _POSE = re.compile(r"(^|_)pose$|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
 
 
-def numbers_of(name: str, length: int | None, posture: Sequence[float], pose: Pose) -> list[float]:
-    """Return the numbers of a list called `name`: [rad or m] of joints, or of a pose; [] for none.
+def numbers_of(
+    name: str,
+    length: int | None,
+    posture: Sequence[float],
+    pose: Pose,
+    units: Units = SI,
+) -> list[float]:
+    """Return the numbers of a list called `name`, of joints or of a pose, in units; [] for none.
 
     `length` is that of a fixed list. A pose is x, y, z and, where there is room, the turn: as a
     quaternion of four numbers or as roll, pitch and yaw.
@@ -30,18 +37,20 @@ def numbers_of(name: str, length: int | None, posture: Sequence[float], pose: Po
     if _NO_PLACE.search(name):
         return []
     if "joint" not in name.lower():
-        found = _of_pose(name, length, pose)
+        found = _of_pose(name, length, pose, units)
         if found:
             return found
     if not _JOINTS.search(name):
         return []
+    angles = [units.angle(each) for each in posture]
     if length in (None, len(posture)):
-        return list(posture)
-    return ([*posture] + [0.0] * length)[:length]
+        return angles
+    return (angles + [0.0] * length)[:length]
 
 
-def _of_pose(name: str, length: int | None, pose: Pose) -> list[float]:
-    position, turn = list(pose.position), list(pose.orientation)
+def _of_pose(name: str, length: int | None, pose: Pose, units: Units) -> list[float]:
+    position = [units.length(each) for each in pose.position]
+    turn = list(pose.orientation)
     if length == len(turn) and _TURN.search(name):
         return turn
     if length == len(position) and _POINT.search(name):
@@ -50,7 +59,7 @@ def _of_pose(name: str, length: int | None, pose: Pose) -> list[float]:
         return []
     if length == len(position) + len(turn):
         return position + turn
-    angles = [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)]
+    angles = [units.angle(round(each, 4) + 0.0) for each in roll_pitch_yaw(pose.orientation)]
     return position + angles if length in (None, 6) else []
 
 

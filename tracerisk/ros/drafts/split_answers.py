@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
-from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.named_numbers import Units, numbers_in_place, units_of
+from tracerisk.ros.drafts.said_around import said_at
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.source.compared_values import calls_at, held_by, source_tree
 from tracerisk.source.dotted_names import last_name
@@ -28,22 +29,25 @@ def numbers_answer(place: Location | None, values: UsableValues) -> str | None:
     """Return the numbers for the `input` at `place`, if its code takes the answer apart into some.
 
     As many as the arm has joints are positions of these [rad or m]; three are a position that the
-    tool reaches [m], six it and roll, pitch and yaw [rad], seven it and a quaternion.
+    tool reaches [m], six it and roll, pitch and yaw [rad], seven it and a quaternion; in degrees
+    and millimetres where the source says so.
     """
     found = _split_at(place)
     if found is None:
         return None
-    numbers = _numbers(found.count or len(values.joints), values)
+    units = units_of("", said_at(place))
+    numbers = _numbers(found.count or len(values.joints), values, units)
     texts = [str(round(each)) if found.is_whole else f"{each + 0.0:.4g}" for each in numbers]
     return found.separator.join(texts)
 
 
-def _numbers(count: int, values: UsableValues) -> tuple[float, ...]:
-    if count == len(values.joints):
-        return values.posture
+def _numbers(count: int, values: UsableValues, units: Units) -> Sequence[float]:
+    found = numbers_in_place(count, units, values.reach)
+    if found is not None:
+        return found
     position, turn = values.pose.position, values.pose.orientation
-    whole = {3: position, 6: (*position, *roll_pitch_yaw(turn)), 7: (*position, *turn)}
-    return whole.get(count, (0.1,) * count)
+    whole = (*(units.length(each) for each in position), *turn)
+    return whole if count == len(whole) else (0.1,) * count
 
 
 def _split_at(place: Location | None) -> _Split | None:

@@ -6,6 +6,7 @@ its tool reaches, and a text, a number or a truth value is one that the code ask
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -16,7 +17,7 @@ from functools import cached_property
 from typing import Any
 
 from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
-from tracerisk.ros.drafts.named_numbers import Reach
+from tracerisk.ros.drafts.named_numbers import Reach, Units, named_number, units_of, units_said
 from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw
 from tracerisk.ros.messages.fields import (
     DURATIONS,
@@ -33,6 +34,7 @@ from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Group, Joint, Robot
 from tracerisk.twin.urdf.text import urdf_text
 
+_CONVERTED = re.compile(r"(?<=\.)[xyz]\s*[*/]\s*[\w.+-]+")
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)
 _DEEPEST = 5  # of nested messages: what lies deeper, but for poses, is left at its defaults
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
@@ -74,13 +76,27 @@ _LEFT_EMPTY = frozenset(
 class _Place:
     """Where a field is: below which names, how deep, and of which topic or service.
 
-    `compared` is what the code compares the fields with.
+    `compared` is what the code compares the fields with, `said` what it says of them all, and
+    `comments` what the definition of the message says of each.
     """
 
     compared: Compared
     name: str
     path: tuple[str, ...] = ()
     depth: int = 1
+    said: str = ""
+    comments: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+    @property
+    def units(self) -> Units:
+        """The units of the field."""
+        name = self.path[-1] if self.path else ""
+        return units_of(name, self.comments.get(name, ""), self.said)
+
+    @property
+    def point_units(self) -> Units:
+        """The units of a whole point: those of ROS, unless the code converts its coordinates."""
+        return units_said(" ".join(_CONVERTED.findall(self.said)))
 
     @property
     def numbers(self) -> Sequence[float]:
@@ -112,13 +128,20 @@ class UsableValues:
         """Dimensions whose SI units a controller does not speak in: `angle`, `length`."""
 
     def fields(
-        self, message_class: Any, compared: Compared | None = None, name: str = ""
+        self,
+        message_class: Any,
+        compared: Compared | None = None,
+        name: str = "",
+        said: str = "",
+        comments: Mapping[str, str] | None = None,
     ) -> dict[str, Any]:
         """Return the fields of a message as a scenario writes them.
 
         `compared` is what the code compares them with, `name` that of their topic or service.
+        What the code has `said` of them, and the `comments` of the definition, name their units.
         """
-        return self._fields(message_class, _Place(compared or Compared(), name))
+        place = _Place(compared or Compared(), name, said=said, comments=comments or {})
+        return self._fields(message_class, place)
 
     # What is of the robot
 
@@ -266,7 +289,7 @@ class UsableValues:
     # Messages
 
     def _fields(self, message_class: Any, place: _Place) -> dict[str, Any]:
-        whole = self._whole(message_class, place.name)
+        whole = self._whole(message_class, place)
         if whole is not None:
             return whole
         found: dict[str, Any] = {}
@@ -280,10 +303,11 @@ class UsableValues:
             found[field.name] = self._field(message_class, field, inner)
         return found
 
-    def _whole(self, message_class: Any, name: str) -> dict[str, Any] | None:
+    def _whole(self, message_class: Any, place: _Place) -> dict[str, Any] | None:
         """Return the message where its type alone says what is in it."""
-        kind = type_of(message_class)
+        kind, name = type_of(message_class), place.name
         (x, y, z), (qx, qy, qz, qw) = self.pose.position, self.pose.orientation
+        x, y, z = (place.point_units.length(each) for each in (x, y, z))
         position, turn = {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}
         header = {"stamp": "now", "frame_id": self.robot.base_link}
         plain: dict[str, dict[str, Any]] = {
@@ -339,7 +363,7 @@ class UsableValues:
                 return [joint.name for joint in self.joints]
             return [str(each) for each in place.compared.texts(place.path)]
         if field.base in FLOATS:
-            numbers = numbers_of(field.name, field.length, self.posture, self.pose)
+            numbers = numbers_of(field.name, field.length, self.posture, self.pose, place.units)
             if numbers:
                 return numbers
         if field.base == "bool":
@@ -367,7 +391,7 @@ class UsableValues:
             called = _last(name) if field.name == "data" and name else field.name
             return self.text(called, place.compared.texts(place.path))
         if field.base in FLOATS:
-            return self._float(field, place.numbers, type_of(owner))
+            return self._float(field, place, type_of(owner))
         return _integer(owner, field, place.numbers)
 
     def text(self, name: str, texts: Sequence[str]) -> str:
@@ -384,17 +408,16 @@ class UsableValues:
             return self.robot.name
         return ""
 
-    def _float(self, field: MessageField, numbers: Sequence[float], owner: str) -> float:
-        if numbers:
-            return float(numbers[0])
+    def _float(self, field: MessageField, place: _Place, owner: str) -> float:
+        if place.numbers:
+            return float(place.numbers[0])
+        if owner.startswith("geometry_msgs/"):
+            return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
         numbered = _NUMBERED.match(field.name)
-        if numbered is not None:
-            index = int(numbered[1]) - 1
-            return self.posture[index] if 0 <= index < len(self.posture) else 0.0
-        position = dict(zip("xyz", self.pose.position, strict=True))
-        if field.name in position and not owner.startswith("geometry_msgs/"):
-            return position[field.name]
-        return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+        if numbered is not None and not 0 < int(numbered[1]) <= len(self.posture):
+            return 0.0
+        found = named_number(field.name, place.units, self.reach)
+        return 0.1 if found is None else found
 
 
 def _unwound(joint: Joint, value: float) -> float:
