@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.workspace.command_lines import command_lines
+from tracerisk.pipeline.scenarios.command_lines import command_lines
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.ros.drafts.named_numbers import Reach
@@ -73,7 +73,7 @@ def test_of_ros_1_with_the_modules_of_its_own(tmp_path):
 
 def test_of_ros_2(tmp_path):
     assert asked(tmp_path, ROS2) == [
-        ("parameter", "speed", "", "c.py:12"),
+        ("parameter", "speed", "double", "c.py:12"),
         ("topic", "/part", "geometry_msgs/PoseStamped", "c.py:14"),
         ("service", "/detect", "std_srvs/Trigger", "c.py:15"),
         ("goal", "/sort", "my_msgs/Sort", "c.py:16"),

@@ -10,7 +10,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
-from tracerisk.pipeline.workspace.command_lines import reads_command_line
+from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import drafts

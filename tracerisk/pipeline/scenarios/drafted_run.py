@@ -19,8 +19,8 @@ from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
+from tracerisk.pipeline.scenarios.command_lines import reads_arguments
 from tracerisk.pipeline.trace.run_files import DraftsNoted
-from tracerisk.pipeline.workspace.command_lines import reads_arguments
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.needs_in_source import may_lack
 from tracerisk.sandbox.fork_server import several_come
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries
     from tracerisk.pipeline.scenarios.rounds import Rounds
 
+_OVER = (
+    "the search for values that it lacks is over for its computing: `tracerisk scenario "
+    "--search-limit S` searches longer"
+)
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
 # Risk blocks move the lines of a source, and what is reported must not change with them.
@@ -57,7 +61,7 @@ def trace_with_draft(
 
     def rounds() -> Rounds:
         # Most runs need none of it.
-        from tracerisk.pipeline.scenarios.rounds import SEARCH_S, Rounds
+        from tracerisk.pipeline.scenarios.rounds import Rounds
 
         left_s = settings.wall_limit_s - (time.monotonic() - began)
         base = None if settings.scenario is None else Path(settings.scenario)
@@ -68,8 +72,6 @@ def trace_with_draft(
             base,
             options.progress,
             kept,
-            # The runs after the first are all made for what it lacks.
-            SEARCH_S - sum(run.start_s + run.own_s for run in runs[1:]),
         )
 
     try:
@@ -86,11 +88,12 @@ def trace_with_draft(
     if not settings.draft or not _may_need_draft(controller, settings, trace, runs):
         return trace
     search = rounds()
-    found = _found(controller, search, search.attempt(search.best.entries, trace, runs), keep)
+    found = _found(controller, search, search.first(trace, runs), keep)
     if found is not None:
         return found
     # What it lacks first hides a name that it asks for later, which no draft can give.
-    message = "; ".join((trace.end.message, *search.mistakes))
+    cut = [_OVER] if search.cut else []
+    message = "; ".join((trace.end.message, *search.mistakes, *cut))
     return replace(trace, end=replace(trace.end, message=message))
 
 
@@ -143,6 +146,8 @@ def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace
         f"`tracerisk scenario {controller.file} --write` writes a scenario with them to "
         "confirm"
     )
+    if search.cut:
+        line += f"; {_OVER}"
     root = controller.root.resolve()
     read = {from_root(root, file.resolve()) for file in search.read_for(entries)}
     return replace(

@@ -9,7 +9,7 @@ from typing import Any
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.robot.guess import RobotGuess
 from tracerisk.pipeline.run.ended_run import ControllerRun
-from tracerisk.pipeline.workspace.command_lines import CommandLine
+from tracerisk.pipeline.scenarios.command_lines import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.drafted_pictures import PICTURES
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift

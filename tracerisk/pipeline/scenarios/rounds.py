@@ -21,6 +21,7 @@ from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
+from tracerisk.pipeline.scenarios.command_lines import CommandLine, command_lines, reads_arguments
 from tracerisk.pipeline.scenarios.entries import (
     Attempt,
     Entries,
@@ -38,7 +39,6 @@ from tracerisk.pipeline.scenarios.entries import (
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
-from tracerisk.pipeline.workspace.command_lines import CommandLine, command_lines, reads_arguments
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
@@ -343,6 +343,12 @@ class Rounds:
             idle_s = _IDLE_S if entries.drafts else IDLE_S
             noted = replace(options, progress=self._progress, drafts="always", idle_s=idle_s)
             return trace_attempts(self._controller, settings, noted, self._kept)
+
+    def first(self, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
+        """Return what the runs before the search came to; the first of them is none of it."""
+        attempt = self.attempt(self.best.entries, trace, runs)
+        self._used_s -= runs[0].start_s + runs[0].own_s
+        return attempt
 
     def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
         """Return what runs with these entries came to, of which `trace` is the one that counts."""

@@ -87,9 +87,17 @@ def asked_in_file(path: Path, ros: Literal[1, 2]) -> Iterator[Missed]:
             continue
         shown = repr(name) if kind == "input" and name else name or _expression(call, signatures)
         kept = types.get(type_name, type_name)
+        if kind == "parameter":
+            kept = _declared_type(call)
         if ros == 1 and kind in ("action", "goal"):
             kept = kept.removesuffix("Action")
         yield Missed(Need(kind, shown, kept), 0, 0, Location(str(path), call.lineno))
+
+
+def _declared_type(call: ast.Call) -> str:
+    """Return the type that a parameter is declared with: `double_array`; empty for none."""
+    text = ast.unparse(call.args[1]) if len(call.args) >= _PART else ""
+    return text.rpartition(".Type.")[2].lower() if ".Type." in text else ""
 
 
 def _types(tree: ast.Module) -> Iterator[tuple[str, str]]:
@@ -126,3 +134,8 @@ def may_lack(controller: Controller) -> bool:
     return _ARGV.search(controller.source) is not None or any(
         each.need.kind not in _LEFT_OUT for each in asked_in_file(script, ros)
     )
+
+
+def reads_command_line(script: Path) -> bool:
+    """Return whether a script may read its command line itself."""
+    return _ARGV.search(source_bytes(script)) is not None

@@ -54,6 +54,7 @@ SECTIONS: Mapping[NeedKind, str] = {
 
 _YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
 _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
+_COMMAND = re.compile(r"std_msgs/(Bool|Empty|String|U?Int\d+)$")
 _MOST_IN_TURN = 6  # calls of one service, each with another value
 _TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
@@ -271,7 +272,9 @@ def _topic(lack: _Lack) -> _Made:
             parts = [field.name for field in fields_of(made)]
             message = picture(need.type_name, parts, values.robot.base_link, need.name, seen)
         return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
-    entry = {**entry, "after": 1.0, "message": message}
+    # A command finds that what was seen has come already.
+    after = 2.0 if _COMMAND.match(need.type_name) else 1.0
+    entry = {**entry, "after": after, "message": message}
     return entry, _typed_text(need.type_name, compared.values, values)
 
 

@@ -38,11 +38,6 @@ class CommandLine:
     remark: str
 
 
-def reads_command_line(script: Path) -> bool:
-    """Return whether a script may read its command line itself."""
-    return b"argv" in source_bytes(script) or b"add_argument" in source_bytes(script)
-
-
 def reads_arguments(controller: Controller, end: RunEnd) -> bool:
     """Return whether a run was ended by an exception at a line that reads the command line."""
     place = end.location
