@@ -1,6 +1,6 @@
 """Which known name another one is likely a slip of: `tool00` of `tool0`, `pand_link0` of a panda.
 
-Names that differ in their number, or in a letter that tells sides or axes apart, are other things.
+Names that differ in their number, or in a letter for a side or an axis, are other things.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ def near_names(name: str, known: Iterable[str]) -> tuple[str, ...]:
     if not name or name in names:
         return ()
     stems = Counter(map(_stem, names))
-    edits = {each: _edits(name, each) for each in names if each}
-    near = [each for each, count in edits.items() if count <= _most(name, each)]
-    same = [each for each in near if not _are_apart(name, each)]
+    edits = {other: _edits(name, other) for other in names if other}
+    near = [other for other, count in edits.items() if count <= _most(name, other)]
+    same = [other for other in near if not _are_apart(name, other)]
     if not same and stems[_stem(name)] >= _SERIES:
         same = near
-    least = min((edits[each] for each in same), default=0)
-    return tuple(each for each in same if edits[each] == least)
+    least = min((edits[other] for other in same), default=0)
+    return tuple(other for other in same if edits[other] == least)
 
 
 def likely_meant(name: str, known: Iterable[str]) -> str:
@@ -47,7 +47,7 @@ def _most(name: str, other: str) -> int:
 
 def _are_apart(name: str, other: str) -> bool:
     """Return whether two names are those of different things, by their number or a short part."""
-    numbers = [[int(each) for each in _NUMBER.findall(text)] for text in (name, other)]
+    numbers = [[int(digits) for digits in _NUMBER.findall(text)] for text in (name, other)]
     if numbers[0] != numbers[1]:
         return True
     parts = [_PART.split(text) for text in (name, other)]

@@ -201,7 +201,7 @@ class Rounds:
     def _search(self, attempt: Attempt) -> None:
         self._simulated_s = 0.0
         seen, shown, n_fruitless = {self.text(attempt.entries)}, {_shown(attempt)}, 0
-        raised = Counter([_raised(attempt)])
+        raised = Counter(_raised(attempt))
         for number in range(1, _MOST_RUNS + 1):
             following = (each for each in self._next(attempt) if self.text(each) not in seen)
             more = next(following, None)
@@ -221,8 +221,8 @@ class Rounds:
             seen.add(self.text(more))
             n_fruitless = n_fruitless + 1 if _shown(attempt) in shown else 0
             shown.add(_shown(attempt))
-            raised[_raised(attempt)] += 1
-            if n_fruitless == _MOST_FRUITLESS or raised[_raised(attempt)] > _MOST_FRUITLESS:
+            raised.update(_raised(attempt))
+            if n_fruitless == _MOST_FRUITLESS or max(raised.values(), default=0) > _MOST_FRUITLESS:
                 break
 
     def _end_at_limit(self) -> None:
@@ -544,11 +544,10 @@ class Rounds:
         return not has_some and attempt.error is None
 
 
-def _raised(attempt: Attempt) -> Hashable:
-    """Return the exception that ended a run; the run itself where none did."""
-    if attempt.trace is None or not attempt.has_raised:
-        return id(attempt)
-    return attempt.trace.end.message, attempt.trace.end.location
+def _raised(attempt: Attempt) -> Iterator[Hashable]:
+    """Yield the exception that ended a run, if one did."""
+    if attempt.trace is not None and attempt.has_raised:
+        yield attempt.trace.end.message, attempt.trace.end.location
 
 
 def _shown(attempt: Attempt) -> Hashable:

@@ -59,7 +59,7 @@ SI = Units()
 
 
 def units_of(name: str, *texts: str) -> Units:
-    """Return the units that the first of some texts names that names any, each with the name."""
+    """Return the units that a name and the first text give which give any but SI units."""
     return next((units for text in texts if (units := units_said(f"{name} {text}")) != SI), SI)
 
 
@@ -110,7 +110,7 @@ def named_number(name: str, units: Units, reach: Reach) -> float | None:
 def numbers_in_place(count: int, units: Units, reach: Reach) -> Sequence[float] | None:
     """Return so many numbers: of all joints, of a position, or of it with a turn; None else."""
     if count == len(reach.posture):
-        return [units.angle(each) for each in reach.posture]
-    position = [units.length(each) for each in reach.position]
-    turn = [units.angle(each) for each in reach.turn]
+        return [units.angle(joint) for joint in reach.posture]
+    position = [units.length(metres) for metres in reach.position]
+    turn = [units.angle(radians) for radians in reach.turn]
     return {3: position, 6: [*position, *turn]}.get(count)
