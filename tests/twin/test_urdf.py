@@ -287,3 +287,35 @@ def test_a_passive_joint_that_carries_only_a_frame_stands_still_and_is_no_finger
     (frame,) = (link for link in tiny.links if link.name == "gripper_frame")
     assert not frame.shapes
     assert tiny.group("limb").tip_link == "gripper_frame"
+
+
+def parallelogram(*joints: str) -> str:
+    """An arm whose third joint, `reach`, others follow."""
+    bend = linked("lift", "tool")
+    return with_links(bend, linked("reach", "lift_bar"), *joints)
+
+
+@pytest.mark.parametrize(
+    "rods",
+    [
+        (linked("rod", "tool", "reach"), linked("level", "reach_bar", "reach")),
+        (linked("rod", "lift_bar", "reach"), linked("level", "reach_bar", "reach")),
+        (linked("rod", "tool", "lift"), linked("second", "rod_bar", "lift")),
+        (
+            linked("rod", "lift_bar", "reach"),
+            '<link name="tcp"/><joint name="end" type="fixed"><parent link="reach_bar"/>'
+            '<child link="tcp"/></joint>',
+        ),
+    ],
+    ids=[
+        "rod at the joint before",
+        "rod beside it",
+        "rods of the joint before",
+        "carries the tool",
+    ],
+)
+def test_an_arm_joint_that_rods_of_a_parallelogram_follow_is_no_gripper(rods):
+    found = read_urdf(parallelogram(*rods), "tiny.urdf")
+    assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow", "lift", "reach"]
+    assert found.grippers == ()
+    assert "stand still on the twin" in found.assumed_figures[0]

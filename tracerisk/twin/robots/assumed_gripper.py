@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -42,33 +42,44 @@ def commands_gripper(source: bytes) -> bool:
 
 def has_assumed_gripper(robot: Robot) -> bool:
     """Return whether the gripper of a robot is one of `with_assumed_gripper`."""
-    return any(link.name.startswith(_FINGER_LINK) for link in robot.links)
+    return any(
+        pad.startswith("assumed_") and _FINGER_LINK in pad
+        for gripper in robot.grippers
+        for pad in gripper.pads
+    )
 
 
 def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     """Return the robot with a gripper of two fingers on the tip of its longest arm.
 
     `joints` are those that the controller names; the first two that are called like fingers move
-    them. Names of groups and states that the controller has for it are assumed.
+    them. No name is one that the robot has already. Names of groups and states that the controller
+    has for it are assumed.
     """
     arms = [group for group in robot.groups.values() if group.tip_link is not None]
     tip = max(arms, key=lambda group: len(group.joints)).tip_link
     assert tip is not None
-    fingers = tuple(name for name in joints if _FINGER.search(name))[:2] or ("gripper_joint",)
-    second = "gripper_second_finger_joint"
-    moved = fingers if len(fingers) == 2 else (*fingers, second)
+    taken = {robot.base_link, *robot.link_names, *(each.name for each in robot.attachments)}
+    named = tuple(name for name in joints if _FINGER.search(name) and name not in taken)[:2]
+    moved = list(named) or [_fresh("gripper_joint", taken)]
+    if len(moved) == 1:
+        moved.append(_fresh("gripper_second_finger_joint", {*taken, *moved}))
+    link = _fresh(_FINGER_LINK, {name.rstrip("0123456789") for name in taken})
     middle = (0.0, 0.0, _REACH)
     pad = Shape("box", _PAD, middle, pad=True)
-    hand = sliding_fingers(moved, tip, _FINGER_LINK, pad, _MASS, middle)
-    driver = Controller("gripper_controller", "gripper_command", moved)
+    hand = sliding_fingers(tuple(moved), tip, link, pad, _MASS, middle)
+    group = _fresh(NAME, robot.groups)
+    hand = replace(hand, gripper=replace(hand.gripper, group=group))
+    drivers = [each.name for each in robot.controllers]
+    driver = Controller(_fresh("gripper_controller", drivers), "gripper_command", tuple(moved))
     states = {"open": dict.fromkeys(moved, FINGER_OPENING), "close": dict.fromkeys(moved, 0.0)}
     return replace(
         robot,
         links=(*robot.links, *hand.links),
         attachments=(*robot.attachments, *hand.attachments),
         joints=(*robot.joints, *hand.joints),
-        groups=MappingProxyType({**robot.groups, NAME: Group(moved, tip)}),
-        named_states=MappingProxyType({**robot.named_states, NAME: MappingProxyType(states)}),
+        groups=MappingProxyType({**robot.groups, group: Group(tuple(moved), tip)}),
+        named_states=MappingProxyType({**robot.named_states, group: MappingProxyType(states)}),
         initial_state=MappingProxyType({**robot.initial_state, **states["open"]}),
         grippers=(hand.gripper,),
         controllers=(*robot.controllers, driver),
@@ -77,3 +88,10 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
         chosen_by=f"{robot.chosen_by}; the gripper that the controller speaks of is assumed, on "
         f"'{tip}'",
     )
+
+
+def _fresh(name: str, taken: Collection[str]) -> str:
+    """Return a name that is not taken: this one, else with `assumed_` before it."""
+    while name in taken:
+        name = f"assumed_{name}"
+    return name

@@ -234,7 +234,7 @@ class Robot:
     `effort_unit` is what its driver gives as the effort of a joint, as `--effort-unit` takes it;
     empty where it is not known.
     `following` is how its driver follows a stream of set-points.
-    `assumed_figures` are sentences on figures that are another robot's.
+    `assumed_figures` are sentences on what is another robot's, or left out.
     `masses` is how far public sources of the masses differ, `None` where one alone is known.
     """
 

@@ -7,7 +7,7 @@ approximate.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -119,6 +119,18 @@ def assembled_robot(parts: RobotParts) -> Robot:
         file=parts.file,
         approximate=assumed,
         disabled_collisions=disabled,
+        assumed_figures=_stiff(tree, still),
+    )
+
+
+def _stiff(tree: Tree, still: Collection[str]) -> tuple[str, ...]:
+    """Return what the twin leaves out of joints that follow others outside a gripper."""
+    followers = [joint.name for joint in tree.moving if joint.name in still]
+    if not followers:
+        return ()
+    return (
+        f"{', '.join(followers)} of its description follow another joint; they have no motor, and "
+        "stand still on the twin",
     )
 
 

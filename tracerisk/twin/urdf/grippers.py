@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.geometry.shapes import Shape
@@ -14,6 +14,7 @@ from tracerisk.twin.urdf.tree import Tree, UrdfJoint
 
 _FINGER = re.compile(r"finger|gripper|jaw|knuckle|claw|thumb|mors|pinch", re.IGNORECASE)
 _FINGER_LINK = re.compile(r"finger|jaw|knuckle|claw|thumb|mors", re.IGNORECASE)
+_TOOL = re.compile(r"tool|tcp|flange|end_?effector|(?:^|_)eef?(?:_|$)", re.IGNORECASE)
 _TURNS_A_HAND = re.compile(r"roll|pitch|yaw|rot|wrist", re.IGNORECASE)
 _TRAVEL = {"prismatic": 0.03, "revolute": 0.8, "continuous": 0.8}  # where the file gives none
 _EFFORT = {"prismatic": (5.0, 100.0), "revolute": (0.5, 10.0)}  # least, greatest [N or N m]
@@ -61,8 +62,7 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
         return True
     together = _linkage(joint, tree)
     if len(together) > 1:
-        below = {each.name for each in tree.movers_below(joint.child)}
-        return not below or (below <= together and _is_forked(together, tree))
+        return _is_hand(together, tree)
     beside = [each for each in tree.below(joint.parent) if each.moves and each != joint]
     return (
         joint.type == "prismatic"
@@ -85,18 +85,40 @@ def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
     return frozenset(name for name in found if tree.joint(name) is not None)
 
 
-def _is_forked(together: frozenset[str], tree: Tree) -> bool:
-    """Return whether joints that move as one begin side by side, as fingers of two links do.
+def _is_hand(together: frozenset[str], tree: Tree) -> bool:
+    """Return whether joints that move as one are fingers: equal branches, side by side.
 
-    Where each carries the next they level a tool, and are an arm.
+    Of an arm, one joint may lead the rods of a parallelogram and the joint that levels a tool.
+    Then a branch begins further out than another, has other joints behind it, has fewer joints
+    than another, or carries the tool.
     """
     members = [joint for joint in tree.moving if joint.name in together]
-    first = [
-        joint
-        for joint in members
-        if not any(each.name in together for each in tree.way(joint.parent))
-    ]
-    return len(first) > 1
+    roots = [joint for joint in members if not _names_on(joint.parent, tree) & together]
+    carriers = {_carrier(joint, tree) for joint in roots}
+    branches = [[joint.name, *(each.name for each in tree.movers_below(joint.child))]
+                for joint in roots]  # fmt: skip
+    if len(roots) < 2 or len(carriers) > 1 or len({len(branch) for branch in branches}) > 1:
+        return False
+    if any(not together.issuperset(branch) for branch in branches):
+        return False
+    links = {each.child for joint in roots for each in _hanging_on(joint.child, tree)}
+    return not any(_TOOL.search(link) for link in links)
+
+
+def _names_on(link: str, tree: Tree) -> frozenset[str]:
+    """Return the joints on the way to a link."""
+    return frozenset(joint.name for joint in tree.way(link))
+
+
+def _carrier(joint: UrdfJoint, tree: Tree) -> str:
+    """Return the last joint before one that moves, an empty name at the base."""
+    return next((each.name for each in reversed(tree.way(joint.parent)) if each.moves), "")
+
+
+def _hanging_on(link: str, tree: Tree) -> Iterator[UrdfJoint]:
+    for joint in tree.below(link):
+        yield joint
+        yield from _hanging_on(joint.child, tree)
 
 
 def grippers_of(
