@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from tracerisk import pipeline, trace_json
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.trace import Trace
-from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
-from tracerisk.twin.robots.robot import load_robot, robot_names
+from tracerisk.twin.robots.assumed_gripper import (
+    commands_gripper,
+    has_assumed_gripper,
+    with_assumed_gripper,
+)
+from tracerisk.twin.robots.robot import Controller, Group, Robot, load_robot, robot_names
+from tracerisk.twin.urdf.urdf import read_urdf
 
 CONTROLLER = """\
 import actionlib
@@ -103,8 +110,8 @@ def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
 
 
 BARE = (
-    *("cr5", "iiwa14", "iiwa14_stack", "iiwa7", "iiwa7_stack", "lite6", "m1013"),
-    *("ur10", "ur10e", "ur3", "ur3e", "ur5", "ur5e"),
+    *("a0509", "cr5", "iiwa14", "iiwa14_stack", "iiwa7", "iiwa7_stack", "lite6", "m0609", "m1013"),
+    *("ur10", "ur10e", "ur16e", "ur20", "ur3", "ur30", "ur3e", "ur5", "ur5e"),
 )
 """The arms without a gripper; to ask each robot while tests are collected takes seconds."""
 
@@ -127,3 +134,50 @@ def test_every_arm_without_one_takes_it_and_its_hardware_counts_it(name: str):
     assert "gripper" not in {
         each.component.name for each in bind(shipped_hardware(name), load_robot(name).elements)
     }
+
+
+def arm_with(*extra: str) -> Robot:
+    """An arm of two joints whose file has further parts."""
+    joint = (
+        '<link name="{1}"><inertial><mass value="1"/></inertial></link>'
+        '<joint name="{0}" type="{2}"><parent link="{3}"/><child link="{1}"/>'
+        '<origin xyz="0 0 0.2"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="20" velocity="2"/></joint>'
+    )
+    parts = [
+        joint.format("turn", "upper", "revolute", "root"),
+        joint.format("bend", "lower", "revolute", "upper"),
+    ]
+    parts += [joint.format(*each.split(), "fixed", "lower") for each in extra]
+    return read_urdf(f'<robot name="r"><link name="root"/>{"".join(parts)}</robot>', "r.urdf")
+
+
+@pytest.mark.parametrize(
+    ("extra", "joints"),
+    [
+        (("gripper_joint mount",), ()),
+        (("gripper_joint mount",), ("gripper_joint",)),
+        (("gripper_second_finger_joint mount", "gripper_joint plate"), ()),
+        (("left_finger_joint assumed_finger_1",), ("left_finger_joint", "right_finger_joint")),
+        (("mount assumed_finger_2",), ()),
+    ],
+)
+def test_an_assumed_gripper_takes_no_name_that_the_robot_has(extra, joints):
+    from tracerisk.twin.physics.builder import compile_model
+
+    robot = with_assumed_gripper(arm_with(*extra), joints)
+    compile_model(robot)
+    assert has_assumed_gripper(robot)
+    for names in (robot.link_names, [each.name for each in robot.attachments]):
+        assert len(set(names)) == len(names)
+
+
+def test_an_assumed_gripper_leaves_group_and_controller_of_that_name_as_they_are():
+    arm = arm_with()
+    driver = Controller("gripper_controller", "follow_joint_trajectory", ("bend",))
+    group = Group(("bend",), "lower")
+    arm = replace(arm, groups={**arm.groups, "gripper": group}, controllers=(driver,))
+    robot = with_assumed_gripper(arm, ())
+    assert robot.groups["gripper"] == group
+    assert robot.controllers[0] == driver
+    assert robot.gripper("gripper").group == "assumed_gripper"
