@@ -323,7 +323,6 @@ def test_each_code_has_a_section_and_each_section_a_code():
     for name in (
         "adder.lock.lock",
         "adder.sources.read",
-        "twin.robots.detect",
         "twin.physics.motion",
         "prm.logic.checks",
     ):

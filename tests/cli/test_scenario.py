@@ -250,17 +250,16 @@ def test_one_of_several_robots_that_fit(example):
         "    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))\n"
         "move()\nrclpy.spin_once(node, timeout_sec=3.0)\n",
     )
-    assert example.run("run", "c.py", "--check", "--no-draft").code == 2
-    outcome = example.run("scenario", "c.py", "--write", "--json")
-    assert outcome.code == 0, outcome.err
-    robot = outcome.json["robot"]
-    assert example.read("c.scenario.yaml").startswith(f"robot: {robot}  # assumed".encode())
-    ran = example.run("trace", "c.py", "--json", "--scenario", "c.scenario.yaml")
-    assert ran.json["trace"]["robot"] == robot
-    other = example.run(
-        "trace", "c.py", "--json", "--scenario", "c.scenario.yaml", "--robot", "ur5e"
-    )
-    assert other.json["trace"]["robot"] == "ur5e"
+    ran = example.run("run", "c.py", "--check", "--no-draft", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    (reason,) = [each for each in ran.json["verdict"]["reasons"] if each["code"] == "robot-assumed"]
+    assert "ur10, ur10e, ur16e, ur20, ur3, ur30 would fit as well" in reason["words"]
+    assert ran.json["trace"]["robot"] == "ur5e"
+    # A scenario that names it makes it no assumption.
+    example.write("c.scenario.yaml", "robot: ur10\n")
+    other = example.run("trace", "c.py", "--json", "--scenario", "c.scenario.yaml")
+    assert other.json["trace"]["robot"] == "ur10"
+    assert "robot-assumed" not in {each["code"] for each in other.json["verdict"]["reasons"]}
 
 
 @pytest.mark.slow
@@ -438,22 +437,10 @@ def lifter(example):
 
 
 def test_a_stand_in_for_a_robot_of_which_the_workspace_has_the_srdf_alone(lifter):
-    ran = lifter.run("run", "c.py", "--check", "--no-draft")
-    assert ran.code == 2
-    assert "the robot of the workspace cannot be read" in ran.err
-    ran = lifter.run("run", "c.py", "--check", "--json")
+    ran = lifter.run("run", "c.py", "--check", "--no-draft", "--json")
     assert ran.json["verdict"]["kind"] == "partial", ran.err
-    assert ("input-assumed", "robot") in reasons(ran)
-    assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])
-
-
-@pytest.mark.slow  # A run drafts it above, and what is drafted is written as any other input.
-def test_a_stand_in_for_a_robot_is_written(lifter):
-    outcome = lifter.run("scenario", "c.py", "--write", "--json")
-    assert outcome.code == 0, outcome.err
-    assert lifter.read("c.scenario.yaml").startswith(b"robot: generic  # assumed: a stand-in")
-    ran = lifter.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
-    assert ("input-assumed", "robot") in reasons(ran)
+    (reason,) = [each for each in ran.json["verdict"]["reasons"] if each["code"] == "robot-assumed"]
+    assert "a stand-in for the robot of the workspace, which cannot be read" in reason["words"]
     assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])
 
 

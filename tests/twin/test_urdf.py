@@ -319,3 +319,31 @@ def test_an_arm_joint_that_rods_of_a_parallelogram_follow_is_no_gripper(rods):
     assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow", "lift", "reach"]
     assert found.grippers == ()
     assert "stand still on the twin" in found.assumed_figures[0]
+
+
+@pytest.mark.parametrize(
+    ("srdf", "begins"),
+    [
+        (None, {"left_finger_joint": 0.03, "right_finger_joint": -0.03}),
+        (SRDF, {"left_finger_joint": 0.03, "right_finger_joint": -0.03}),
+        (
+            SRDF.replace('name="wide"', 'name="home"').replace("0.03", "0.01"),
+            {"left_finger_joint": 0.01},
+        ),
+    ],
+    ids=["no SRDF", "no state at rest", "closed at rest"],
+)
+def test_a_gripper_begins_open_unless_its_files_say_where(srdf, begins):
+    given = None if srdf is None else read_srdf(srdf, "tiny.srdf")
+    found = read_urdf(RATED, "tiny.urdf", srdf=given)
+    assert {name: found.initial_state[name] for name in begins} == begins
+
+
+def test_a_gripper_begins_where_its_hardware_does():
+    hardware = (
+        '<ros2_control name="h" type="system"><joint name="left_finger_joint"><state_interface '
+        'name="position"><param name="initial_value">0.0</param></state_interface></joint>'
+        "</ros2_control></robot>"
+    )
+    found = read_urdf(RATED.replace("</robot>", hardware), "tiny.urdf")
+    assert found.initial_state["left_finger_joint"] == 0.0

@@ -232,6 +232,9 @@ def _source(setting: Mapping[str, Any]) -> str:
     return f"{setting['file']}:{setting['line']}, {given}"
 
 
+_MOST_EVIDENCE = 12
+
+
 def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
@@ -262,6 +265,10 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
         robot = choice.robot
         doubt = "; some figures are assumed" if robot.approximate else ""
         found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
+        if robot.doubt:
+            found["robot assumed"] = robot.doubt
+        if choice.evidence:
+            found["what speaks for robots"] = "; ".join(map(str, choice.evidence[:_MOST_EVIDENCE]))
         found.update(_parts(robot))
         if choice.files:
             found["robot files read"] = ", ".join(map(str, choice.files))

@@ -173,8 +173,6 @@ def _print_draft(
     if draft.cut:
         note(f"tracerisk: {draft.cut}: this is the best scenario so far")
     rows = [(each.need.words, each.location, each.words) for each in draft.given]
-    if draft.robot is not None:
-        rows.insert(0, (f"robot {draft.robot.name}", None, draft.robot.remark))
     if draft.arguments is not None:
         text = f"arguments {' '.join(draft.arguments.words)}"
         rows.insert(0, (text, None, draft.arguments.remark))
@@ -231,7 +229,7 @@ def _print_json(
         **verdict_json(verdict),
         error=None if draft.error is None else draft.error.message,
         end=end,
-        robot=None if draft.robot is None else draft.robot.name,
+        robot=None if trace is None else trace.robot,
         arguments=None if draft.arguments is None else list(draft.arguments.words),
         given=[drafted(each) for each in draft.given],
         missing=[drafted(each) for each in draft.missing],

@@ -18,20 +18,23 @@ from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
 from tracerisk.twin.robots.robot import is_model_file
 
 if TYPE_CHECKING:
+    from tracerisk.pipeline.robot.evidence import Evidence
     from tracerisk.twin.model_files.model_file import ModelFile
     from tracerisk.twin.robots.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
 class RobotChoice:
-    """The robot that was taken, and files of the workspace that were not, each with its reason.
-
-    `files` are those that the robot was read from, if it is not a shipped one.
-    """
+    """The robot that was taken, and why."""
 
     robot: Robot
+    """The robot."""
     skipped: tuple[str, ...] = ()
+    """The files of the workspace that were not taken."""
     files: tuple[Path, ...] = ()
+    """Those that the robot was read from, if it is not a shipped one."""
+    evidence: tuple[Evidence, ...] = ()
+    """What speaks for it and for others, the strongest first; none where settings name it."""
 
 
 def choose_launched_robot(
@@ -41,19 +44,12 @@ def choose_launched_robot(
     *,
     also_named: tuple[str, ...] = (),
 ) -> RobotChoice:
-    """Return the robot of which a controller's source speaks, or its parameters of a launch file.
+    """Return the robot that a controller and its parameters of a launch file mean.
 
-    Raises RobotError as `choose_robot` does; a name that only the launch file has raises none.
+    Raises RobotError as `choose_robot` does.
     """
-    from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
-
     launched = with_parameters(controller, launch.setup)
-    try:
-        return choose_robot(launched, settings, launch, also_named=also_named)
-    except RobotError as error:
-        if isinstance(error, UnreadableRobotError) or launched is controller:
-            raise
-        return choose_robot(controller, settings, launch, also_named=also_named)
+    return choose_robot(launched, settings, launch, also_named=also_named)
 
 
 def choose_robot(
@@ -68,8 +64,7 @@ def choose_robot(
     It is the one that the settings name, else the one that `searched_robot` finds. `launch` is
     what was chosen of launch files, `also_named` joints that the controller names in its run, and
     not in its source.
-    Raises RobotError when the settings name none that is known, several fit equally well, or that
-    of the workspace cannot be read.
+    Raises RobotError when the settings name none that is known.
     """
     from tracerisk.twin.robots.generic import NAME as GENERIC
     from tracerisk.twin.robots.robot import load_robot

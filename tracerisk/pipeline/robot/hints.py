@@ -7,11 +7,13 @@ import io
 import re
 import tokenize
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from tracerisk.config import controller_root
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
 from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, declared_needs
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import (
@@ -28,6 +30,7 @@ _KINDS = (
     ("a readme", re.compile(r"readme(\..*)?", re.IGNORECASE)),
 )
 _OF_A_ROBOT = re.compile(r"_(moveit_?config|description|support|bringup|gazebo)$")
+_DEPENDS = re.compile(r"<\w*depend\b[^<]*</\w*depend>")
 _MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git", "src")
 _MOST_FOLDERS = 1000
 _MOST_FILES = 200  # of one kind
@@ -37,31 +40,50 @@ _MOST_BYTES = 256 * 1024  # of one file
 def robot_hints(controller: Controller) -> Iterator[Hint]:
     """Yield what may name the robot, the heaviest first; files are read when they are asked for."""
     name = controller.path.name
-    spoken, said = _read(controller.source)
-    yield Hint("its source", {name: spoken}, is_telling=True)
-    top = project_top(controller.root)
-    modules = {
-        path.relative_to(top).as_posix(): _read(path.read_bytes())
-        for path in own_modules(controller)
-    }
-    yield Hint("a module of its own", {file: read[0] for file, read in modules.items()}, True)
-    yield Hint("its comments", {name: said})
-    yield Hint("a module's comments", {file: read[1] for file, read in modules.items()})
+    own = _read(controller.source)
+    direct = imported_directly(controller)
+    known = {part for path in direct for part in (path.stem, path.parent.name)}
+    yield Hint("its imports", {name: "\n".join(each for each in own.imported if each in known)})
+    yield Hint("its source", {name: own.spoken})
+    top, package = project_top(controller.root), controller_root(controller.path).resolve()
+    modules = {path: _read(path.read_bytes()) for path in own_modules(controller)}
+    near = [path for path in modules if path not in direct and controller_root(path) == package]
+    for what, paths in (("a module of its own", direct), ("a module of its package", near)):
+        spoken = {path.relative_to(top).as_posix(): modules[path].spoken for path in sorted(paths)}
+        yield Hint(what, spoken)
+    others = "\n".join(each for each in own.imported if each not in known)
+    yield Hint("a library that it imports", {name: others})
     needs = [name for name in declared_needs(controller.root) if _OF_A_ROBOT.search(name)]
-    yield Hint("what its package depends on", {PACKAGE_FILE: "\n".join(needs)}, is_telling=True)
+    yield Hint("what its package depends on", {PACKAGE_FILE: "\n".join(needs)})
     yield from _paths(controller)
+    yield Hint("its comments", {name: own.said})
+    said = {path.relative_to(top).as_posix(): modules[path].said for path in sorted(direct)}
+    yield Hint("a module's comments", said)
     beside = sibling_programs(controller)
-    yield Hint("a program beside it", {each.path.name: _read(each.source)[0] for each in beside})
+    said = {each.path.name: _read(each.source).spoken for each in beside}
+    yield Hint("a program beside it", said)
     yield from _project(controller)
 
 
-def _read(source: bytes) -> tuple[str, str]:
-    """Return strings and identifiers of a source, and its comments and docstrings."""
+@dataclass(frozen=True, slots=True)
+class _Read:
+    """What a source says, by how much it weighs."""
+
+    imported: tuple[str, ...] = ()
+    """The names in its imports, each part of a dotted one."""
+    spoken: str = ""
+    """Its strings and identifiers."""
+    said: str = ""
+    """Its comments and docstrings."""
+
+
+def _read(source: bytes) -> _Read:
+    imported: list[str] = []
     spoken: list[str] = []
     said: list[str] = []
     tree = parsed(source)
     if tree is None:
-        return "", ""
+        return _Read()
     try:
         said += [
             token.string
@@ -69,7 +91,7 @@ def _read(source: bytes) -> tuple[str, str]:
             if token.type == tokenize.COMMENT
         ]
     except (SyntaxError, tokenize.TokenError):
-        return "", ""
+        return _Read()
     docstrings = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
@@ -77,9 +99,11 @@ def _read(source: bytes) -> tuple[str, str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             (said if id(node) in docstrings else spoken).append(node.value)
+        elif isinstance(node, ast.alias | ast.ImportFrom):
+            imported += [part for name in _identifiers(node) for part in name.split(".")]
         else:
             spoken += _identifiers(node)
-    return "\n".join(dict.fromkeys(spoken)), "\n".join(said)
+    return _Read(tuple(imported), "\n".join(dict.fromkeys(spoken)), "\n".join(said))
 
 
 def _identifiers(node: ast.AST) -> Iterator[str]:
@@ -92,12 +116,12 @@ def _identifiers(node: ast.AST) -> Iterator[str]:
 def _paths(controller: Controller) -> Iterator[Hint]:
     """Yield the file's name, and those of the folders around it up to the project's top."""
     script = controller.path.resolve()
-    yield Hint("its file's name", {script.name: script.stem}, is_telling=True)
+    yield Hint("its file's name", {script.name: script.stem})
     top = project_top(controller.root)
     for folder in script.parents if _is_project(controller.root) else ():
         if not folder.is_relative_to(top):
             break
-        yield Hint("its folder's name", {folder.name: folder.name}, is_telling=True)
+        yield Hint("its folder's name", {folder.name: folder.name})
 
 
 def _project(controller: Controller) -> Iterator[Hint]:
@@ -110,7 +134,7 @@ def _project(controller: Controller) -> Iterator[Hint]:
         for what, pattern in _KINDS:
             chosen = [each for each in files if pattern.fullmatch(each.name)][:_MOST_FILES]
             if chosen:
-                yield Hint(what, dict(_texts(chosen, top)))
+                yield Hint(what, dict(_texts(chosen, top)), has_lines=True)
 
 
 def _is_project(root: Path) -> bool:
@@ -130,4 +154,7 @@ def _texts(files: Iterable[Path], top: Path) -> Iterator[tuple[str, str]]:
                 text = stream.read(_MOST_BYTES)
         except OSError:
             continue
-        yield file.relative_to(top).as_posix(), text.decode("utf-8", errors="replace")
+        said = text.decode("utf-8", errors="replace")
+        if file.name == PACKAGE_FILE:
+            said = _DEPENDS.sub("", said)  # which is weighed by itself
+        yield file.relative_to(top).as_posix(), said

@@ -1,61 +1,40 @@
-"""Which robot a controller drives that the settings do not name."""
+"""Weigh what speaks for each robot that a controller may drive, where settings name none."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from tracerisk.config import Settings
-from tracerisk.errors import RobotError
 from tracerisk.pipeline.launch.choose import LaunchChoice
-from tracerisk.pipeline.launch.robots_launched import launched_robots
 from tracerisk.pipeline.robot.choice import RobotChoice, equipped
-from tracerisk.pipeline.robot.hints import robot_hints
-from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions, installed_in
+from tracerisk.pipeline.robot.evidence import (
+    DESCRIBED,
+    DRIVER,
+    Ranking,
+    ranked,
+    shown,
+    weighed,
+)
+from tracerisk.pipeline.robot.gathering import Gathered, Gathering
+from tracerisk.pipeline.robot.installed_descriptions import installed_in
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
-from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.prefixes import Prefix
-from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import (
-    find_workspace,
-    imported_names,
-    named_packages,
-    workspace_of,
-)
-from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
+from tracerisk.pipeline.workspace.workspace import find_workspace
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
-from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import Spoken
+from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.robot_names import decide, mentioned
-from tracerisk.twin.workspace.robot_of_workspace import (
-    UnreadableRobotError,
-    WorkspaceRobot,
-    find_workspace_robot,
+from tracerisk.twin.robots.robot_names import is_number, mentioned, words_in
+from tracerisk.twin.workspace.described_robots import (
+    DescribedRobot,
 )
+from tracerisk.twin.workspace.srdf_pairing import shipped_with_srdf
 from tracerisk.twin.workspace.srdf_stand_in import spoken_srdf, srdf_stand_in
-from tracerisk.vendors.driver_search import read_drivers, shipped_drivers
 
-
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """What a controller names: `whole` is it with its own modules, `listed` its own joints."""
-
-    whole: Controller
-    strings: tuple[str, ...]
-    names: NamesAsked
-    listed: tuple[str, ...]
-
-    @classmethod
-    def by(cls, controller: Controller, also_named: tuple[str, ...] = ()) -> _Asked:
-        """Return what a controller and its own modules name, and joints that are named besides."""
-        whole = with_own_modules(controller)
-        strings = (*string_literals(controller), *string_literals(whole), *also_named)
-        names = names_asked(whole.source)
-        joints = tuple(dict.fromkeys((*also_named, *names.joints)))
-        # Modules are written for more than one robot.
-        listed = tuple(dict.fromkeys((*also_named, *names_asked(controller.source).joints)))
-        return cls(whole, strings, replace(names, joints=joints), listed)
+# Of arms that are called alike the one that most public programs drive.
+_USUAL = ("ur5e", "panda", "ur5", "ur10e", "ur10", "gen3", "iiwa7", "iiwa7_stack", "m1013")
+_MOST_SHOWN = 6
 
 
 def searched_robot(
@@ -64,13 +43,12 @@ def searched_robot(
     launch: LaunchChoice,
     also_named: tuple[str, ...] = (),
 ) -> RobotChoice:
-    """Return the robot that a controller drives; its `chosen_by` says why it is this one.
+    """Return the robot for which most speaks; its `chosen_by` says what.
 
-    The first that applies: the one of its workspace, if the controller names a part of it or its
-    launch file describes it; the shipped one whose parts it names; that of the programs beside it;
-    the shipped one that is named, and nothing else of it; the only one of its workspace; a generic
-    arm. `also_named` are joints that it names in its run, and not in its source.
-    Raises RobotError where several fit equally well, or that of the workspace cannot be read.
+    A tie, little evidence, and a description that cannot be read make it an assumption, its
+    `doubt`. Where little speaks for any, it is a generic arm, with the names of the workspace's
+    SRDF where that is all there is. `also_named` are joints that the controller names in its run,
+    and not in its source.
     """
     return _Search(controller, settings, launch, also_named).run()
 
@@ -80,19 +58,22 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
 
     Where no SRDF has any, it is an arm with the joints that the controller names.
     """
-    asked = _Asked.by(controller)
+    whole = with_own_modules(controller)
+    asked = names_asked(whole.source)
+    spoken = Spoken((*string_literals(controller), *string_literals(whole)))
+    return _generic(controller, whole, spoken, asked, chosen_by)
+
+
+def _generic(
+    controller: Controller, whole: Controller, spoken: Spoken, asked: NamesAsked, chosen_by: str
+) -> RobotChoice:
     packages = find_workspace(controller.root).packages
-    spoken = Spoken(asked.strings, joints=asked.listed)
     found = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
-    robot = None if found is None else srdf_stand_in(found[0], asked.names)
+    robot = None if found is None else srdf_stand_in(found[0], asked)
     if found is None or robot is None:
-        return RobotChoice(replace(generic_arm(asked.names), chosen_by=chosen_by))
+        return RobotChoice(replace(generic_arm(asked), chosen_by=chosen_by))
     origin = f"{chosen_by}, with the names of {found[0].file}"
-    return RobotChoice(equipped(replace(robot, chosen_by=origin), asked.whole), files=(found[1],))
-
-
-# What these say of the robot has been weighed in other ways.
-_ASKED_BEFORE = frozenset({"a program beside it", "the package's manifest"})
+    return RobotChoice(equipped(replace(robot, chosen_by=origin), whole), files=(found[1],))
 
 
 class _Search:
@@ -104,161 +85,147 @@ class _Search:
         also_named: tuple[str, ...],
     ) -> None:
         self._controller = controller
-        self._settings = settings
-        self._asked = _Asked.by(controller, also_named)
-        self._prefixes: tuple[Prefix, ...] = ()
-        self._launched = launched_robots(controller, settings, launch, self._asked.strings)
-        self._found = self._in_workspace(self._asked.strings)
-        self._unreadable = self._found.unreadable
+        self._gathering = Gathering(controller, settings, launch, also_named)
+        self._whole = self._gathering.whole
+        self._speeches = self._gathering.speeches
+        self._shipped = self._gathering.shipped
+        asked = names_asked(self._whole.source)
+        self._asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
 
     def run(self) -> RobotChoice:
-        found = self._found
-        if found.robot is not None and found.is_named:
-            return self._of_workspace(found)
-        refused: SeveralRobotsError | None = None
-        try:
-            return self._shipped(self._detected(self._asked, by_parts=True))
-        except NoRobotNamedError:
-            pass
-        except SeveralRobotsError as error:
-            refused = error
-        beside = self._of_siblings() if refused is None else None
-        if beside is not None:
-            return beside
-        if refused is None:
-            try:
-                robot = self._detected(self._asked, by_parts=False)
-            except RobotError:
-                pass
-            else:
-                if self._may_be(robot):
-                    return self._shipped(robot)
-        if found.robot is not None:
-            return self._of_workspace(found)
-        if refused is not None:
-            raise refused
-        if self._unreadable:
-            text = "; ".join(dict.fromkeys(self._unreadable))
-            # Another arm in its place would give figures of a robot that is not there.
-            raise UnreadableRobotError(
-                f"the robot of the workspace cannot be read: {text}"
-                "; put what is missing into the workspace, mend the file, or say with --robot "
-                "which robot it is: a file, a shipped one, or generic for a stand-in"
-            )
-        generic = replace(
-            generic_arm(self._asked.names),
-            chosen_by="a stand-in for the robot, which is not known: name it with --robot",
-        )
-        return self._shipped(self._of_driver() or self._spoken_of() or generic)
+        gathered = self._gathering.gathered()
+        known = (each.key for each in gathered.found.described)
+        ranking = ranked(gathered.evidence, (*known, *_USUAL))
+        choice = self._taken(gathered, ranking)
+        if ranking.best:
+            line = weighed(gathered.evidence, ranking.best)
+            choice = replace(choice, robot=replace(choice.robot, weighed=line))
+        return replace(choice, skipped=gathered.found.skipped, evidence=shown(gathered.evidence))
 
-    def _in_workspace(self, strings: tuple[str, ...]) -> WorkspaceRobot:
-        root = self._controller.root
-        workspace = workspace_of(self._controller, self._settings)
-        self._prefixes = workspace.prefixes
-        described = installed_descriptions(root, workspace, strings)
-        packages = workspace.findable
-        named = named_packages(root, workspace.packages, strings) | described.keys()
-        own = string_literals(self._controller)
-        spoken = Spoken(strings, named, self._launched, self._asked.listed, own)
-        roots = (root, *workspace.packages.values(), *described.values())
-        return find_workspace_robot(
-            roots, packages, spoken, self._controller.path, self._settings.limits
-        )
+    def _taken(self, gathered: Gathered, ranking: Ranking) -> RobotChoice:
+        """Return the robot that the ranking means, with its doubts."""
+        found = gathered.found
+        described = {each.key: each for each in found.described}
+        best = described.get(ranking.best)
+        if best is not None and not self._is_any_arm(best, gathered):
+            return self._of_workspace(best, gathered, ranking)
+        if best is not None:
+            reason = f"{best.key}: no URDF or known robot has its joints"
+            return self._unknown(ranking, (*found.unreadable, reason))
+        if not ranking.best:
+            return self._unknown(ranking, found.unreadable)
+        if found.unreadable and not self._is_that(ranking.best, gathered):
+            return self._unknown(ranking, found.unreadable)
+        robot = self._shipped_robot(ranking.best, gathered)
+        doubts = [*_doubts(ranking, gathered)]
+        if found.unreadable and not (ranking.is_sure and self._names_joints(gathered, ranking)):
+            doubts.append(f"that of the workspace cannot be read: {_listed(found.unreadable)}")
+        return RobotChoice(equipped(_doubted(robot, doubts), self._whole))
 
-    def _detected(self, asked: _Asked, *, by_parts: bool) -> Robot:
-        hints = robot_hints(self._controller)
-        return detect_robot(asked.strings, hints, asked.names.joints, by_parts=by_parts)
+    def _is_that(self, name: str, gathered: Gathered) -> bool:
+        """Return whether a shipped robot may be the one of files that cannot be read.
 
-    def _of_siblings(self) -> RobotChoice | None:
-        """Return the one robot that the programs beside the controller name, `None` for none."""
-        siblings = sibling_programs(self._controller)
-        if not siblings:
-            return None
-        strings = tuple(text for each in siblings for text in string_literals(each))
-        theirs = self._in_workspace((*self._asked.strings, *strings))
-        self._unreadable += theirs.unreadable
-        if theirs.robot is not None and theirs.is_named and not self._names_another(theirs.robot):
-            taken = self._of_workspace(theirs)
-            origin = f"{taken.robot.chosen_by}, as programs beside it do"
-            return replace(taken, robot=replace(taken.robot, chosen_by=origin))
-        found: dict[str, tuple[Robot, str]] = {}
-        others: set[str] = set()
-        for each in siblings:
-            try:
-                robot = detect_robot(string_literals(each), by_parts=True)
-            except SeveralRobotsError as error:
-                others |= set(error.names)
-            except RobotError:
-                continue
-            else:
-                found.setdefault(robot.name, (robot, each.path.name))
-        if len(found) != 1 or (others and not others & found.keys()):
-            return None
-        robot, file = next(iter(found.values()))
-        if self._names_another(robot) or not set(self._asked.names.joints) <= {
-            joint.name for joint in robot.joints
-        }:
-            return None
-        origin = f"{robot.name} is inferred from the names in {file} beside it"
-        return self._shipped(replace(robot, chosen_by=origin, assumes_names=True))
-
-    def _of_driver(self) -> Robot | None:
-        """Return the robot of the one driver whose messages the controller imports."""
-        imported = imported_names(self._asked.whole.source.decode(errors="replace"))
-        drivers = read_drivers(
-            driver_files(self._controller.root, self._settings), self._controller.root
-        )
-        found = {
-            each.robot: each
-            for each in (*shipped_drivers(), *drivers)
-            if each.robot is not None and imported & set(each.packages)
-        }
-        if len(found) != 1:
-            return None
-        ((name, driver),) = found.items()
-        assert name is not None
-        doubt = f"nothing names it but that it is what driver {driver.name} is for"
-        reason = f"{name} is what driver {driver.name} ({driver.file}) is for"
-        return replace(load_robot(name), chosen_by=reason, assumes_names=True, doubt=doubt)
-
-    def _spoken_of(self) -> Robot | None:
-        """Return the shipped robot that comments, launch files or a readme alone speak of."""
-        known = {each.name: each for each in shipped_names()}
-        unasked = {*_ASKED_BEFORE, *(() if self._settings.launch else ("a launch file",))}
-        hints = (each for each in robot_hints(self._controller) if each.what not in unasked)
-        verdict = decide(known, known, hints)
-        if not verdict.reason:
-            return None
-        robot = load_robot(verdict.left[0])
-        names = self._asked.names
-        if not set(names.joints) <= {joint.name for joint in robot.joints}:
-            return None
-        doubt = f"nothing names it but that {verdict.reason}"
-        return replace(robot, chosen_by=verdict.reason, assumes_names=True, doubt=doubt)
-
-    def _names_another(self, robot: Robot) -> bool:
-        """Return whether the controller itself names a robot, and not this one."""
-        known = {each.name: each for each in shipped_names()}
-        hint = next(robot_hints(self._controller))
-        text = "\n".join(hint.texts.values())
-        named = mentioned(text, known)
-        own = mentioned(robot.name, known)
-        return bool(named) and not named & own
-
-    def _may_be(self, robot: Robot) -> bool:
-        """Return whether a robot of which only the name is named may be the one of the workspace.
-
-        Where that cannot be read, it is another one unless the files of it bear the name too.
+        Its joints are named, or these files have its name.
         """
-        known = {each.name: each for each in shipped_names()}
-        unreadable = self._unreadable
-        return not unreadable or any(robot.name in mentioned(each, known) for each in unreadable)
+        own = (one for one in gathered.evidence if one.robot == name)
+        if any(one.kind == "joints" and one.points > DRIVER for one in own):
+            return True
+        return any(name in mentioned(each, self._shipped) for each in gathered.found.unreadable)
 
-    def _shipped(self, robot: Robot) -> RobotChoice:
-        return RobotChoice(equipped(robot, self._asked.whole), self._found.skipped)
+    def _names_joints(self, gathered: Gathered, ranking: Ranking) -> bool:
+        return any(
+            one.robot == ranking.best and one.kind == "joints" and one.points >= DESCRIBED
+            for one in gathered.evidence
+        )
 
-    def _of_workspace(self, found: WorkspaceRobot) -> RobotChoice:
-        assert found.robot is not None
-        reason = f"{found.reason}{installed_in(found.files, self._prefixes)}"
-        robot = equipped(replace(found.robot, chosen_by=reason), self._asked.whole)
-        return RobotChoice(robot, found.skipped, found.files)
+    def _shipped_robot(self, name: str, gathered: Gathered) -> Robot:
+        """Return a shipped robot; it assumes groups where the controller names none of its own.
+
+        Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
+        """
+        robot = load_robot(name)
+        reason = _reason(name, gathered)
+        words = words_in(text for speech in self._speeches for text in speech.strings)
+        if words.isdisjoint(robot.groups):
+            robot = replace(robot, assumes_names=True)
+        if gathered.prefix:
+            robot = with_prefix(robot, gathered.prefix)
+            reason = f"{reason}; its links and joints have the prefix '{gathered.prefix}'"
+        return replace(robot, chosen_by=reason)
+
+    def _is_any_arm(self, found: DescribedRobot, gathered: Gathered) -> bool:
+        """Return whether an SRDF without its URDF only counts its joints, and names no arm."""
+        if found.srdf is None or any(one.robot in found.like for one in gathered.evidence):
+            return False
+        return all(is_number(joint.name) for joint in found.robot.arm_joints)
+
+    def _of_workspace(
+        self, found: DescribedRobot, gathered: Gathered, ranking: Ranking
+    ) -> RobotChoice:
+        robot, reason, doubts = found.robot, found.reason, [*_doubts(ranking, gathered)]
+        own = {speech.file for speech in self._speeches}
+        said = {one.file for one in gathered.evidence if one.robot == found.key and one.points > 0}
+        if said & {speech.file for speech in self._gathering.beside_read} and not said & own:
+            reason = f"{reason}, as programs beside it do"
+        if found.srdf is not None:
+            likeness = [one for one in gathered.evidence if one.robot in found.like]
+            like = ranked(likeness, _USUAL)
+            best = like.best or next((name for name in _USUAL if name in found.like), found.like[0])
+            if best != found.like[0]:
+                robot = shipped_with_srdf(best, found.prefix, found.srdf)
+            reason = f"{reason}, the arm from {best}"
+            if len(found.like) > 1 and (like.rivals or not like.best):
+                others = ", ".join(name for name in found.like if name != best)
+                doubts.append(f"{found.key} has the joints of {others} as well as of {best}")
+        if robot.doubt:
+            doubts.append(robot.doubt)
+        reason = f"{reason}{installed_in(found.files, self._gathering.workspace.prefixes)}"
+        robot = _doubted(replace(robot, chosen_by=reason), doubts)
+        return RobotChoice(equipped(robot, self._whole), files=found.files)
+
+    def _unknown(self, ranking: Ranking, unreadable: Sequence[str]) -> RobotChoice:
+        """Return a generic robot, with what is known of the robot in its place."""
+        reason = "a stand-in for the robot, which is not known: name it with --robot"
+        if unreadable:
+            reason = (
+                f"a stand-in for the robot of the workspace, which cannot be read "
+                f"({_listed(unreadable)}): put what is missing into the workspace, mend the file, "
+                "or name the robot with --robot"
+            )
+            spoken = self._gathering.spoken(self._speeches)
+            return _generic(self._controller, self._whole, spoken, self._asked, reason)
+        if ranking.rivals:
+            reason = f"{reason}; as much speaks for {', '.join(ranking.rivals)}"
+        robot = replace(generic_arm(self._asked), chosen_by=reason)
+        return RobotChoice(equipped(robot, self._whole))
+
+
+def _reason(robot: str, gathered: Gathered) -> str:
+    """Return the strongest of what speaks for a robot: its parts first, then its name."""
+    own = [one for one in gathered.evidence if one.robot == robot and one.points > 0]
+    own.sort(key=lambda one: -one.points)
+    parts = [one for one in own if one.kind != "name"][:1]
+    names = [one for one in own if one.kind == "name"][:1]
+    return "; ".join(f"{one.words} ({one.place})" for one in (*parts, *names))
+
+
+def _doubts(ranking: Ranking, gathered: Gathered) -> Iterator[str]:
+    """Yield why the robot of a ranking is an assumption."""
+    keys = {each.key for each in gathered.found.described}
+    if ranking.rivals:
+        others = ", ".join(ranking.rivals[:_MOST_SHOWN])
+        where = " in the workspace" if keys.issuperset(ranking.rivals) else ""
+        yield f"{others}{where} would fit as well; name it with --robot"
+    elif not ranking.is_sure:
+        yield f"nothing names it but that {_reason(ranking.best, gathered)}"
+
+
+def _doubted(robot: Robot, doubts: Sequence[str]) -> Robot:
+    known = tuple(dict.fromkeys(doubts))
+    if not known:
+        return robot
+    return replace(robot, doubt="; ".join(known), assumes_names=True)
+
+
+def _listed(reasons: Sequence[str]) -> str:
+    return "; ".join(dict.fromkeys(reasons))

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.errors import Location
-from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
@@ -25,8 +24,6 @@ from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.needs_in_source import may_lack
 from tracerisk.sandbox.fork_server import several_come
 from tracerisk.trace import DRAFTED, MISSION_MISSED, Reason, Trace
-from tracerisk.twin.robots.detect import SeveralRobotsError
-from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries
@@ -74,17 +71,8 @@ def trace_with_draft(
             kept,
         )
 
-    try:
-        noted = replace(options, drafts=drafts, on_run=runs.append)
-        trace = trace_attempts(controller, settings, noted, kept)
-    except (SeveralRobotsError, UnreadableRobotError) as error:
-        found = None
-        if settings.draft and may_be_assumed(controller, error):
-            search = rounds()
-            found = _found(controller, search, replace(search.best, error=error), keep)
-        if found is None:
-            raise
-        return found
+    noted = replace(options, drafts=drafts, on_run=runs.append)
+    trace = trace_attempts(controller, settings, noted, kept)
     if not settings.draft or not _may_need_draft(controller, settings, trace, runs):
         return trace
     search = rounds()

@@ -7,14 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.robot.guess import RobotGuess
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.command_lines import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.drafted_pictures import PICTURES
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
-from tracerisk.ros.scenario.marks import MARK
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 
@@ -31,19 +29,16 @@ class Entries:
 
     drafts: dict[EntryKey, Draft] = field(default_factory=dict)
     repeats: dict[EntryKey, int] = field(default_factory=dict)
-    robot: RobotGuess | None = None
     arguments: CommandLine | None = None
 
     def copy(self) -> Entries:
         """Return entries that can be changed apart from these."""
-        return Entries(dict(self.drafts), dict(self.repeats), self.robot, self.arguments)
+        return Entries(dict(self.drafts), dict(self.repeats), self.arguments)
 
     @property
     def sections(self) -> Mapping[str, list[str]]:
         """The lines of each section of the scenario."""
         sections: dict[str, list[str]] = {}
-        if self.robot is not None:
-            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.remark}"]
         if self.arguments is not None:
             sections["arguments"] = word_lines(self.arguments.words, self.arguments.remark)
         for key, draft in self.drafts.items():
@@ -103,7 +98,6 @@ class ScenarioDraft:
     given: tuple[Draft, ...]
     missing: tuple[Draft, ...]
     cut: str = ""
-    robot: RobotGuess | None = None
     arguments: CommandLine | None = None
     trace: Trace | None = None
     error: TraceRiskError | None = None

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError, ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
-from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.companions.find import find_companions
@@ -301,7 +300,6 @@ class Rounds:
             given,
             missing,
             self.cut,
-            entries.robot,
             entries.arguments,
             best.trace,
             best.error,
@@ -332,9 +330,7 @@ class Rounds:
             settings = replace(
                 self._settings,
                 scenario=str(path),
-                robot=self._settings.robot
-                or self._known.robot
-                or (None if entries.robot is None else entries.robot.name),
+                robot=self._settings.robot or self._known.robot,
                 wall_limit_s=max(wall_s, _LEAST_WALL_S),
                 cpu_limit_s=min(
                     self._settings.cpu_limit_s, max(self._own_s - self._used_s, _LEAST_CPU_S)
@@ -366,9 +362,6 @@ class Rounds:
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
         error, entries = attempt.error, attempt.entries.copy()
-        if entries.robot is None and (guess := guessed_robot(error)) is not None:
-            entries.robot = guess
-            return entries
         if isinstance(error, ScenarioError | DriverError) and error.location is not None:
             key = self.entry_at(entries, error.location.line or 0)
             if key is None:

@@ -231,6 +231,8 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
     lines = []
     if settings.robot is None:
         lines.append(f"robot: {robot.name}, {robot.chosen_by}")
+        if robot.weighed:
+            lines.append(f"robot: {robot.weighed}")
     if settings.scene is None:
         lines.append(f"scene: {ran.scene}, the default of the robot")
     distro = recording.note(DISTRO)

@@ -15,10 +15,11 @@ from tracerisk.instrument.marks.call_log import CALLS, Calls
 from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
+from tracerisk.pipeline.robot.elsewhere import not_blamed
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.grasp_place import grasp_place
 from tracerisk.pipeline.trace.gripper_faults import closed_on_nothing, empty_grasps
-from tracerisk.pipeline.trace.judge import judge
+from tracerisk.pipeline.trace.judge import judge, with_acceptances
 from tracerisk.pipeline.trace.recorded_run import (
     Grip,
     IssuedCommand,
@@ -138,7 +139,10 @@ def run_verdict(
         for each in empty_grasps(commands, has_objects=run.has_objects)
         if not each.intended
     )
-    return judge(run, accepted), noted[:1]
+    verdict = judge(run, accepted)
+    if settings.robot is None:
+        verdict = with_acceptances(not_blamed(verdict, ran.robot, controller), accepted)
+    return verdict, noted[:1]
 
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:

@@ -35,6 +35,27 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
     return tuple(found)
 
 
+def imported_directly(controller: Controller) -> frozenset[Path]:
+    """Return the modules of the project that the script itself names in its imports.
+
+    The packages that they are in, which Python runs before them, are none unless they are named.
+    """
+    script = controller.path.resolve()
+    bases = _bases(controller)
+    own = frozenset(own_modules(controller))
+    named: set[Path] = set()
+    for level, parts in imports_in(parsed(controller.source)):
+        above = tuple(script.parents)[:level]
+        files = list(module_files(parts, above[-1:] if level else bases))
+        if not files:
+            continue
+        last = files[-1]
+        name = parts[-1] if parts else ""
+        if last in own and name in (last.stem, last.parent.name):
+            named.add(last)
+    return frozenset(named)
+
+
 def with_own_modules(controller: Controller) -> Controller:
     """Return the controller with the sources of its own modules behind that of its script.
 

@@ -13,6 +13,7 @@ from tracerisk.geometry.frames import rotation
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.prefix import prefix_in, with_prefix
 from tracerisk.twin.robots.robot import Joint, Robot, load_robot
+from tracerisk.twin.robots.robot_names import is_number
 from tracerisk.twin.robots.sensors import sensors_like
 
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common
@@ -22,10 +23,13 @@ _NEAR_LENGTH, _NEAR_RANGE = 0.01, 0.1  # [m], [rad]: within these two arms are o
 _SAME = 1e-6  # lengths of two shipped arms that differ by less are one [m]
 
 
-def shipped_like(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the shipped robots that have the greatest share of their joints among the names."""
-    shares = _shares(names)
-    return tuple(name for name in shares if shares[name] == max(shares.values()))
+def shipped_like(names: Iterable[str]) -> tuple[tuple[str, ...], str]:
+    """Return the shipped robots with the greatest share of their joints among the names.
+
+    The other value is what is before all of these joints; empty for nothing.
+    """
+    shares, prefix = _prefixed_shares(tuple(names))
+    return tuple(name for name in shares if shares[name] == max(shares.values())), prefix
 
 
 def _shares(names: Iterable[str]) -> dict[str, float]:
@@ -38,17 +42,20 @@ def _shares(names: Iterable[str]) -> dict[str, float]:
     return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
 
 
+def _prefixed_shares(given: Sequence[str]) -> tuple[dict[str, float], str]:
+    shares = _shares(given)
+    # Behind a prefix, numbers are no arm's own names.
+    named = (each for each in shipped_names() if not all(map(is_number, each.arm_joints)))
+    prefix = "" if shares else prefix_in(given, named)
+    return (_shares(name.removeprefix(prefix) for name in given) if prefix else shares), prefix
+
+
 def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
     """Yield the shipped robots with most of their joints among the names, the best ones first.
 
     Where that is none, one whose joints are all there with a prefix is yielded with it.
     """
-    given = tuple(names)
-    prefix = ""
-    shares = _shares(given)
-    if not shares:
-        prefix = prefix_in(given, shipped_names())
-        shares = _shares(name.removeprefix(prefix) for name in given) if prefix else {}
+    shares, prefix = _prefixed_shares(tuple(names))
     for name in sorted(shares, key=lambda each: (-shares[each], each)):
         yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
 

@@ -10,11 +10,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_names import words_in
 
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
-_FEWEST_JOINTS = 3  # that a controller lists, for them to speak against a robot without them
 _IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
 # What so many robots call a part of theirs says nothing about which one it is.
 SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
@@ -72,9 +70,14 @@ class Spoken:
         """The strings and their parts."""
         return words_in(self.strings)
 
+    @cached_property
+    def own_words(self) -> frozenset[str]:
+        """The strings of the controller itself, and their parts."""
+        return words_in(self.own_strings)
+
     def asks_for(self, variants: Set[str]) -> bool:
         """Return whether the controller itself, and not only a library, has one of the words."""
-        return bool(variants & words_in(self.own_strings))
+        return bool(variants & self.own_words)
 
     def among(self, names: Set[str]) -> Set[str]:
         """Return those of the names that the controller names, also as a stem before a number."""
@@ -93,19 +96,6 @@ class Spoken:
         """Return those of the names that the controller names as they are."""
         return (set(names) & self.words) - SAYS_NOTHING
 
-    def parts_of(self, robot: Robot) -> Set[str]:
-        """Return the parts of a robot, or its name, that the controller names.
-
-        Groups of a robot that has none of its own are names that anybody gave it.
-        """
-        parts = {joint.name for joint in robot.joints} | {robot.name, *robot.link_names}
-        for group, states in robot.named_states.items():
-            parts |= {group, *states}
-        groups = set(robot.groups)
-        return self.exactly(parts - groups if robot.assumes_names else parts | groups)
-
-    def speaks_against(self, robot: Robot) -> bool:
-        """Return whether the controller lists joints, and the robot has none of them."""
-        if len(self.joints) < _FEWEST_JOINTS:
-            return False
-        return not self.among({joint.name for joint in robot.joints})
+    def exactly_own(self, names: Iterable[str]) -> Set[str]:
+        """Return those of the names that the controller itself names as they are."""
+        return (set(names) & self.own_words) - SAYS_NOTHING

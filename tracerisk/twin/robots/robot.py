@@ -235,6 +235,7 @@ class Robot:
     empty where it is not known.
     `following` is how its driver follows a stream of set-points.
     `assumed_figures` are sentences on what is another robot's, or left out.
+    `weighed` is what spoke for it and for others, in one line; empty where nothing was weighed.
     `masses` is how far public sources of the masses differ, `None` where one alone is known.
     """
 
@@ -266,6 +267,7 @@ class Robot:
     effort_unit: str = ""
     following: Following = Following()
     assumed_figures: tuple[str, ...] = ()
+    weighed: str = field(default="", compare=False)
     masses: Masses | None = None
 
     @property

@@ -1,4 +1,4 @@
-"""Which robots a text names, as words of their own, and which evidence decides between several.
+"""Which robots a text names, as words of their own.
 
 A name that any robot's part may have identifies none: `is_plain`.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from tracerisk.twin.robots.index import RobotNames
 
@@ -15,6 +15,8 @@ EVERYDAY = frozenset({"fetch"})
 """Robots whose bare name is a word of everyday English: only their longer names are mentions."""
 
 _APART = "\x00"
+# Behind a robot's name these make another model's: `gen3_lite` is no `gen3`.
+_MODELS = frozenset({"lite", "mini", "nano", "micro", "pro", "xl", "ii", "iii", "mk2", "junior"})
 
 _PLAIN = frozenset({
     "action", "actuator", "angle", "arm", "arms", "axis", "bar", "base", "body", "both",
@@ -35,43 +37,33 @@ _NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """Texts of one weight that may name the robot, by the file or folder they are from.
-
-    `what` says in a message what they are: `its comments`. `is_telling` says that a name in them
-    is the controller's own robot even where nothing else speaks for it.
-    """
+    """Texts of one weight that may name the robot."""
 
     what: str
+    """What they are, for messages: `its comments`."""
     texts: Mapping[str, str]
-    is_telling: bool = False
-
-
-@dataclass(slots=True)
-class Verdict:
-    """What the hints came to: the robots still in question, and how one was singled out.
-
-    `said` are the mentions that left several in question, heaviest first.
-    """
-
-    left: tuple[str, ...]
-    reason: str = ""
-    said: list[str] = field(default_factory=list)
+    """Each text by the file or folder that it is from."""
+    has_lines: bool = False
+    """Whether they are whole files, with their lines."""
 
 
 def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     """Return the names of the robots that a text names, by their name or an alias.
 
     A name is a word of its own: `ur5e` is no mention of `ur5`; `ur5_moveit_config`, `UR5Node`,
-    `UR-5` and `ur 5` are. What is part of a longer name of another robot is none.
+    `UR-5` and `ur 5` are. What is part of a longer name of another robot is none, and `gen3_pro`
+    is none of `gen3`.
     """
     text = _plain(text)
     found: set[str] = set()
     for phrase, names in _phrases(robots):
         wanted = f" {phrase} "
         # What was read is not read again as a shorter name; neighbours share a blank.
-        while wanted in text:
-            found |= names
-            text = text.replace(wanted, f" {_APART} ")
+        while (at := text.find(wanted)) >= 0:
+            rest = text[at + len(wanted) :]
+            if rest.partition(" ")[0] not in _MODELS:
+                found |= names
+            text = f"{text[:at]} {_APART} {rest}"
     return frozenset(found)
 
 
@@ -82,33 +74,6 @@ def words_in(strings: Iterable[str]) -> frozenset[str]:
         words.add(string)
         words.update(part for part in re.split(r"[/\s,;:.]+", string) if part)
     return frozenset(words)
-
-
-def decide(
-    candidates: Iterable[str], robots: Mapping[str, RobotNames], hints: Iterable[Hint]
-) -> Verdict:
-    """Return which of several robots the hints single out, the heaviest hint first.
-
-    Of texts of one weight those count that name one candidate alone, and these must agree: a list
-    of a maker's variants says nothing. A mention of several narrows the question to these.
-    """
-    verdict = Verdict(tuple(candidates))
-    for hint in hints:
-        of = {name: robots[name] for name in verdict.left}
-        # Longer names of robots out of question are no mention of those in question.
-        named = {place: mentioned(text, robots) & of.keys() for place, text in hint.texts.items()}
-        votes = {place: names for place, names in named.items() if len(names) == 1}
-        chosen = frozenset[str]().union(*votes.values())
-        if len(chosen) == 1:
-            (name,) = chosen
-            place = min(votes, key=lambda each: (len(each), each))
-            verdict.left, verdict.reason = (name,), f"{name} is named in {hint.what} ({place})"
-            return verdict
-        several = chosen or frozenset[str]().union(*named.values())
-        if several:
-            verdict.left = tuple(name for name in verdict.left if name in several)
-            verdict.said.append(f"{hint.what}: {', '.join(verdict.left)}")
-    return verdict
 
 
 def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:

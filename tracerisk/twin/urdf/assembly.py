@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from tracerisk.errors import Location
+from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.outline import derived_servo
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
@@ -101,7 +102,7 @@ def assembled_robot(parts: RobotParts) -> Robot:
             groups[gripper.group] = Group(gripper.joints, tree.parent_link(gripper.joints[0]))
     states = _with_states(states_of(srdf, groups, by_name), parts.states, groups, by_name)
     disabled = parts.disabled_collisions | (srdf.disabled_collisions if srdf else frozenset())
-    return Robot(
+    robot = Robot(
         name=parts.name,
         title=f"robot of {parts.file}",
         source=parts.file if srdf is None else f"{parts.file}, {srdf.file}",
@@ -121,6 +122,20 @@ def assembled_robot(parts: RobotParts) -> Robot:
         disabled_collisions=disabled,
         assumed_figures=_stiff(tree, still),
     )
+    return _with_open_hands(robot, {*_at_rest(states), *parts.begins})
+
+
+def _with_open_hands(robot: Robot, placed: Collection[str]) -> Robot:
+    """Return the robot with open grippers, but for those of which the file says where they begin.
+
+    With closed ones, a first approach to a part would strike it.
+    """
+    begun = dict(robot.initial_state)
+    for gripper in robot.grippers:
+        if set(placed).isdisjoint(gripper.joints):
+            opened = gripper_ends(robot, gripper).opened
+            begun.update({name: gripper.sign(name) * opened for name in gripper.joints})
+    return replace(robot, initial_state=MappingProxyType(begun))
 
 
 def _stiff(tree: Tree, still: Collection[str]) -> tuple[str, ...]:
@@ -247,14 +262,21 @@ def _initial(
 ) -> dict[str, float]:
     """Return where the run begins: as the file says, at rest as the SRDF names it, else at zero."""
     initial = {name: min(max(0.0, j.lower), j.upper) for name, j in joints.items()}
-    for group in sorted(states, key=lambda name: (sum(map(len, states[name].values())), name)):
-        for name in _RESTS:
-            if name in states[group]:
-                initial.update(states[group][name])
-                break
+    initial.update(_at_rest(states))
     for name in begins.keys() & joints.keys():
         initial[name] = min(max(begins[name], joints[name].lower), joints[name].upper)
     return initial
+
+
+def _at_rest(states: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, float]:
+    """Return where joints are at rest, as the groups of the SRDF call it."""
+    found: dict[str, float] = {}
+    for group in sorted(states, key=lambda name: (sum(map(len, states[name].values())), name)):
+        for name in _RESTS:
+            if name in states[group]:
+                found.update(states[group][name])
+                break
+    return found
 
 
 # Names under which a file says where the arm rests.

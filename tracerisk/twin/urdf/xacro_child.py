@@ -1,8 +1,9 @@
 """Expand one xacro file, in a process of its own: `python -m tracerisk.twin.urdf.xacro_child`.
 
-On standard input comes JSON: `path`, `packages` (names and folders), `arguments`, and `within`,
-the folders whose files may be read (`null`: any). JSON goes to standard output: the expanded
-`text` and the `files` that were read; or, with the exit code REFUSED, which file was `asked` for
+On standard input comes JSON: `path`, `packages` (names and folders), `arguments`, `within`, the
+folders whose files may be read (`null`: any), and `lacking`, whether packages and arguments may be
+absent. JSON goes to standard output: the expanded `text`, the `files` that were read, and what was
+absent: `packages` and `arguments`; or, with the exit code REFUSED, which file was `asked` for
 outside the folders, and `by` which file. A macro may never end, may print, and may read
 what it names: so the process has limits.
 """
@@ -21,6 +22,12 @@ from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
 
 MOST_CHARACTERS = 16 * 1024**2
 REFUSED = 7
+ABSENT = "/absent-package"
+"""The folder in which absent packages would be."""
+ABSENT_MACRO = "absent_macro"
+"""The element that a call of an absent macro becomes, with its arguments evaluated."""
+MACRO_NAME = "of_macro"
+"""The attribute with the name of the macro."""
 
 
 def main() -> int:
@@ -34,6 +41,9 @@ def main() -> int:
         from xacrodoc import XacroDoc, packages
 
         packages.update_package_cache(asked["packages"])
+        lacking = _Lacking()
+        if asked["lacking"]:
+            lacking.pass_over()
         reading = _Reading(asked["within"])
         mark_start()
         sys.addaudithook(reading.hook)
@@ -55,8 +65,68 @@ def main() -> int:
             {"asked": reading.refused, "by": reading.by, "within": asked["within"]}, sys.stdout
         )
         return REFUSED
-    json.dump({"text": text, "files": reading.files}, sys.stdout)
+    answer = {"text": text, "files": reading.files}
+    answer |= {"packages": [*lacking.packages], "arguments": [*lacking.arguments]}
+    json.dump(answer, sys.stdout)
     return 0
+
+
+class _Lacking:
+    """Lets xacro go on where packages, the macros in them, and arguments are absent."""
+
+    def __init__(self) -> None:
+        self.packages: dict[str, None] = {}
+        self.arguments: dict[str, None] = {}
+
+    def pass_over(self) -> None:
+        """Leave out includes of absent packages, keep calls of absent macros as elements."""
+        from xacrodoc.packages import PackageNotFoundError
+        from xacrodoc.xacrodoc import substitution_args, xacro
+
+        find, files = substitution_args._eval_find, xacro.get_include_files
+        argument, call = substitution_args._eval_arg, xacro.handle_macro_call
+
+        def found(package: str) -> Any:
+            try:
+                return find(package)
+            except PackageNotFoundError:
+                self.packages.setdefault(package)
+                return f"{ABSENT}/{package}"
+
+        def given(name: str, args: Any) -> Any:
+            try:
+                return argument(name, args)
+            except substitution_args.ArgException:
+                self.arguments.setdefault(name)
+                return ""
+
+        def included(name: str, symbols: Any) -> Any:
+            return (each for each in files(name, symbols) if not each.startswith(f"{ABSENT}/"))
+
+        def called(node: Any, macros: Any, symbols: Any) -> Any:
+            name = node.tagName.removeprefix("xacro:")
+            is_known = not node.tagName.startswith("xacro:") or name == "call"
+            if not is_known:
+                try:
+                    xacro.resolve_macro(name, macros, symbols)
+                except KeyError:
+                    pass
+                else:
+                    is_known = True
+            if is_known or not self.packages:
+                return call(node, macros, symbols)
+            node.nodeName = node.tagName = ABSENT_MACRO
+            for key, value in list(node.attributes.items()):
+                try:
+                    node.setAttribute(key, str(xacro.eval_text(value, symbols)))
+                except (xacro.XacroException, NameError):
+                    node.setAttribute(key, "")  # a file of the package, say
+            node.setAttribute(MACRO_NAME, name)
+            xacro.eval_all(node, macros, symbols)
+            return True
+
+        substitution_args._eval_find, xacro.get_include_files = found, included
+        substitution_args._eval_arg, xacro.handle_macro_call = given, called
 
 
 class _Reading:

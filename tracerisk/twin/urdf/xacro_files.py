@@ -18,15 +18,26 @@ from tracerisk.sandbox.ros_prefix import readable_folders
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
 _LONGEST_REASON = 200
+_ABSENT_ARGUMENT = re.compile(r"Undefined substitution argument (\w+)")
 _ABSENT_PACKAGE = re.compile(r"Package not found: ([\w.-]+)")
 
 
 @dataclass(frozen=True, slots=True)
 class Expanded:
-    """The XML that a xacro file expands to, and the files that were read for it."""
+    """What a xacro file expands to."""
 
     text: bytes
+    """The XML."""
     files: tuple[Path, ...]
+    """The files that were read for it."""
+    packages: tuple[str, ...] = ()
+    """The packages that were absent."""
+    arguments: tuple[str, ...] = ()
+    """The arguments that nothing gave, and that were taken for empty."""
+
+
+class LackingError(RobotError):
+    """A xacro file needs a package or an argument that is absent."""
 
 
 def expand_xacro(
@@ -54,11 +65,14 @@ def expanded_xacro(
     within: Sequence[Path] | None = None,
     shown: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
+    may_lack: bool = False,
 ) -> Expanded:
     """Return what a xacro file expands to; `within` are the folders whose files it may read.
 
-    Raises RobotError and LimitError as `expand_xacro` does, RobotError at a file outside the
-    folders.
+    `may_lack`: files of absent packages are left out, calls of their macros stay as elements
+    `ABSENT_MACRO`, and arguments that nothing gives are empty.
+    Raises LackingError where something of the kind is absent and must not be; RobotError and
+    LimitError as `expand_xacro` does, RobotError at a file outside the folders.
     """
     file = shown if shown is not None else str(path)
     asked = {
@@ -66,6 +80,7 @@ def expanded_xacro(
         "packages": {name: str(folder) for name, folder in packages.items()},
         "arguments": dict(arguments or {}),
         "within": None if within is None else [str(folder.resolve()) for folder in within],
+        "lacking": may_lack,
     }
     folders = readable_folders(packages.values())
     around = [path.parent, controller_root(path), *folders, *(within or ())]
@@ -81,20 +96,29 @@ def expanded_xacro(
         raise _refusal(json.loads(done.stdout), file, path)
     if done.returncode != 0:
         reason = last_words(done)
-        absent = _ABSENT_PACKAGE.search(reason)
+        said = done.stderr.decode(errors="replace")
+        absent = _ABSENT_PACKAGE.search(said)
         if absent is not None:
-            raise RobotError(
+            raise LackingError(
                 f"xacro cannot expand it: package '{absent[1]}' is neither in the workspace nor "
                 "installed; put it there, or source the ROS that has it",
+                Location(file),
+            )
+        argument = _ABSENT_ARGUMENT.search(said)
+        if argument is not None:
+            raise LackingError(
+                f"xacro cannot expand it: nothing gives its argument {argument[1]}; give it in "
+                "the launch file that loads it",
                 Location(file),
             )
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))
     try:
         answer = json.loads(done.stdout)
         text, files = answer["text"].encode(), [str(each) for each in answer["files"]]
+        lacked = tuple(tuple(map(str, answer[key])) for key in ("packages", "arguments"))
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise RobotError("xacro gave no document; its macros may print", Location(file)) from error
-    return Expanded(text, regular_within(files, around))
+    return Expanded(text, regular_within(files, around), *lacked)
 
 
 def _refusal(answer: Mapping[str, Any], shown: str, path: Path) -> RobotError:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from tracerisk.errors import RobotError
 from tracerisk.limits import Limits
 from tracerisk.twin.robots.names_in_source import LaunchedDescription
-from tracerisk.twin.urdf.xacro_files import Expanded, expanded_xacro
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.urdf.xacro_files import Expanded, LackingError, expanded_xacro
+from tracerisk.twin.workspace.absent_macros import Completed, with_shipped_robots
 from tracerisk.twin.workspace.description_files import DescriptionFile
 
 _MOST_EXPANDED = 12  # xacro files a controller; each costs up to a second
 _MOST_TRIED = 40  # with those that cannot be expanded: parts of others, which end soon
 _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
+_MOVES = re.compile(rb"<joint\b[^>]*type=[\"'](?:revolute|continuous|prismatic)")
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
 
 
@@ -30,6 +34,7 @@ class DescriptionTexts:
     _limits: Limits
     _expanded: dict[_Key, Expanded | RobotError] = field(default_factory=dict)
     _read_for: dict[Path, tuple[Path, ...]] = field(default_factory=dict)
+    _completed: dict[Path, Completed] = field(default_factory=dict)
 
     def of(self, file: DescriptionFile, arguments: Mapping[str, str] | None = None) -> bytes:
         """Return the XML of a file; `arguments` are for xacro where no launch file gives any.
@@ -63,16 +68,56 @@ class DescriptionTexts:
         """Return the files that were read for one, none where it was not expanded."""
         return self._read_for.get(file.path, ())
 
+    def completed(self, robot: Robot, file: DescriptionFile) -> Robot:
+        """Return the robot of a file with what was assumed to read it."""
+        done = self._completed.get(file.path)
+        if done is None:
+            return robot
+        return replace(
+            robot,
+            assumed_figures=(*robot.assumed_figures, *done.notes),
+            doubt="; ".join(each for each in (robot.doubt, *done.doubts) if each),
+        )
+
     def _expand_named(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
         try:
             return self._expand(file, given)
-        except RobotError as error:
-            # What the robot is called is no matter of which robot it is.
-            if not error.message.endswith(f" {_ROBOTS_NAME}"):
-                raise
-            return self._expand(file, {**given, _ROBOTS_NAME: file.stem})
+        except LackingError as error:
+            # What a launch file gives for another file is given here too; what the robot is
+            # called is no matter of which robot it is.
+            elsewhere = {
+                name: value for each in self._launched.values() for name, value in each.arguments
+            }
+            known = {_ROBOTS_NAME: file.stem, **elsewhere, **given}
+            found = self._expand(file, known, may_lack=True)
+            is_whole = not found.packages and not found.arguments
+            return found if is_whole else self._completed_of(file, found, error)
 
-    def _expand(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
+    def _completed_of(
+        self, file: DescriptionFile, found: Expanded, error: LackingError
+    ) -> Expanded:
+        """Return the file with shipped robots for what is absent.
+
+        Raises `error` where no joint of an arm is left.
+        """
+        done = with_shipped_robots(found.text, found.packages)
+        if not _MOVES.search(done.text):
+            raise error
+        if found.arguments:
+            empty = ", ".join(found.arguments)
+            doubt = f"no launch file gives {file.shown} the arguments {empty}: they are left empty"
+            done = replace(done, doubts=(*done.doubts, doubt))
+        self._completed[file.path] = done
+        return replace(found, text=done.text)
+
+    def _expand(
+        self, file: DescriptionFile, given: Mapping[str, str], *, may_lack: bool = False
+    ) -> Expanded:
         return expanded_xacro(
-            file.path, self._packages, arguments=given, shown=file.shown, limits=self._limits
+            file.path,
+            self._packages,
+            arguments=given,
+            shown=file.shown,
+            limits=self._limits,
+            may_lack=may_lack,
         )

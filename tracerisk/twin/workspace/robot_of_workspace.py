@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.errors import RobotError, TraceRiskError
 from tracerisk.limits import DEFAULT_LIMITS, Limits
-from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.generic import is_finger_name
 from tracerisk.twin.robots.known_arms import (
     completed_as_ours,
     is_variant,
@@ -23,12 +23,12 @@ from tracerisk.twin.robots.names_in_source import (
     words_shared,
 )
 from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
-from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.robot_names import Hint, decide
+from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.urdf.moveit_package import PACKAGE_FILES, changed_as_beside
 from tracerisk.twin.urdf.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf.tree import NoWholeRobotError
 from tracerisk.twin.urdf.urdf import read_urdf
+from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
 from tracerisk.twin.workspace.description_files import (
     DescriptionFile,
     description_files,
@@ -41,7 +41,7 @@ from tracerisk.twin.workspace.srdf_pairing import (
     has_parts_of,
     needed_packages,
     setup_assistant,
-    with_srdf,
+    shipped_with_srdf,
 )
 
 _TESTS = frozenset({"test", "tests"})
@@ -49,57 +49,42 @@ _RANKS = {"controller": 0, "package": 1, "named": 2}
 _UNNAMED = 3  # the rank of a file that no launch file near the controller names
 
 
-class UnreadableRobotError(RobotError):
-    """The robot of the workspace is in a file that cannot be read."""
-
-
-@dataclass(frozen=True, slots=True)
-class WorkspaceRobot:
-    """What was found in a workspace: the robot and why it was taken, or `None`.
-
-    `is_named` says that the controller names a part of it, or the robot itself, or that a launch
-    file starts both. `skipped` are files that were looked at and not taken, each with its reason;
-    `unreadable` those of them that the controller means and that cannot be read; `files` are those
-    that the robot was read from.
-    """
-
-    robot: Robot | None
-    reason: str
-    skipped: tuple[str, ...] = ()
-    is_named: bool = False
-    files: tuple[Path, ...] = ()
-    unreadable: tuple[str, ...] = ()
-
-
 @dataclass(frozen=True, slots=True)
 class _Taken:
-    """A robot that was read: `files` are an SRDF, if there is one, and a URDF.
-
-    `left_out` is what stands before its joints, and not where the controller names them.
-    """
+    """A robot that was read."""
 
     robot: Robot
+    """The robot."""
     reason: str
+    """The files, and what names them, for messages."""
     files: tuple[DescriptionFile, ...]
+    """An SRDF, if there is one, and a URDF."""
     left_out: str = ""
+    """What is before its joints, and not where the controller names them."""
+    is_only: bool = False
+    """Whether there is no other of its kind."""
+    srdf: Srdf | None = None
+    """The SRDF, where there is no URDF."""
+    like: tuple[str, ...] = ()
+    """The shipped robots with its joints."""
+    prefix: str = ""
+    """What it has before the names of these joints."""
 
 
-def find_workspace_robot(
+def find_workspace_robots(
     roots: Iterable[Path],
     packages: Mapping[str, Path],
     spoken: Spoken,
     script: Path,
     limits: Limits = DEFAULT_LIMITS,
-) -> WorkspaceRobot:
-    """Return the robot of the SRDF, URDF and xacro files below the roots.
+) -> WorkspaceRobots:
+    """Return the robots of the SRDF, URDF and xacro files below the roots that may be meant.
 
-    `packages` are the ROS packages that xacro files may find. Of several robots the one is taken
-    that the launch file describes which starts the controller, then the one of whose groups, their
-    states and its joints, as they are called when macros are expanded, the controller names most,
-    then the one of another launch file of its package, then that in a package that is named, then
-    the one that is nearest to the script. A robot of which the controller names nothing is taken
-    only if it is the only one, or a launch file describes it; one of tests is not, unless the
-    script is of them too.
+    `packages` are the ROS packages that xacro files may find. Reading a file may cost a second, so
+    files are looked at in the order of what their texts show: first the one that the controller's
+    launch file describes, then the one that the controller names exactly, then the one of whose
+    groups, states and joints it names most, then by other launch files and by how near they are.
+    A robot of tests is not looked at, unless the script is of them too.
     Raises LimitError where a xacro file takes too long or too much memory: which robot is taken
     must not depend on that.
     """
@@ -135,40 +120,45 @@ class _Search:
         self._included = frozenset[str]().union(*(file.included for file in self._files))
         self._urdf_files = [file for file in self._files if file.is_robot and not file.is_srdf]
 
-    def run(self) -> WorkspaceRobot:
-        found = self._from_srdf()
-        if found is None or self._spoken.speaks_against(found.robot):
-            other = self._from_urdf()
-            if found is not None and (other is None or self._spoken.speaks_against(other.robot)):
-                listed = ", ".join(self._spoken.joints[:4])
-                self._skipped.append(
-                    f"{found.files[0].shown}: the robot has none of the joints that the "
-                    f"controller names ({listed}, ...)"
-                )
-            else:
-                found = other
-            if found is not None and self._spoken.speaks_against(found.robot):
-                found = None
+    def run(self) -> WorkspaceRobots:
+        found = [each for each in (self._from_srdf(),) if each is not None]
+        if not found or self._lacks_joints(found[0].robot):
+            found += [each for each in (self._from_urdf(),) if each is not None]
         for each in self._spoken.described:
             if each.problem and each.by == "controller":
                 self._unreadable.append(f"{each.file}: {each.problem}")
-        if found is not None:
-            return self._result(found)
-        why = "no URDF or SRDF stands in the workspace"
-        if self._files:
-            why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
-        unreadable = tuple(dict.fromkeys(self._unreadable))
-        return WorkspaceRobot(None, why, tuple(self._skipped), unreadable=unreadable)
+        described = tuple(map(self._described, found))
+        return WorkspaceRobots(
+            described, tuple(self._skipped), tuple(dict.fromkeys(self._unreadable))
+        )
 
-    def _result(self, found: _Taken) -> WorkspaceRobot:
+    def _lacks_joints(self, robot: Robot) -> bool:
+        """Return whether the controller lists joints of an arm that a robot has not."""
+        listed = {name for name in self._spoken.joints if not is_finger_name(name)}
+        return not listed <= {joint.name for joint in robot.joints}
+
+    def _described(self, found: _Taken) -> DescribedRobot:
         robot = found.robot
-        starts = [self._launched_as(file) == 0 for file in found.files]
-        is_named = any(starts) or bool(self._spoken.parts_of(robot))
         files = [path for file in found.files for path in self._texts.read_for(file)]
         read = tuple(dict.fromkeys([*(file.path for file in found.files), *files]))
         if found.files[0].is_srdf:
             robot, read = self._limited(robot, found.files[0], read)
-        return WorkspaceRobot(robot, found.reason, tuple(self._skipped), is_named, read)
+        near = min(found.files, key=self._launched_as)
+        launched = self._launched.get(near.path)
+        return DescribedRobot(
+            robot=robot,
+            reason=found.reason,
+            key=found.files[0].shown,
+            files=read,
+            launched_by=None if launched is None else launched.by,
+            launch_file="" if launched is None else launched.file,
+            is_near=any(map(self._is_in_named, found.files)),
+            is_called=any(map(self._is_named, found.files)),
+            is_only=found.is_only,
+            srdf=found.srdf,
+            like=found.like,
+            prefix=found.prefix,
+        )
 
     def _limited(
         self, robot: Robot, srdf: DescriptionFile, read: tuple[Path, ...]
@@ -203,24 +193,23 @@ class _Search:
                 self._skipped.append(f"{file.shown}: the controller names nothing of it")
                 continue
             why = f"names {', '.join(speaks[:4])}" if speaks else "it is the only one"
+            is_only = only and not self._is_of_tests(file)
             if starts and not speaks:
                 why = f"by {self._launched[file.path].file}"
             found = self._urdf_for(file, srdf)
             if found is not None:
                 robot, urdf = found
                 origin = f"{file.shown} with {urdf.shown} in the workspace ({why})"
-                return _Taken(robot, origin, (file, urdf))
-            like = shipped_like(srdf.words)
-            if len(like) > 1:
-                like = self._named_of(like, file, srdf)
-            if len(like) == 1:
-                completed = with_srdf(load_robot(like[0]), srdf)
-                origin = f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
-                return _Taken(completed, origin, (file,))
-            origin = f"several known robots have its joints: {', '.join(like)}"
-            if not like:
-                origin = "no URDF or known robot has its joints"
-            self._skip(file, f"{origin}{self._absent(file)}", is_meant=bool(speaks) or starts)
+                return _Taken(robot, origin, (file, urdf), is_only=is_only)
+            like, prefix = shipped_like(srdf.words)
+            if like:
+                origin = f"{file.shown} in the workspace ({why})"
+                robot = shipped_with_srdf(like[0], prefix, srdf)
+                return _Taken(
+                    robot, origin, (file,), is_only=is_only, srdf=srdf, like=like, prefix=prefix
+                )
+            origin = f"no URDF or known robot has its joints{self._absent(file)}"
+            self._skip(file, origin, is_meant=bool(speaks) or starts)
         return None
 
     def _absent(self, srdf: DescriptionFile) -> str:
@@ -230,15 +219,6 @@ class _Search:
             absent = f"package '{noted.package}', which describes them"
             return f"; {absent}, is neither in the workspace nor installed"
         return ""
-
-    def _named_of(self, names: Sequence[str], file: DescriptionFile, srdf: Srdf) -> tuple[str, ...]:
-        """Return those of several robots that the SRDF or its path names, else the controller."""
-        said = " ".join((self._script.stem, *sorted(self._spoken.words)))
-        hints = (
-            Hint("the SRDF", {file.shown: f"{srdf.name} {file.shown}"}),
-            Hint("its source", {self._script.name: said}),
-        )
-        return decide(names, {each.name: each for each in shipped_names()}, hints).left
 
     def _urdf_for(self, file: DescriptionFile, srdf: Srdf) -> tuple[Robot, DescriptionFile] | None:
         noted = setup_assistant(file.path)
@@ -267,12 +247,12 @@ class _Search:
                 self._skip(urdf, error.message, is_meant=self._launched_as(urdf) == 0)
                 continue
             if has_parts_of(robot, srdf):
-                return completed_as_ours(robot), urdf
+                return self._texts.completed(completed_as_ours(robot), urdf), urdf
         return None
 
     def _from_urdf(self) -> _Taken | None:
         names_of = {file.robot_name for file in self._urdf_files if not self._is_of_tests(file)}
-        best: tuple[tuple[bool, int, int], _Taken] | None = None
+        best: tuple[tuple[bool, int, int, bool, int], _Taken] | None = None
         for file in sorted(self._urdf_files, key=self._rank):
             starts = self._launched_as(file) == 0
             only = len(names_of) == 1 and not self._is_of_tests(file)
@@ -299,25 +279,27 @@ class _Search:
             speaks = of_joints | self._spoken.among(set(robot.link_names))
             if not speaks and not only and not starts and not self._is_named(file):
                 continue
-            weight = (starts, len(of_joints), len(speaks))
+            own = len(self._spoken.exactly_own(named))
+            weight = (starts, own, len(of_joints), self._is_named(file), len(speaks))
             if best is None or weight > best[0]:
                 why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
                 if starts and not speaks:
                     why = f"by {self._launched[file.path].file}"
-                best = weight, _Taken(robot, f"{why}{prefixed}", (file,), left_out)
+                best = weight, _Taken(robot, f"{why}{prefixed}", (file,), left_out, only)
             is_whole = {one.name.removeprefix(left_out) for one in robot.arm_joints} <= of_joints
             if is_whole and of_joints >= self._spoken.exactly(self._spoken.joints):
                 break
         if best is None:
             return None
         taken = best[1]
-        completed = named_as_ours(completed_as_ours(taken.robot))
+        grouped = named_as_ours(completed_as_ours(taken.robot))
+        completed = self._texts.completed(grouped, taken.files[0])
         if taken.left_out:
             origin = f"the controller names its joints without the prefix '{taken.left_out}'"
-            completed = replace(without_prefix(completed, taken.left_out), doubt=origin)
+            completed = _doubted(without_prefix(completed, taken.left_out), origin)
         elif rivals := [*self._rivals_of(taken)]:
             origin = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
-            completed = replace(completed, doubt=origin)
+            completed = _doubted(completed, origin)
         origin = f"{taken.files[0].shown} in the workspace ({taken.reason})"
         return replace(taken, robot=completed, reason=origin)
 
@@ -377,12 +359,14 @@ class _Search:
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, int, int, int, int, bool, int, bool, int, str]:
+    ) -> tuple[bool, int, int, int, int, int, bool, int, bool, int, str]:
+        own = self._spoken.exactly_own(srdf.words)
         speaks = self._spoken.exactly(srdf.words)
         loud = {group.name for group in srdf.groups} & speaks
         states = {name for group in loud for name in srdf.states.get(group, {})}
         return (
             self._launched_as(file) != 0,
+            -len(own),
             -len(loud),
             -len(states.intersection(self._spoken.strings)),
             -len(speaks),
@@ -394,13 +378,16 @@ class _Search:
             file.shown,
         )
 
-    def _rank(self, file: DescriptionFile) -> tuple[int, bool, bool, int, bool, bool, int, str]:
+    def _rank(
+        self, file: DescriptionFile
+    ) -> tuple[bool, bool, int, bool, bool, int, bool, int, str]:
         return (
+            self._launched_as(file) != 0,
+            not self._is_named(file),
             self._launched_as(file),
             not self._is_in_named(file),
             self._is_part(file),
             -len(self._spoken.exactly(file.words)),
-            not self._is_named(file),
             file.path.name.endswith(".xacro"),
             distance(self._script, file.path),
             file.shown,
@@ -410,3 +397,7 @@ class _Search:
         self._skipped.append(f"{file.shown}: {reason}")
         if is_meant and not self._is_of_tests(file):
             self._unreadable.append(self._skipped[-1])
+
+
+def _doubted(robot: Robot, doubt: str) -> Robot:
+    return replace(robot, doubt="; ".join(each for each in (robot.doubt, doubt) if each))

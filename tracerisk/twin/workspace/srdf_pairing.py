@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.urdf.groups import groups_of, states_of
 from tracerisk.twin.urdf.srdf import Srdf
 from tracerisk.twin.urdf.tree import tree_of
@@ -121,6 +122,12 @@ def has_parts_of(robot: Robot, srdf: Srdf) -> bool:
     if names and len(names & has) < _FITS * len(names):
         return False
     return any(group.name in robot.groups for group in srdf.groups)
+
+
+def shipped_with_srdf(name: str, prefix: str, srdf: Srdf) -> Robot:
+    """Return a shipped robot with a prefix before its names, and the groups of an SRDF."""
+    robot = load_robot(name)
+    return with_srdf(with_prefix(robot, prefix) if prefix else robot, srdf)
 
 
 def with_srdf(robot: Robot, srdf: Srdf) -> Robot:

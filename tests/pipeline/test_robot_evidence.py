@@ -1,0 +1,284 @@
+"""What speaks for a robot has points, and the one for which most speaks is taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tracerisk import pipeline
+from tracerisk.config import Settings
+from tracerisk.pipeline.robot.choice import RobotChoice, choose_robot
+from tracerisk.pipeline.robot.evidence import Evidence, ranked, shown
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.robots.robot import load_robot
+
+UR = [
+    "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+    "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
+]  # fmt: skip
+PANDA = [f"panda_joint{number}" for number in range(1, 8)]
+SIX = [f"joint{number}" for number in range(1, 7)]
+
+
+def written(top: Path, files: dict[str, str]) -> Path:
+    """Write a project, and return the first of its files: the controller."""
+    (top / ".git").mkdir(parents=True)
+    for name, text in files.items():
+        path = top / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return top / next(iter(files))
+
+
+def chosen(top: Path, **files: str) -> RobotChoice:
+    named = {name.replace("__", "/").replace("_DOT_", "."): text for name, text in files.items()}
+    return choose_robot(pipeline.load_controller(written(top, named)), Settings())
+
+
+def of_source(top: Path, source: str) -> RobotChoice:
+    return chosen(top, go_DOT_py=source)
+
+
+def points(robot: str, value: float) -> Evidence:
+    return Evidence(robot, "it speaks", "a.py", 1, value)
+
+
+def test_the_sum_decides_and_ties_and_little_evidence_are_told_apart():
+    assert ranked([points("a", 30), points("b", 20), points("b", 20)]).best == "b"
+    assert ranked([points("a", 30), points("a", -40), points("b", 25)]).best == "b"
+    tie = ranked([points("a", 40), points("b", 40)], preferred=["b"])
+    assert (tie.best, tie.rivals, tie.is_sure) == ("b", ("a",), False)
+    weak = ranked([points("a", 10)])
+    assert (weak.best, weak.is_sure) == ("a", False)
+    assert ranked([points("a", 10), points("b", 10)]).best == ""
+    assert ranked([points("a", 1)]).best == ""
+    assert ranked([]).best == ""
+
+
+def test_what_is_shown_says_where_it_is_and_leaves_out_robots_of_which_nothing_is_said():
+    found = shown([points("a", 30), points("b", -50), points("a", -5)])
+    assert [str(one) for one in found] == [
+        "+30.0 for a: it speaks (a.py:1)",
+        "-5.0 for a: it speaks (a.py:1)",
+    ]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        'names = ["panda_arm", "hand"]\n',
+        'name = "panda_joint1"\n',
+        'topic = "/panda_arm_controller/follow_joint_trajectory"\n',
+        'stem = "panda_joint"\n',
+        'text = "moving panda_link8 up"\n',
+        'arm = "franka"\n',
+        'parts = ["panda_", "joint1", "joint2", "joint3"]\n',
+    ],
+)
+def test_the_panda_is_known_by_its_names(tmp_path, source):
+    choice = of_source(tmp_path, source)
+    assert (choice.robot.name, choice.robot.doubt) == ("panda", "")
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "pass\n",
+        'names = ["gripper", "hand"]\n',
+        'names = ["joint", "expanda_arms"]\n',
+        'names = ["base", "manipulator", "tool0"]\n',
+        'names = ["right_arm", "left_arm"]\n',
+        'name = "elbow_joint"\n',
+        'names = ["fetch the cup", "fetch"]\n',
+        f"joints = {SIX}\n",
+        'joints = ["arm_lift", "arm_turn"]\nname = "ur10e"\n',
+    ],
+)
+def test_names_that_any_robot_could_have_say_none(tmp_path, source):
+    choice = of_source(tmp_path, source)
+    assert choice.robot.name == "generic"
+    assert "name it with --robot" in choice.robot.chosen_by
+
+
+@pytest.mark.parametrize("name", ["ur5e", "package://ur5e/meshes", "my-UR5e", "UR 5e"])
+def test_an_exact_name_decides_between_arms_of_the_same_joints(tmp_path, name):
+    choice = of_source(tmp_path, f"JOINTS = {UR}\nname = {name!r}\n")
+    assert (choice.robot.name, choice.robot.doubt) == ("ur5e", "")
+    assert "ur5e is named in its source (go.py)" in choice.robot.chosen_by
+
+
+@pytest.mark.parametrize(
+    ("name", "among"),
+    [("", {"ur3", "ur5e", "ur20"}), ("ur5x sur5", {"ur3"}), ("ur3 or ur5", {"ur3", "ur5"})],
+)
+def test_arms_for_which_as_much_speaks_are_an_open_assumption(tmp_path, name, among):
+    choice = of_source(tmp_path, f"JOINTS = {UR}\nname = {name!r}\n")
+    assert "would fit as well; name it with --robot" in choice.robot.doubt
+    rivals = choice.robot.doubt.partition(" would")[0].split(", ")
+    assert among <= {choice.robot.name, *rivals}
+
+
+def test_what_lies_about_decides_where_as_much_speaks_for_two(tmp_path):
+    source = f'JOINTS = {UR}\nname = "ur3 or ur5"\n'
+    choice = chosen(tmp_path, go_DOT_py=source, README_DOT_md="for the UR5\n")
+    assert choice.robot.name == "ur5"
+
+
+def test_joints_speak_louder_than_a_name(tmp_path):
+    assert of_source(tmp_path, 'names = ["panda_joint1", "ur5e"]\n').robot.name == "panda"
+
+
+def test_the_robot_without_further_joints_is_meant_by_a_whole_list(tmp_path):
+    listed = 'joints = ["waist", "shoulder", "elbow", "wrist_angle"]\n'
+    assert of_source(tmp_path / "a", listed).robot.name == "px100"
+    assert of_source(tmp_path / "b", f'{listed}name = "wx250s"\n').robot.name == "wx250s"
+
+
+def test_numbered_joints_need_a_name(tmp_path):
+    own = of_source(tmp_path / "a", f'joints = {SIX}\nname = "xArm6"\n').robot
+    assert (own.name, own.doubt) == ("xarm6", "")
+    said = chosen(tmp_path / "b", go_DOT_py=f"joints = {SIX}\n", README_DOT_md="the xArm 6\n").robot
+    assert said.name == "xarm6"
+    assert "nothing names it but" in said.doubt
+
+
+def test_a_robot_of_which_only_the_name_is_named_assumes_the_groups_it_lacks(tmp_path):
+    robot = of_source(tmp_path / "a", 'group = "manipulator"\nname = "UR10e"\n').robot
+    assert robot.name == "ur10e"
+    bare = of_source(tmp_path / "b", "import baxter_interface\n").robot
+    assert (bare.name, bare.assumes_names) == ("baxter", True)
+    assert not of_source(
+        tmp_path / "c", 'names = ["panda_joint1", "panda_arm"]\n'
+    ).robot.assumes_names
+
+
+def test_a_prefix_before_all_joints_of_an_arm_is_before_its_links_too(tmp_path):
+    joints = [f"left_{name}" for name in UR]
+    robot = of_source(tmp_path, f'joints = {joints}\ntip = "left_tool0"\nname = "ur5e"\n').robot
+    assert [joint.name for joint in robot.arm_joints] == joints
+    assert robot.groups["manipulator"].tip_link == "left_tool0"
+    assert robot.chosen_by.endswith("its links and joints have the prefix 'left_'")
+    pose = Kinematics(robot).forward({}, "left_tool0")
+    assert pose == Kinematics(load_robot("ur5e")).forward({}, "tool0")
+
+
+def test_joints_with_two_prefixes_are_of_two_arms_which_no_robot_has(tmp_path):
+    both = [f"{side}_{name}" for side in ("left", "right") for name in UR]
+    assert of_source(tmp_path, f"joints = {both}\n").robot.name == "generic"
+
+
+TABLE = f"JOINTS = {PANDA}\nBASE = 'panda_link0'\n"
+PACKAGE = "<package><name>{}</name></package>\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "robot"),
+    [
+        # A library of another package has tables of arms.
+        (
+            {
+                "src__weld__go_DOT_py": f"import armkit\nJOINTS = {UR}\nname = 'ur5e'\n",
+                "src__weld__package_DOT_xml": PACKAGE.format("weld"),
+                "src__armkit__package_DOT_xml": PACKAGE.format("armkit"),
+                "src__armkit__armkit____init___DOT_py": "from . import tables\n",
+                "src__armkit__armkit__tables_DOT_py": TABLE,
+            },
+            "ur5e",
+        ),
+        # Of the tables of a library the controller imports one by its name.
+        (
+            {
+                "go_DOT_py": "from kit.arms import ur10e\n",
+                "kit____init___DOT_py": "",
+                "kit__arms____init___DOT_py": "from . import panda, ur10e\n",
+                "kit__arms__ur10e_DOT_py": f"NAMES = {UR}\n",
+                "kit__arms__panda_DOT_py": TABLE,
+            },
+            "ur10e",
+        ),
+        # A name that is imported says more than strings.
+        (
+            {
+                "go_DOT_py": "from arms import ur3e\nhelp = 'as on the ur5'\n",
+                "arms____init___DOT_py": "",
+                "arms__ur3e_DOT_py": f"NAMES = {UR}\n",
+            },
+            "ur3e",
+        ),
+        # A module of its own package says more than a library.
+        (
+            {
+                "src__weld__go_DOT_py": "import armkit\nfrom names import JOINTS\n",
+                "src__weld__names_DOT_py": f"JOINTS = {UR}  # ur5e\nname = 'ur5e'\n",
+                "src__weld__package_DOT_xml": PACKAGE.format("weld"),
+                "src__armkit__package_DOT_xml": PACKAGE.format("armkit"),
+                "src__armkit__armkit____init___DOT_py": TABLE,
+            },
+            "ur5e",
+        ),
+    ],
+    ids=["tables", "imported table", "imported name", "own module"],
+)
+def test_what_the_controller_names_itself_comes_before_what_its_libraries_name(
+    tmp_path, files, robot
+):
+    choice = chosen(tmp_path, **files)
+    assert (choice.robot.name, choice.robot.doubt) == (robot, "")
+
+
+LINK = '<link name="{}"><inertial><mass value="1"/></inertial></link>'
+JOINT = (
+    '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/>'
+    '<origin xyz="0 0 0.2"/><axis xyz="0 1 0"/>'
+    '<limit lower="-1" upper="1" effort="20" velocity="2"/></joint>'
+)
+
+
+def urdf(name: str, *joints: str) -> str:
+    links = ["root", *(f"{joint}_link" for joint in joints)]
+    hung = (JOINT.format(one, links[at], f"{one}_link") for at, one in enumerate(joints))
+    return f'<robot name="{name}">{"".join(map(LINK.format, links))}{"".join(hung)}</robot>'
+
+
+BIG = {
+    "big_config__package_DOT_xml": PACKAGE.format("big_config"),
+    "big_config__urdf__big_DOT_urdf": urdf("big", "axis_1", "axis_2", "axis_3"),
+    "big_config__config__big_DOT_srdf": '<robot name="big"><group name="big">'
+    '<chain base_link="root" tip_link="axis_3_link"/></group></robot>',
+}
+
+
+@pytest.mark.parametrize(
+    ("source", "robot"),
+    [
+        ('joints = ["fore_joint", "hand_joint"]\n', "small"),
+        ('joints = ["fore_joint", "wrist", "hand_joint"]\n', "small"),
+        ('joints = ["axis_1", "axis_2", "axis_3"]\n', "big"),
+        ('group = "big"\n', "big"),
+    ],
+)
+def test_of_robots_of_the_workspace_the_one_with_the_joints_is_taken(tmp_path, source, robot):
+    files = {
+        "small__go_DOT_py": source,
+        "small__package_DOT_xml": PACKAGE.format("small"),
+        "small__urdf__small_DOT_urdf": urdf("small", "fore_joint", "hand_joint"),
+        **BIG,
+    }
+    assert chosen(tmp_path, **files).robot.name == robot
+
+
+@pytest.mark.parametrize("model", ["m0609", "a0509"])
+def test_of_descriptions_with_the_same_joints_the_one_that_is_named_is_taken(tmp_path, model):
+    named = [f"joint_{number}" for number in range(1, 4)]
+    files = {
+        "app__go_DOT_py": f'ROBOT_MODEL = "{model}"\njoints = {named}\n',
+        "app__package_DOT_xml": PACKAGE.format("app"),
+        "arms__package_DOT_xml": PACKAGE.format("arms"),
+        "arms__urdf__a0509_DOT_urdf": urdf("a0509", *named),
+        "arms__urdf__m0609_DOT_urdf": urdf("m0609", *named),
+        "arms__urdf__m1013_DOT_urdf": urdf("m1013", *named),
+    }
+    choice = chosen(tmp_path, **files)
+    assert choice.robot.name == model
+    assert choice.robot.source.endswith(f"{model}.urdf")

@@ -1,0 +1,231 @@
+"""Gather what speaks for each robot that a controller may drive, as far as it decides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.launch.choose import LaunchChoice
+from tracerisk.pipeline.launch.robots_launched import launched_robots
+from tracerisk.pipeline.robot.evidence import (
+    DESCRIBED,
+    DRIVER,
+    LAUNCHED,
+    LEAST,
+    NAMES,
+    NEAR,
+    ONLY,
+    Evidence,
+    is_decided,
+)
+from tracerisk.pipeline.robot.hints import robot_hints
+from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions
+from tracerisk.pipeline.robot.named_parts import (
+    Parts,
+    described_parts,
+    evidence_of_names,
+    evidence_of_parts,
+    shipped_parts,
+)
+from tracerisk.pipeline.robot.speech import Speech, own_speeches, speeches_beside
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.driver_files import driver_files
+from tracerisk.pipeline.workspace.own_modules import with_own_modules
+from tracerisk.pipeline.workspace.workspace import imported_names, named_packages, workspace_of
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.names_in_source import Spoken
+from tracerisk.twin.robots.prefix import prefix_in
+from tracerisk.twin.robots.robot_names import Hint
+from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
+from tracerisk.twin.workspace.robot_of_workspace import find_workspace_robots
+from tracerisk.vendors.driver_search import read_drivers, shipped_drivers
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What speaks for robots."""
+
+    evidence: tuple[Evidence, ...]
+    """All of it."""
+    found: WorkspaceRobots
+    """The robots of the workspace."""
+    prefix: str
+    """What is before all joints of a shipped arm where the controller names them."""
+
+
+class Gathering:
+    """What speaks for robots, gathered from the strongest on until it is decided."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        settings: Settings,
+        launch: LaunchChoice,
+        also_named: tuple[str, ...],
+    ) -> None:
+        self._controller = controller
+        self._settings = settings
+        self._launch = launch
+        self.workspace = workspace_of(controller, settings)
+        self.whole = with_own_modules(controller)
+        self.speeches = own_speeches(controller, also_named)
+        self.shipped = {each.name: each for each in shipped_names()}
+
+    @cached_property
+    def _beside(self) -> tuple[Speech, ...]:
+        return tuple(speeches_beside(self._controller))
+
+    @property
+    def beside_read(self) -> tuple[Speech, ...]:
+        """The programs beside it, where they have been asked."""
+        return self._beside if "_beside" in vars(self) else ()
+
+    def spoken(self, speeches: Sequence[Speech]) -> Spoken:
+        """Return what sources say about the robot of the workspace."""
+        own = self.speeches[0]
+        strings = tuple(text for speech in speeches for text in speech.strings)
+        root = self._controller.root
+        described = installed_descriptions(root, self.workspace, strings)
+        named = named_packages(root, self.workspace.packages, strings) | described.keys()
+        launched = launched_robots(self._controller, self._settings, self._launch, strings)
+        return Spoken(strings, named, launched, own.listed, own.strings)
+
+    def _workspace(self, speeches: Sequence[Speech]) -> WorkspaceRobots:
+        root, workspace = self._controller.root, self.workspace
+        strings = tuple(text for speech in speeches for text in speech.strings)
+        described = installed_descriptions(root, workspace, strings)
+        return find_workspace_robots(
+            (root, *workspace.packages.values(), *described.values()),
+            workspace.findable,
+            self.spoken(speeches),
+            self._controller.path,
+            self._settings.limits,
+        )
+
+    def gathered(self) -> Gathered:
+        """Return what speaks for robots, as much of it as changes which one is taken."""
+        found = self._workspace(self.speeches)
+        robots = [described_parts(each.key, each.robot) for each in found.described]
+        plain = [shipped_parts(each) for each in self.shipped.values()]
+        speeches, prefix = self.speeches, ""
+        if not any(_says_joints(plain, speech) for speech in speeches):
+            words = frozenset[str]().union(*(speech.words for speech in speeches))
+            prefix = prefix_in(words, self.shipped.values())
+        evidence: list[Evidence] = []
+        for speech in speeches:
+            evidence += evidence_of_parts([*robots, *plain], speech)
+            if prefix:
+                evidence += evidence_of_parts(plain, speech.without(prefix))
+        for one in found.described:
+            evidence += self._of_description(one, evidence, is_only=len(robots) == 1)
+        if prefix:
+            # Without it the joints that the controller lists are none of a shipped arm's.
+            evidence = [one for one in evidence if one.points > 0 or one.robot not in self.shipped]
+        fitting = self._fitting(evidence)
+        still = sum(NAMES.values()) + DRIVER
+        for hint in robot_hints(self._controller):
+            if is_decided(evidence, still):
+                break
+            still -= NAMES[hint.what]
+            if hint.what == "a program beside it" and self._beside:
+                found, more = self._with_theirs(found, evidence)
+                robots = [described_parts(each.key, each.robot) for each in found.described]
+                said = self._of_programs_beside([*robots, *plain])
+                if said is None:
+                    continue
+                evidence += [*more, *said]
+            if self._settings.launch is False and hint.what == "a launch file":
+                continue
+            evidence += evidence_of_names(hint, self.shipped, fitting)
+        evidence += [] if is_decided(evidence, DRIVER) else self._of_driver()
+        evidence += self._of_likeness(found)
+        return Gathered(tuple(evidence), found, prefix)
+
+    def _fitting(self, evidence: Sequence[Evidence]) -> frozenset[str]:
+        """Return the shipped robots of which a name may speak: those against which nothing does."""
+        against = {one.robot for one in evidence if one.points < 0}
+        return frozenset(self.shipped) - against
+
+    def _of_description(
+        self, found: DescribedRobot, named: Sequence[Evidence], *, is_only: bool
+    ) -> Iterator[Evidence]:
+        """Yield what speaks for a robot by where its description is, and who names that."""
+        key = found.key
+        if found.launched_by is not None and found.launched_by in LAUNCHED:
+            words = "a launch file describes the robot by it"
+            points = LAUNCHED[found.launched_by]
+            yield Evidence(key, words, found.launch_file, None, points)
+        is_named = any(one.robot == key and one.points > 0 for one in named)
+        if is_named or found.is_called or found.launched_by == "controller":
+            yield Evidence(key, "the workspace describes what is named", key, None, DESCRIBED)
+        if found.is_called:
+            words = "the robot is named by its own name"
+            yield Evidence(key, words, self.speeches[0].file, None, NAMES["its source"], "name")
+        if found.is_near:
+            words = "its package is the controller's, or one that it names"
+            yield Evidence(key, words, key, None, NEAR)
+        if found.is_only and is_only:
+            yield Evidence(key, "the workspace describes no other robot", key, None, ONLY)
+
+    def _with_theirs(
+        self, found: WorkspaceRobots, evidence: Sequence[Evidence]
+    ) -> tuple[WorkspaceRobots, list[Evidence]]:
+        """Return the robots of the workspace with those that programs of the folder name.
+
+        The other value is what speaks for these. Where the controller itself names a part of one
+        of its own, they are not searched for.
+        """
+        keys = {each.key for each in found.described}
+        if any(one.robot in keys and one.points > DESCRIBED for one in evidence):
+            return found, []
+        theirs = self._workspace((*self.speeches, *self._beside))
+        more = tuple(each for each in theirs.described if each.key not in keys)
+        skipped = tuple(dict.fromkeys((*found.skipped, *theirs.skipped)))
+        unreadable = tuple(dict.fromkeys((*found.unreadable, *theirs.unreadable)))
+        both = WorkspaceRobots((*found.described, *more), skipped, unreadable)
+        parts = [described_parts(each.key, each.robot) for each in more]
+        said = [one for speech in self._beside for one in evidence_of_parts(parts, speech)]
+        own = [one for speech in self.speeches for one in evidence_of_parts(parts, speech)]
+        for each in more:
+            own += self._of_description(each, said, is_only=len(both.described) == 1)
+        return both, own
+
+    def _of_programs_beside(self, robots: Sequence[Parts]) -> list[Evidence] | None:
+        """Return what the other programs of the folder say; together they count as one.
+
+        `None` where they drive several robots: then none of these is meant.
+        """
+        said = [tuple(evidence_of_parts(robots, speech)) for speech in self._beside]
+        spoken = [[one for one in each if one.points > LEAST] for each in said]
+        speaking = [{one.robot for one in each} for each in spoken if each]
+        if speaking and not frozenset.intersection(*map(frozenset, speaking)):
+            return None
+        return [replace(one, points=one.points / len(speaking)) for each in spoken for one in each]
+
+    def _of_driver(self) -> Iterator[Evidence]:
+        """Yield what the one driver says whose messages the controller imports."""
+        imported = imported_names(self.whole.source.decode(errors="replace"))
+        root = self._controller.root
+        drivers = read_drivers(driver_files(root, self._settings), root)
+        found = {
+            each.robot: each
+            for each in (*shipped_drivers(), *drivers)
+            if each.robot is not None and imported & set(each.packages)
+        }
+        for name, driver in found.items() if len(found) == 1 else ():
+            assert name is not None
+            words = f"{name} is what driver {driver.name} is for"
+            yield Evidence(name, words, driver.file, None, DRIVER, "driver")
+
+    def _of_likeness(self, found: WorkspaceRobots) -> Iterator[Evidence]:
+        """Yield, for shipped robots with the joints of an SRDF, what its names say."""
+        for one in found.described:
+            if one.srdf is not None and len(one.like) > 1:
+                hint = Hint("the SRDF", {one.key: f"{one.srdf.name} {one.key}"})
+                yield from evidence_of_names(hint, self.shipped, one.like)
+
+
+def _says_joints(robots: Sequence[Parts], speech: Speech) -> bool:
+    return any(one.points >= DRIVER * speech.share for one in evidence_of_parts(robots, speech))

@@ -1,0 +1,107 @@
+"""Who names parts of a robot: the controller, the modules that it imports, programs beside it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from tracerisk.config import controller_root
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.workspace.controller import Controller, string_literals
+from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules, source_bytes
+from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
+from tracerisk.pipeline.workspace.workspace import project_top
+from tracerisk.source.python_source import parsed
+from tracerisk.twin.robots.generic import names_asked
+from tracerisk.twin.robots.robot_names import words_in
+
+# How much the words of a source count, as a share of those of the controller itself.
+_DIRECT, _OF_PACKAGE, _OF_OTHERS, _BESIDE = 0.6, 0.4, 0.2, 0.25
+
+
+@dataclass(frozen=True)
+class Speech:
+    """The names that one source has, and how much they count."""
+
+    who: str
+    """Whose source it is, for messages: `its source`."""
+    file: str
+    """The source, as seen from the top of the project."""
+    text: bytes
+    """The source itself."""
+    strings: tuple[str, ...]
+    """Its strings."""
+    listed: tuple[str, ...]
+    """What it lists as joints."""
+    share: float
+    """How much it counts, from 0 to 1."""
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """Its strings and their parts."""
+        return words_in(self.strings)
+
+    @cached_property
+    def _lines(self) -> dict[str, int]:
+        """The first line of each of its strings, and of their parts."""
+        found: dict[str, int] = {}
+        for node in ast.walk(parsed(self.text) or ast.Module([], [])):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                for word in words_in([node.value]):
+                    found[word] = min(node.lineno, found.get(word, node.lineno))
+        return found
+
+    def line_of(self, names: Iterable[str]) -> int | None:
+        """Return the first line with one of some names as a string, `None` for none."""
+        return min((self._lines[name] for name in names if name in self._lines), default=None)
+
+    def without(self, prefix: str) -> Speech:
+        """Return the speech with a prefix left out before the names that bear it."""
+        bare = (word.removeprefix(prefix) for word in self.words)
+        listed = tuple(name.removeprefix(prefix) for name in self.listed)
+        return replace(self, strings=tuple(sorted(bare)), listed=listed)
+
+
+def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tuple[Speech, ...]:
+    """Return what a controller says, and what the modules of its project say that it imports.
+
+    `also_named` are joints that it names in its run.
+    """
+    own = _speech("its source", controller.path.name, controller.source, 1.0)
+    own = replace(
+        own,
+        strings=(*string_literals(controller), *also_named),
+        listed=tuple(dict.fromkeys((*also_named, *own.listed))),
+    )
+    top = project_top(controller.root)
+    direct = imported_directly(controller)
+    package = controller_root(controller.path).resolve()
+    modules = []
+    for path in own_modules(controller):
+        file = path.relative_to(top).as_posix()
+        if path in direct:
+            share = _DIRECT
+        elif controller_root(path).resolve() == package:
+            share = _OF_PACKAGE
+        else:
+            share = _OF_OTHERS
+        modules.append(_speech(f"module {path.name}", file, source_bytes(path), share))
+    return (own, *modules)
+
+
+def speeches_beside(controller: Controller) -> Iterator[Speech]:
+    """Yield what the other programs of a controller's folder say; all of them count as one."""
+    for each in sibling_programs(controller):
+        yield _speech(f"{each.path.name} beside it", each.path.name, each.source, _BESIDE)
+
+
+def _speech(who: str, file: str, text: bytes, share: float) -> Speech:
+    controller = Controller(Path(file), Path(), file, text)
+    try:
+        strings = string_literals(controller)
+    except TraceRiskError:
+        strings = ()
+    return Speech(who, file, text, strings, names_asked(text).joints, share)

@@ -1,0 +1,213 @@
+"""Put shipped robots where a description calls macros of a package that is not there.
+
+Most workspaces of a maker's arm include its description package, which is installed on the robot's
+computer and is no part of the repository. Which arm is meant is in the arguments of the call, else
+in the name of the macro or of the package.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_names import mentioned
+from tracerisk.twin.urdf.text import urdf_text
+from tracerisk.twin.urdf.xacro_child import ABSENT_MACRO, MACRO_NAME
+
+# The arms of a maker's description package, the most usual one first.
+_ARMS: Mapping[str, tuple[str, ...]] = {
+    "franka_description": ("panda", "fr3"),
+    "iiwa_description": ("iiwa7_stack", "iiwa14_stack"),
+    "interbotix_xsarm_descriptions": ("wx250s", "vx300s", "wx200", "rx200", "px100"),
+    "kinova_description": ("j2n6s300", "j2s7s300", "j2s6s300"),
+    "kortex_description": ("gen3", "gen3_lite"),
+    "lbr_description": ("iiwa7", "iiwa14"),
+    "moveit_resources_panda_description": ("panda",),
+    "dsr_description2": ("m1013", "m0609", "a0509"),
+    "ur_description": (
+        "ur5e", "ur5", "ur10e", "ur10", "ur3e", "ur3", "ur16e", "ur20", "ur30",
+    ),
+    "xarm_description": ("xarm6", "xarm7", "lite6"),
+}  # fmt: skip
+_PREFIXES = ("tf_prefix", "prefix", "arm_prefix", "robot_prefix")
+_IDS = ("arm_id", "robot_name")  # what stands in the place of an arm's own name
+_PARENTS = ("parent", "parent_link", "connected_to", "attach_to", "base")
+_TELLING = ("ur_type", "robot_type", "model", "type", "arm", "name", "arm_id", "robot_name")
+
+
+@dataclass(frozen=True, slots=True)
+class Completed:
+    """A description without calls of absent macros."""
+
+    text: bytes
+    """The URDF."""
+    notes: tuple[str, ...]
+    """What was put in, and what was left out, as sentences."""
+    doubts: tuple[str, ...]
+    """Why what was put in may be another arm."""
+
+
+def with_shipped_robots(text: bytes, packages: Sequence[str]) -> Completed:
+    """Return a description with shipped robots in place of the macros of absent `packages`.
+
+    A macro that is no shipped robot's is left out: what it would describe is no part of the arm.
+    """
+    root = ET.fromstring(text)
+    drawing = _Drawing(root, packages)
+    drawing.replace_calls()
+    drawing.hang_loose_links()
+    return Completed(ET.tostring(root), tuple(drawing.notes), tuple(drawing.doubts))
+
+
+class _Drawing:
+    def __init__(self, root: ET.Element, packages: Sequence[str]) -> None:
+        self._root = root
+        self._packages = packages
+        self._robots = {each.name: each for each in shipped_names()}
+        self._anchor = ""
+        """The link on which what is loose hangs: the last tip or parent."""
+        self.notes: list[str] = []
+        self.doubts: list[str] = []
+
+    def _links(self) -> set[str]:
+        return {each.get("name", "") for each in self._root.iter("link")}
+
+    def replace_calls(self) -> None:
+        for above in list(self._root.iter()):
+            for call in [each for each in above if each.tag == ABSENT_MACRO]:
+                above.remove(call)
+                macro = call.get(MACRO_NAME, "")
+                found = self._arms_of(call, macro)
+                if not found or not self._put(call, macro, found):
+                    self._anchor = self._parent(call) or self._anchor
+                    self.notes.append(
+                        f"macro '{macro}' of {self._shown()} is left out: the package is absent"
+                    )
+
+    def _shown(self) -> str:
+        return ", ".join(f"'{name}'" for name in self._packages)
+
+    def _arms_of(self, call: ET.Element, macro: str) -> tuple[str, ...]:
+        """Return the shipped robots that a call may mean, the most usual first."""
+        family = tuple(name for each in self._packages for name in _ARMS.get(each, ()))
+        for text in self._texts(call, macro):
+            named = mentioned(text, self._robots)
+            narrowed = [name for name in family if name in named] or sorted(named)
+            if narrowed:
+                return tuple(narrowed)
+        # A gripper or a camera of an absent package is no arm.
+        is_arm = any(word in macro for word in ("robot", "arm", "device"))
+        return family if is_arm and not self._is_placed(family) else ()
+
+    def _is_placed(self, names: Iterable[str]) -> bool:
+        return any(f"'{name}'" in note for name in names for note in self.notes)
+
+    def _texts(self, call: ET.Element, macro: str) -> Iterator[str]:
+        """Yield what may name the robot, the most telling first."""
+        given = {name: value for name, value in call.attrib.items() if name != MACRO_NAME}
+        digits = [value for value in given.values() if value.isdigit()]
+        for name in _TELLING:
+            if name in given:
+                yield given[name]
+                yield "\n".join(f"{given[name]}{each}" for each in digits)
+        yield macro
+        yield "\n".join(given.values())
+        yield "\n".join(self._packages)
+
+    def _put(self, call: ET.Element, macro: str, names: Sequence[str]) -> bool:
+        """Put the first of some robots in the place of a call; not if its links are there."""
+        name = names[0]
+        robot = load_robot(name)
+        rename = _renaming(robot, call.attrib)
+        drawn = ET.fromstring(urdf_text(robot, with_shapes=True))
+        for node in drawn.iter():
+            for key in ("name", "link"):
+                if key in node.attrib and node is not drawn:
+                    node.set(key, rename(node.attrib[key]))
+        links = {each.get("name", "") for each in drawn.iter("link")}
+        if links & self._links():
+            return False
+        parent = self._parent(call)
+        self._root.extend(drawn)
+        if parent:
+            self._root.append(_fixed(parent, rename(robot.base_link), _origin(call)))
+        tips = [group.tip_link for group in robot.groups.values() if group.tip_link]
+        self._anchor = rename(tips[0]) if tips else rename(robot.base_link)
+        note = f"macro '{macro}' of {self._shown()}, which is absent, is the shipped robot '{name}'"
+        self.notes.append(note)
+        if len(names) > 1:
+            self.doubts.append(
+                f"the absent macro '{macro}' may be {', '.join(names[1:])} as well as {name}"
+            )
+        return True
+
+    def _parent(self, call: ET.Element) -> str:
+        """Return the link that a call hangs its parts on, the first one where it names none."""
+        links = self._links()
+        named = next((call.attrib[key] for key in _PARENTS if call.attrib.get(key) in links), "")
+        if named or not links:
+            return named
+        hanging = {each.get("link", "") for each in self._root.iter("child")}
+        return next((each for each in sorted(links) if each not in hanging), "")
+
+    def hang_loose_links(self) -> None:
+        """Add the links that joints name and that were left out."""
+        links = self._links()
+        for joint in list(self._root.findall("joint")):
+            for end in ("parent", "child"):
+                node = joint.find(end)
+                name = "" if node is None else node.get("link", "")
+                if not name or name in links:
+                    continue
+                links.add(name)
+                ET.SubElement(self._root, "link", name=name)
+                if end == "parent" and self._anchor in links - {name}:
+                    self._root.append(_fixed(self._anchor, name, None))
+
+
+def _renaming(robot: Robot, given: Mapping[str, str]) -> _Renaming:
+    prefix = next((given[name] for name in _PREFIXES if given.get(name)), "")
+    own = _own_prefix(robot)
+    identity = next((given[name] for name in _IDS if given.get(name)), "")
+    return _Renaming(own, f"{identity}_" if own and identity else own, prefix)
+
+
+@dataclass(frozen=True, slots=True)
+class _Renaming:
+    own: str
+    instead: str
+    prefix: str
+
+    def __call__(self, name: str) -> str:
+        if self.own and name.startswith(self.own):
+            name = f"{self.instead}{name.removeprefix(self.own)}"
+        return f"{self.prefix}{name}"
+
+
+def _own_prefix(robot: Robot) -> str:
+    """Return the arm's own name where it is before all of its joints: `panda_`."""
+    first, *others = [joint.name for joint in robot.arm_joints]
+    prefix = f"{first.partition('_')[0]}_"
+    is_own = robot.name.startswith(prefix.rstrip("_")[:3]) and prefix != "joint_"
+    return prefix if is_own and all(name.startswith(prefix) for name in others) else ""
+
+
+def _origin(call: ET.Element) -> dict[str, str] | None:
+    """Return where a call puts its parts: its element `<origin>`, or arguments of that kind."""
+    node = call.find("origin")
+    if node is not None:
+        return {key: node.attrib[key] for key in ("xyz", "rpy") if key in node.attrib}
+    given = {key: call.attrib[key] for key in ("xyz", "rpy") if call.attrib.get(key)}
+    return given or None
+
+
+def _fixed(parent: str, child: str, origin: Mapping[str, str] | None) -> ET.Element:
+    joint = ET.Element("joint", name=f"{parent}-{child}", type="fixed")
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    if origin:
+        ET.SubElement(joint, "origin", dict(origin))
+    return joint
