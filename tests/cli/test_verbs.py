@@ -316,7 +316,10 @@ def test_doctor_says_what_a_controller_gets(annotated):
     assert outcome.code == 0, outcome.err
     found = outcome.json["found"]
     assert outcome.json["faults"] == {}
-    assert found["robot"] == "panda (inferred from the names in the controller's strings)"
+    assert found["robot"].startswith(
+        "panda (its source names parts of it: panda_arm (controller.py:"
+    )
+    assert "+40.0 for panda: panda is named in its source" in found["what speaks for robots"]
     assert found["physics"].endswith("built and stepped")
     assert found["scene"] == "empty"
 

@@ -30,8 +30,13 @@ _ARMS: Mapping[str, tuple[str, ...]] = {
     "ur_description": (
         "ur5e", "ur5", "ur10e", "ur10", "ur3e", "ur3", "ur16e", "ur20", "ur30",
     ),
-    "xarm_description": ("xarm6", "xarm7", "lite6"),
+    "xarm_description": ("xarm7", "xarm6", "lite6"),
 }  # fmt: skip
+# Parameters of the macros: UniversalRobots/Universal_Robots_ROS2_Description urdf/ur_macro.xacro,
+# xArm-Developer/xarm_ros2 xarm_description/urdf/xarm_device_macro.xacro, frankaemika/franka_ros
+# franka_description/robots/common/franka_arm.xacro, Kinovarobotics/ros2_kortex
+# kortex_description/robots/kortex_robot.xacro, IFL-CAMP/iiwa_stack
+# iiwa_description/urdf/iiwa7.xacro.
 _PREFIXES = ("tf_prefix", "prefix", "arm_prefix", "robot_prefix")
 _IDS = ("arm_id", "robot_name")  # what stands in the place of an arm's own name
 _PARENTS = ("parent", "parent_link", "connected_to", "attach_to", "base")
@@ -200,7 +205,12 @@ def _origin(call: ET.Element) -> dict[str, str] | None:
     node = call.find("origin")
     if node is not None:
         return {key: node.attrib[key] for key in ("xyz", "rpy") if key in node.attrib}
-    given = {key: call.attrib[key] for key in ("xyz", "rpy") if call.attrib.get(key)}
+    given = {
+        key: call.attrib[name]
+        for key in ("xyz", "rpy")
+        for name in (key, f"attach_{key}")
+        if call.attrib.get(name)
+    }
     return given or None
 
 
