@@ -9,7 +9,7 @@ import pytest
 from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import RobotChoice, choose_robot
-from tracerisk.pipeline.robot.evidence import Evidence, ranked, shown
+from tracerisk.pipeline.robot.evidence import Evidence, is_decided, ranked, shown
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.robots.robot import load_robot
 
@@ -54,6 +54,13 @@ def test_the_sum_decides_and_ties_and_little_evidence_are_told_apart():
     assert ranked([points("a", 10), points("b", 10)]).best == ""
     assert ranked([points("a", 1)]).best == ""
     assert ranked([]).best == ""
+
+
+def test_a_clear_lead_needs_no_weaker_evidence():
+    assert is_decided([points("a", 60), points("b", 30)])
+    assert not is_decided([points("a", 60), points("b", 31)])
+    assert not is_decided([points("a", 19)])
+    assert not is_decided([])
 
 
 def test_what_is_shown_says_where_it_is_and_leaves_out_robots_of_which_nothing_is_said():

@@ -15,6 +15,8 @@ SURE = 20.0
 """Points from which a robot is taken without an assumption."""
 LEAST = 3.0
 """Points from which a robot is taken at all: an assumption, but better than a generic arm."""
+CLEAR = 30.0
+"""A lead that is not put to the test by what has fewer points than it."""
 _MOST_SAID = 4
 _APART = 1.0  # points that decide between two
 
@@ -143,11 +145,8 @@ def weighed(evidence: Iterable[Evidence], best: str) -> str:
     return line
 
 
-def is_decided(evidence: Sequence[Evidence], still: float) -> bool:
-    """Return whether nothing that can still come changes which robot is taken.
-
-    `still` are the points that all of it can give to one robot.
-    """
+def is_decided(evidence: Sequence[Evidence]) -> bool:
+    """Return whether a robot leads by so much that what says less need not be read."""
     now = ranked(evidence)
     if not now.is_sure:
         return False
@@ -155,4 +154,4 @@ def is_decided(evidence: Sequence[Evidence], still: float) -> bool:
     for one in evidence:
         others[one.robot] = others.get(one.robot, 0.0) + one.points
     others.pop(now.best)
-    return now.points - max(others.values(), default=0.0) > still + _APART
+    return now.points - max(others.values(), default=0.0) >= CLEAR

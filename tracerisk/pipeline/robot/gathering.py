@@ -10,6 +10,7 @@ from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import LaunchChoice
 from tracerisk.pipeline.launch.robots_launched import launched_robots
 from tracerisk.pipeline.robot.evidence import (
+    CLEAR,
     DESCRIBED,
     DRIVER,
     LAUNCHED,
@@ -35,7 +36,7 @@ from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import imported_names, named_packages, workspace_of
 from tracerisk.twin.robots.index import shipped_names
-from tracerisk.twin.robots.names_in_source import Spoken
+from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken
 from tracerisk.twin.robots.prefix import prefix_in
 from tracerisk.twin.robots.robot_names import Hint
 from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
@@ -89,8 +90,13 @@ class Gathering:
         root = self._controller.root
         described = installed_descriptions(root, self.workspace, strings)
         named = named_packages(root, self.workspace.packages, strings) | described.keys()
-        launched = launched_robots(self._controller, self._settings, self._launch, strings)
-        return Spoken(strings, named, launched, own.listed, own.strings)
+        return Spoken(strings, named, self._launched, own.listed, own.strings)
+
+    @cached_property
+    def _launched(self) -> tuple[LaunchedDescription, ...]:
+        """The robots of launch files; to read those of ROS 2 costs a process each."""
+        strings = tuple(text for speech in self.speeches for text in speech.strings)
+        return launched_robots(self._controller, self._settings, self._launch, strings)
 
     def _workspace(self, speeches: Sequence[Speech]) -> WorkspaceRobots:
         root, workspace = self._controller.root, self.workspace
@@ -124,11 +130,9 @@ class Gathering:
             # Without it the joints that the controller lists are none of a shipped arm's.
             evidence = [one for one in evidence if one.points > 0 or one.robot not in self.shipped]
         fitting = self._fitting(evidence)
-        still = sum(NAMES.values()) + DRIVER
         for hint in robot_hints(self._controller):
-            if is_decided(evidence, still):
+            if NAMES[hint.what] < CLEAR and is_decided(evidence):
                 break
-            still -= NAMES[hint.what]
             if hint.what == "a program beside it" and self._beside:
                 found, more = self._with_theirs(found, evidence)
                 robots = [described_parts(each.key, each.robot) for each in found.described]
@@ -139,7 +143,7 @@ class Gathering:
             if self._settings.launch is False and hint.what == "a launch file":
                 continue
             evidence += evidence_of_names(hint, self.shipped, fitting)
-        evidence += [] if is_decided(evidence, DRIVER) else self._of_driver()
+        evidence += [] if is_decided(evidence) else self._of_driver()
         evidence += self._of_likeness(found)
         return Gathered(tuple(evidence), found, prefix)
 
