@@ -46,6 +46,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "input-assumed",
     "run-exited",
     "run-raised",
+    "sent-early",
     "service-refused",
     "stopped-at-limit",
     "thread-raised",

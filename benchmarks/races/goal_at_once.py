@@ -1,4 +1,4 @@
-"""Sends a goal right after creating the action client, without waiting for the server.
+"""Sends a goal soon after creating the action client, without waiting for the server.
 
 Source: PR2/pr2_common issue 114, ros/actionlib issue 46.
 """
@@ -35,6 +35,7 @@ class Mover(Node):
 def main():
     rclpy.init()
     node = Mover()
+    rclpy.spin_once(node, timeout_sec=0.15)
     for turn in (0.5, -0.5):
         node.move(turn)
     rclpy.shutdown()

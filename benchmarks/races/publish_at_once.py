@@ -1,4 +1,4 @@
-"""Publishes a command right after creating the publisher: nobody is connected yet.
+"""Publishes a command soon after creating the publisher: often nobody is connected yet.
 
 Source: ros/ros_comm issue 176.
 """
@@ -23,6 +23,7 @@ def main():
     publisher = rospy.Publisher(
         "/position_joint_trajectory_controller/command", JointTrajectory, queue_size=1
     )
+    rospy.sleep(0.25)
     move(publisher, 0.4)
     rospy.sleep(4.0)
     move(publisher, -0.4)

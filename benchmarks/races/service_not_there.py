@@ -1,4 +1,4 @@
-"""Calls a service of the cell right after creating the client, without waiting for it.
+"""Calls a service of the cell soon after creating the client, without waiting for it.
 
 Source: ros2/rclcpp issue 1924, ros2/ros2cli issue 37.
 """
@@ -37,6 +37,7 @@ class Glue(Node):
 def main():
     rclpy.init()
     node = Glue()
+    rclpy.spin_once(node, timeout_sec=0.15)
     node.enable(True)
     node.move(0.4)
     node.enable(False)

@@ -342,7 +342,8 @@ def test_two_arms_that_two_functions_move_at_once_keep_their_exposures_apart(tra
     trace = traced(TWO_ARMS)
     left, right = trace.visits
     assert (left.function.name, right.function.name) == ("sort_left", "sort_right")
-    assert right.start_s == pytest.approx(1.0, abs=0.1)
+    # Each client needs 0.2 s to find its server.
+    assert right.start_s == pytest.approx(1.4, abs=0.1)
     for visit, own, other, seconds in (
         (left, "left_s0", "right_s0", 4.0),
         (right, "right_s0", "left_s0", 2.0),
@@ -350,7 +351,7 @@ def test_two_arms_that_two_functions_move_at_once_keep_their_exposures_apart(tra
         assert visit.exposures[own].moving_s == pytest.approx(seconds, abs=0.3)
         assert other not in visit.exposures or visit.exposures[other].moving_s == 0.0
     # The right arm's visit lies within the left one's: together they are longer than the run.
-    assert trace.end.simulated_s < 4.6
+    assert trace.end.simulated_s < 5.0
     (finding,) = [each for each in trace.findings if each.kind == "concurrent_owners"]
     assert "sort_left" in finding.message
     assert "sort_right" in finding.message

@@ -37,6 +37,7 @@ def move(node, publisher):
 rclpy.init()
 node = Node("mover")
 client = node.create_client(ListControllers, "/controller_manager/list_controllers")
+client.wait_for_service()
 future = client.call_async(ListControllers.Request())
 rclpy.spin_until_future_complete(node, future)
 for each in future.result().controller:
@@ -147,7 +148,9 @@ node = Node("switcher")
 
 
 def asked(name, kind, request):
-    future = node.create_client(kind, f"/controller_manager/{name}").call_async(request)
+    client = node.create_client(kind, f"/controller_manager/{name}")
+    client.wait_for_service()
+    future = client.call_async(request)
     rclpy.spin_until_future_complete(node, future)
     return future.result()
 

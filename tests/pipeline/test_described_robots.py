@@ -508,6 +508,7 @@ rospy.init_node("wave")
 name = "arm"
 joints = rospy.get_param("/%s_controller/joints" % name)
 topic = rospy.Publisher(f"/{name}_controller/command", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
 
 
 def wave():

@@ -192,7 +192,7 @@ def test_the_documents_example_runs_to_its_end(example):
     trace = outcome.json["trace"]
     assert trace["end"]["cause"] == "ended"
     assert [visit["function"]["name"] for visit in trace["visits"]] == ["pick", "pick"]
-    assert trace["visits"][0]["start_s"] == pytest.approx(4.5, abs=0.05)
+    assert trace["visits"][0]["start_s"] == pytest.approx(4.75, abs=0.05)
     assert trace["end"]["simulated_s"] > 5.0
 
 

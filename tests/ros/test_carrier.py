@@ -83,7 +83,7 @@ def test_what_is_sent_before_the_ends_are_connected_is_lost(in_world, scheduler)
 
     graph, arrived = in_world(UNCONNECTED, main)
     assert arrived == [("late", SECOND)]
-    assert [words for words, _ in graph.carrier.lost] == ["a message on /t is lost"]
+    assert [early.what for early in graph.carrier.lost] == ["a message on /t"]
 
 
 def test_a_latched_message_waits_for_the_connection(in_world, scheduler):

@@ -20,6 +20,7 @@ def signals(device):
 
 def set_signal(device, name, value, times=1):
     topic = rospy.Publisher(f'/io/{device}/command', IOComponentCommand, queue_size=1)
+    rospy.sleep(0.3)
     args = json.dumps({'signals': {name: {'format': {'type': 'float'}, 'data': [value]}}})
     command = IOComponentCommand(rospy.Time.now(), 'set', args)
     for _ in range(times):

@@ -114,6 +114,7 @@ command = rospy.Publisher("/mast/joint_command", JointState, queue_size=1)
 
 
 def reach():
+    rospy.sleep(0.5)
     command.publish(JointState(name=["reach", "drive"], position=[0.2, 1.0]))
     rospy.sleep(4.0)
     states = rospy.wait_for_message("/joint_states", JointState)

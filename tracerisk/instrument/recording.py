@@ -192,12 +192,15 @@ class Recorder:
         *,
         object_name: str = "",
         target: Sequence[float] = (),
+        time_ns: int | None = None,
     ) -> None:
         """Record what a user should know.
 
-        `object_name` is what it is about, `target` the goal of what failed.
+        `object_name` is what it is about, `target` the goal of what failed, `time_ns` when it
+        happened where that was before [ns].
         """
         self._findings += 1
+        earlier = {} if time_ns is None else {"ns": time_ns}
         self._write(
             "finding",
             kind=kind,
@@ -205,6 +208,7 @@ class Recorder:
             location=_location_data(location),
             object=object_name,
             target=_goal(target),
+            **earlier,
         )
 
     def failed(

@@ -53,6 +53,11 @@ class World:
     """How far each joint of the arm may be from its place when the run begins, [rad or m]."""
 
     @property
+    def has_discovery(self) -> bool:
+        """Whether ends need more time to connect than the distribution of ROS says."""
+        return self.discovery_s[1] > 0.0
+
+    @property
     def decides_start(self) -> bool:
         """Whether the robot begins elsewhere."""
         return self.gripper is not None or self.start_off_rad > 0.0

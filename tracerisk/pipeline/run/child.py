@@ -91,6 +91,7 @@ from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.world.connecting import ConnectionTimes
 from tracerisk.ros.world.start import started_in
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
@@ -232,8 +233,14 @@ def _run(
         runtime.client(SensorReading).finish()
         recorder.note(CELL, **cell.note())
         recorder.note(INSTALLED, files=reads.files())
+        carrier = runtime.graph.carrier
+        for early in carrier.lost:
+            words, place = early.words(carrier.times), early.place
+            recorder.finding(
+                "sent_early", words, place, object_name=early.name, time_ns=early.time_ns
+            )
         if request.world != NOMINAL.name:
-            recorder.note(LOST_ON_THE_WAY, lost=runtime.graph.carrier.lost_in(root))
+            recorder.note(LOST_ON_THE_WAY, lost=carrier.lost_in(root))
         watch.run_over(cause)
         if fate is not None:
             fate.note_end()
@@ -372,12 +379,19 @@ def runtime_of(
     twin: Twin,
     recorder: Recorder,
     workspace: Workspace,
+    *,
+    is_live: bool = False,
 ) -> Runtime:
-    """Return the runtime of a request, with the parameters that are given for the controller."""
+    """Return the runtime of a request, with the parameters that are given for the controller.
+
+    In a live run real ROS connects the ends.
+    """
     launch = request.launch or NOTHING_LAUNCHED
+    distro = _distro_of(request, recorder)
+    times = ConnectionTimes() if is_live else ConnectionTimes.of(distro)
     return Runtime(
         scheduler,
-        Graph(scheduler, tracer, world=world_named(request.world)),
+        Graph(scheduler, tracer, world=world_named(request.world), times=times),
         twin=twin,
         tracer=tracer,
         recorder=recorder,
@@ -390,7 +404,7 @@ def runtime_of(
         ),
         packages=workspace.packages,
         installed=workspace.installed,
-        distro=_distro_of(request, recorder),
+        distro=distro,
     )
 
 

@@ -17,6 +17,7 @@ from typing import Any, Literal
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.graph.action_goal import ActionGoal, ignore
 from tracerisk.ros.graph.runtime import Runtime
 
@@ -59,10 +60,17 @@ class ActionServerEnd:
     is_scenario: bool = False
     place: Location | None = None
     is_called: bool = False
-    is_companions: bool = False
+    process: NodeProcess | None = None
+    """The node beside the controller that it belongs to; `None` for all others."""
+    made_ns: int = 0
     on_message: Callable[[ActionGoal, str, Any], None] = ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
+
+    @property
+    def is_companions(self) -> bool:
+        """Whether a node beside the controller serves it."""
+        return self.process is not None
 
     def forget(self, goal: ActionGoal) -> None:
         """Keep a goal that is over no longer."""
@@ -92,32 +100,57 @@ class ActionClientEnd:
     place: Location | None = field(default_factory=asking_place)
     by_controller: bool = True
     made_ns: int = 0
+    process: NodeProcess | None = None
+    """The node beside the controller that it belongs to; `None` for the controller's own."""
     _numbers: Any = field(default_factory=lambda: itertools.count(1))
 
     @property
     def server(self) -> ActionServerEnd | None:
         """Who serves the action with the client's type, if anybody that is connected."""
-        server = self.actions.server(self.name, self.type_name)
-        if server is None or not self._is_away(server):
-            return server
-        return server if self.connected_ns <= self.actions.scheduler.now_ns else None
+        server = self._known_server
+        if server is None or self._connected_ns(server) > self.actions.scheduler.now_ns:
+            return None
+        return server
 
     @property
-    def connected_ns(self) -> int:
-        """When it is connected to a server of the cell [ns]."""
-        return self.actions.carrier.connected_ns(self.name, self.made_ns)
+    def _known_server(self) -> ActionServerEnd | None:
+        """Who serves the action with the client's type, connected or not yet."""
+        return self.actions.server(self.name, self.type_name)
+
+    def _connected_ns(self, server: ActionServerEnd) -> int:
+        """When it is connected to a server [ns]."""
+        carrier = self.actions.carrier
+        if not self.by_controller:
+            return 0
+        if not server.by_controller:
+            return carrier.connected_ns(self.name, self.made_ns, "action client")
+        made_ns = max(self.made_ns, server.made_ns)
+        return carrier.own_connected_ns(
+            made_ns, "subscriber", is_within=self.process is server.process
+        )
 
     def _is_away(self, server: ActionServerEnd) -> bool:
         return self.by_controller and not server.by_controller
 
     def is_served(self) -> bool:
         """Return whether somebody serves the action, as the controller asks it."""
-        scheduler = self.actions.scheduler
         if self.server is None:
-            scheduler.miss(self._need)
+            self._miss(f"a question for action server {self.name}")
             return False
-        scheduler.needs.meet(self._need)
+        self._found()
         return True
+
+    def _miss(self, what: str, content: object = None) -> None:
+        """Note that the controller asked for a server that is not there, or not found yet."""
+        if self._known_server is None:
+            self.actions.scheduler.miss(self._need)
+        else:
+            self.actions.scheduler.needs.meet(self._need)
+            self.actions.carrier.note_early(what, self.name, "action client", content)
+
+    def _found(self, content: object = None) -> None:
+        self.actions.scheduler.needs.meet(self._need)
+        self.actions.carrier.note_in_time(self.name, content)
 
     def wait_for_server(
         self, timeout_ns: int | None = None, unless: Callable[[], bool] = lambda: False
@@ -137,7 +170,7 @@ class ActionClientEnd:
             kind="unmet",
             need=self._need,
         )
-        return self.server is not None
+        return self.is_served()
 
     def send(
         self,
@@ -161,8 +194,9 @@ class ActionClientEnd:
         number = next(self._numbers)
         server = self.server
         if server is None:
-            scheduler.miss(self._need)
-            self.actions.carrier.note_lost(f"a goal of {self.name} is lost", asking_place())
+            self._miss(f"a goal of {self.name}", message)
+        else:
+            self._found(message)
         goal = ActionGoal(
             f"{self.node}-{number}" if goal_id is None else goal_id,
             self,
@@ -274,8 +308,11 @@ class Actions:
             self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
         )
         server.place = asking_place() if by_controller else None
-        server.is_companions = self.scheduler.process is not None
+        server.process = self.scheduler.process if by_controller else None
+        server.made_ns = self.carrier.made_ns(by_controller=by_controller)
         self._servers.setdefault(name, []).append(server)
+        for client in self._clients.get(name, ()):
+            self._wake_when_connected(client)
         self._report("served", name, type_name)
         return server
 
@@ -290,13 +327,21 @@ class Actions:
     ) -> ActionClientEnd:
         """Become a client of an action; the twin serves it then, if its type is one of its own."""
         client = ActionClientEnd(self, name, type_name, node, copy, by_controller=by_controller)
-        client.made_ns = self.scheduler.now_ns
-        if client.connected_ns > client.made_ns:
-            # Who waits for the server looks again.
-            self.scheduler.call_at(client.connected_ns, lambda: None)
+        client.made_ns = self.carrier.made_ns(by_controller=by_controller)
+        client.process = self.scheduler.process if by_controller else None
         self._clients.setdefault(name, []).append(client)
         self._report("client", name, type_name)
+        self._wake_when_connected(client)
         return client
+
+    def _wake_when_connected(self, client: ActionClientEnd) -> None:
+        """Wake who waits for the server when the client is connected to it."""
+        server = client._known_server
+        if server is not None:
+            due_ns = client._connected_ns(server)
+            self.carrier.expect(due_ns)
+            if due_ns > self.scheduler.now_ns:
+                self.scheduler.call_at(due_ns, lambda: None)
 
     def server(self, name: str, type_name: str) -> ActionServerEnd | None:
         """Return who serves an action of a type: the controller, else a scenario, else the twin."""
@@ -311,7 +356,7 @@ class Actions:
             Missed(each._need, 0, 0, each.place)
             for known in self._clients.values()
             for each in known
-            if each.place is not None and each.server is None
+            if each.place is not None and each._known_server is None
         )
 
     def uncalled(self) -> tuple[Missed, ...]:

@@ -25,6 +25,7 @@ from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.ros.world.carrier import Carrier
+from tracerisk.ros.world.connecting import ConnectionTimes, EndKind
 from tracerisk.worlds.world import NOMINAL, World
 
 if TYPE_CHECKING:
@@ -67,8 +68,12 @@ class Publication:
     on_received: Callable[[Subscription], None] | None = None
     pace: PublishingPace = field(default_factory=PublishingPace)
     made_ns: int = 0
+    process: NodeProcess | None = None
+    """The node beside the controller that it belongs to; `None` for the controller's own."""
     keeps_for_late: bool = False
     """Whether a message waits for subscriptions that exist and are not connected yet."""
+    has_history: bool = False
+    """Whether its library sends what it sent before to who connects later: transient local."""
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
@@ -99,11 +104,11 @@ class Publication:
         receivers = self.subscriptions if only is None else (only,)
         late = [each for each in self._matching() if each not in receivers] if only is None else []
         if self.by_controller and only is None and (cell := self.graph.count(self.topic)):
-            cell.published(self, receivers, message)
-        if late and self.by_controller and not self.latch:
-            self.graph.carrier.note_lost(f"a message on {self.topic} is lost", asking_place())
+            cell.published(self, (*receivers, *late), message)
+        if self.by_controller and (late or receivers):
+            self._note_lost(late, message)
         if not receivers:
-            if self.topic not in self.graph._unheard:
+            if not late and self.topic not in self.graph._unheard:
                 self.graph._unheard[self.topic] = self, asking_place()
             if not self.latch and not self.keeps_for_late:
                 return
@@ -121,6 +126,15 @@ class Publication:
         if self.keeps_for_late:
             for receiver in late:
                 self.graph.when_connected(self, receiver, partial(receiver.receive, snapshot, self))
+
+    def _note_lost(self, late: Sequence[Subscription], message: Any) -> None:
+        """Note whether a message of the controller's reaches all that it should."""
+        carrier = self.graph.carrier
+        if not late:
+            carrier.note_in_time(self.topic, message)
+        elif not _SHOWN.match(self.type_name):
+            what, is_kept = f"a message on {self.topic}", self.latch or self.has_history
+            carrier.note_early(what, self.topic, "publisher", message, is_kept=is_kept)
 
     def close(self) -> None:
         """Leave the topic."""
@@ -207,6 +221,7 @@ class ServiceServer:
     place: Location | None = None
     is_called: bool = False
     process: NodeProcess | None = None
+    made_ns: int = 0
     is_scenario: bool = False
     """Whether a scenario plays it."""
 
@@ -245,7 +260,8 @@ class Graph:
 
     `tracer` makes each service handler a root. `warn` gets what a user should know, such as
     two types on one topic; by default it is an error line on standard error.
-    `world` says how long messages take, and how long ends take to connect.
+    `world` says how long messages take, and how long ends take to connect; where it leaves that
+    open `times` do.
     `counts` is how many messages, calls and goals of the controller went to each name, without
     those of nodes started beside it; `cell` is notified of each.
     """
@@ -257,10 +273,11 @@ class Graph:
         *,
         warn: Callable[[str], None] = _report_on_stderr,
         world: World = NOMINAL,
+        times: ConnectionTimes | None = None,
     ) -> None:
         self.scheduler = scheduler
         self.tracer = tracer
-        self.carrier = Carrier(scheduler, tracer, world)
+        self.carrier = Carrier(scheduler, tracer, world, times)
         self.parameters = ParameterTree()
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
@@ -333,7 +350,8 @@ class Graph:
         publication = Publication(
             self, topic, type_name, node, latch, copy, on_connect, on_disconnect, by_controller
         )
-        publication.made_ns = self.scheduler.now_ns
+        publication.made_ns = self.carrier.made_ns(by_controller=by_controller)
+        publication.process = self.scheduler.process if by_controller else None
         entry = self._topics.setdefault(topic, _Topic())
         for other in entry.subscriptions:
             self._warn_of_types(topic, type_name, other.type_name)
@@ -371,7 +389,8 @@ class Graph:
         for other in entry.publications:
             self._warn_of_types(topic, other.type_name, type_name)
         entry.subscriptions.append(subscription)
-        subscription.made_ns = self.scheduler.now_ns
+        subscription.made_ns = self.carrier.made_ns(by_controller=by_controller)
+        subscription.process = self.scheduler.process if by_controller else None
         self._report("subscribed", topic, type_name)
         for publication in self.publications(topic):
             if _types_agree(publication.type_name, type_name):
@@ -387,16 +406,21 @@ class Graph:
     ) -> None:
         """Call `act` once two ends of a topic have found each other, now where they have."""
         due_ns = self._connected_ns(publication, subscription)
+        self.carrier.expect(due_ns)
         if due_ns <= self.scheduler.now_ns:
             act()
         else:
             self.scheduler.call_at(due_ns, act)
 
     def _connected_ns(self, publication: Publication, subscription: Subscription) -> int:
-        if publication.by_controller == subscription.by_controller:
-            return 0  # of one process, or of the cell, which was there before
         made_ns = max(publication.made_ns, subscription.made_ns)
-        return self.carrier.connected_ns(publication.topic, made_ns)
+        if publication.by_controller != subscription.by_controller:
+            kind: EndKind = "publisher" if publication.by_controller else "subscriber"
+            return self.carrier.connected_ns(publication.topic, made_ns, kind)
+        if not publication.by_controller:
+            return 0  # of the cell, which was there before
+        is_within = publication.process is subscription.process
+        return self.carrier.own_connected_ns(made_ns, "subscriber", is_within=is_within)
 
     def _connect(self, publication: Publication, subscription: Subscription) -> None:
         def connect() -> None:
@@ -404,6 +428,8 @@ class Graph:
                 return
             if publication.on_connect is not None:
                 publication.on_connect(subscription)
+            if publication.by_controller and (publication.latch or publication.has_history):
+                self.carrier.note_delivered(publication.topic)
             if publication.latched is None:
                 return
             if subscription.takes_latched:
@@ -483,6 +509,7 @@ class Graph:
         place = asking_place() if is_callback else None
         server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
         server.process = self.scheduler.process if is_callback else None
+        server.made_ns = self.carrier.made_ns(by_controller=is_callback)
         server.is_scenario = is_scenario
         self._services[name] = server
         self._report("served", name, type_name)
@@ -518,23 +545,26 @@ class Graph:
 
     def _is_found(self, server: ServiceServer) -> bool:
         """Return whether the controller has found a server of the cell."""
-        if server.is_callback:
+        if server.is_callback and server.process is self.scheduler.process:
             return True
         return self._found_ns(server) <= self.scheduler.now_ns
 
     def _found_ns(self, server: ServiceServer) -> int:
-        """Return when the controller finds a server of the cell [ns]."""
+        """Return when the controller finds a server of the cell, or of a companion [ns]."""
+        if server.is_callback:
+            made_ns = max(server.made_ns, self._sought_ns.get(server.name, 0))
+            return self.carrier.own_connected_ns(made_ns, "service client")
         if server.name in self._sought_ns:
-            return self.carrier.connected_ns(server.name, self._sought_ns[server.name])
+            sought_ns = self._sought_ns[server.name]
+            return self.carrier.connected_ns(server.name, sought_ns, "service client")
         # The master knows all that a node serves once that has started.
-        return self.carrier.connected_ns(server.node, 0)
+        return self.carrier.connected_ns(server.node, 0, "service client")
 
     def _wake_when_found(self, name: str, type_name: str | None) -> None:
         """Wake whoever waits for a service when the controller finds its server."""
-        if self.carrier.world is NOMINAL:
-            return
         server = self._server(name, type_name)
         if server is not None and not self._is_found(server):
+            self.carrier.expect(self._found_ns(server))
             self.scheduler.call_at(self._found_ns(server), lambda: None)
 
     def _server(self, name: str, type_name: str | None) -> ServiceServer | None:
@@ -574,7 +604,7 @@ class Graph:
         as the cell has started.
         """
         if connects:
-            self._sought_ns.setdefault(name, self.scheduler.now_ns)
+            self._sought_ns.setdefault(name, self.carrier.made_ns(by_controller=True))
         self._wake_when_found(name, type_name)
         need = Need("service", name, type_name)
         self._callers.setdefault(need, Missed(need, 0, 0, asking_place()))
@@ -584,7 +614,7 @@ class Graph:
         return tuple(
             each
             for need, each in self._callers.items()
-            if each.location is not None and self.service(need.name, need.type_name) is None
+            if each.location is not None and self._server(need.name, need.type_name) is None
         )
 
     def uncalled(self) -> tuple[Missed, ...]:
@@ -618,7 +648,6 @@ class Graph:
             RunOver: the run is over; a wait that nothing can end is a deadlock that names the
                 service and where the controller waits.
         """
-        self.service(name)
         self._wake_when_found(name, type_name)
         text = f"service {name}" + (f" ({type_name})" if type_name else "")
         self.scheduler.wait_until(
@@ -628,7 +657,24 @@ class Graph:
             kind="unmet",
             need=Need("service", name, type_name or ""),
         )
+        if not self._is_known(name):
+            self.miss_service(name, type_name or "")
         return self._is_known(name)
+
+    def miss_service(self, name: str, type_name: str, request: Any = None) -> None:
+        """Note that the controller asks for a server that is not there, or not found yet."""
+        need = Need("service", name, type_name)
+        if self._server(name, type_name or None) is None:
+            self.scheduler.miss(need)
+            return
+        self.scheduler.needs.meet(need)
+        what = f"a question for service {name}" if request is None else f"a call of {name}"
+        self.carrier.note_early(what, name, "service client", request)
+
+    def find_service(self, name: str, type_name: str, request: Any = None) -> None:
+        """Note that the controller has found a server that it asks for."""
+        self.scheduler.needs.meet(Need("service", name, type_name))
+        self.carrier.note_in_time(name, request)
 
     def _is_known(self, name: str) -> bool:
         known = self._services.get(name)

@@ -97,7 +97,14 @@ class _LiveRun:
         clock[0] = lambda: self._scheduler.now_ns
         self._workspace = workspace_asked(request)
         self._runtime = runtime_of(
-            request, scenario, self._scheduler, tracer, self._twin, recorder, self._workspace
+            request,
+            scenario,
+            self._scheduler,
+            tracer,
+            self._twin,
+            recorder,
+            self._workspace,
+            is_live=True,
         )
         asked = AskedCalls(recorder, self._scheduler, scenario.success).take
         self._cell = CellLog(self._runtime.graph, asked)

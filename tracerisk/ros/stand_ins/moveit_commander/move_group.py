@@ -121,7 +121,7 @@ class MoveGroupCommander(GroupPickPlace):
 
     `robot_description` names the parameters of the default scaling factors. `ns` and
     `wait_for_servers` are taken and change nothing: there is one robot, and its server is there
-    at once.
+    at once. What the program made before is connected when the commander is made.
 
     Raises:
         RuntimeError: the robot has no such group; lists those it has.
@@ -135,6 +135,8 @@ class MoveGroupCommander(GroupPickPlace):
         wait_for_servers: float = 5.0,
     ) -> None:
         super().__init__(name, robot_description)
+        # It loads the robot and waits for move_group, which takes longer than any connection.
+        current().graph.carrier.pass_connections()
 
     # Plan and move
 

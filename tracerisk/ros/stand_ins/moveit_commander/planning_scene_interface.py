@@ -19,7 +19,6 @@ from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from tracerisk.errors import one_of
 from tracerisk.geometry.triangle_mesh import read_triangles
-from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import fill_poses
 from tracerisk.ros.moveit.path_constraints import message_pose
@@ -36,8 +35,9 @@ class PlanningSceneInterface:
 
     The objects are bodies of the twin, which planning avoids.
     `ns` is taken and changes nothing. A change is in force when the call returns; if `synchronous`
-    is False, it is a message on a topic, which who asks at once does not see yet. Unless it is
-    True, a message is lost in some worlds right after the interface was made.
+    is False, it is a message on a topic, which who asks at once does not see yet, and which is lost
+    right after the interface was made. Earlier releases did so by default: worlds with a discovery
+    do, too.
     """
 
     def __init__(
@@ -45,8 +45,11 @@ class PlanningSceneInterface:
     ) -> None:
         self._server = server()
         self._changing = self._server.by_topic if synchronous is False else nullcontext
-        self._is_by_topic = not synchronous
-        self._made_ns = current().scheduler.now_ns
+        carrier = current().graph.carrier
+        is_default = synchronous is None
+        self._is_by_topic = synchronous is False or (is_default and carrier.world.has_discovery)
+        self._made_ns = carrier.made_ns(by_controller=True)
+        carrier.expect(carrier.connected_ns("/collision_object", self._made_ns, "planning scene"))
 
     # Add
 
@@ -328,13 +331,14 @@ class PlanningSceneInterface:
 
     def _send(self, topic: str, change: Callable[[], None]) -> None:
         """Change the scene; a message is lost before move_group is connected."""
-        carrier = current().graph.carrier
+        carrier, now_ns = current().graph.carrier, current().scheduler.now_ns
         if (
             self._is_by_topic
-            and carrier.connected_ns(topic, self._made_ns) > current().scheduler.now_ns
+            and carrier.connected_ns(topic, self._made_ns, "planning scene") > now_ns
         ):
-            carrier.note_lost(f"a message on {topic} is lost", asking_place())
+            carrier.note_early(f"a message on {topic}", topic, "planning scene", change)
             return
+        carrier.note_in_time(topic, change)
         with self._changing():
             change()
 

@@ -87,10 +87,10 @@ class Client(ServiceEnd):
         self._introspection.report("REQUEST_SENT", number, request=sent)
         server = self._server()
         if server is None:
-            run().scheduler.miss(self._need)
             # Lost, as on a network: who serves later never hears of it.
-            run().graph.carrier.note_lost(f"a call of {self.srv_name} is lost", asking_place())
+            run().graph.miss_service(self._full_name, self.srv_type._ros_type, sent)
             return future
+        run().graph.find_service(self._full_name, self.srv_type._ros_type, sent)
         service = getattr(server.handle, "__self__", None)
         if isinstance(service, Service):
             server.is_called = True
@@ -133,13 +133,10 @@ class Client(ServiceEnd):
         """
         with self.handle:
             check_context(self.context, "failed to check service availability")
-        scheduler = run().scheduler
-        scheduler.touch()
-        is_ready = self._server() is not None
-        if is_ready:
-            scheduler.needs.meet(self._need)
-        else:
-            scheduler.miss(self._need)
+        run().scheduler.touch()
+        is_ready, graph = self._server() is not None, run().graph
+        note = graph.find_service if is_ready else graph.miss_service
+        note(self._full_name, self.srv_type._ros_type)
         return is_ready
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:

@@ -21,6 +21,7 @@ class Context:
         self._callbacks: list[Any] = []
         self._arguments = Arguments()
         self._domain_id = 0
+        self._joined_ns: int | None = None
         self.handle: Handle | None = None
 
     @property
@@ -59,6 +60,11 @@ class Context:
             from .logging import set_logger_level
 
             set_logger_level(name, level)
+
+    def _join(self) -> None:
+        """Enter the network, with the first node: others find this process from now on."""
+        if self._joined_ns is None:
+            self._joined_ns = current().graph.carrier.join()
 
     def ok(self) -> bool:
         """Return whether the context lives."""
@@ -116,6 +122,9 @@ class Context:
 
     def _end(self) -> None:
         self._is_valid = False
+        if self._joined_ns is not None:
+            current().graph.carrier.leave(self._joined_ns)
+            self._joined_ns = None
         callbacks, self._callbacks = self._callbacks, []
         for kept in callbacks:
             callback = kept() if isinstance(kept, WeakMethod) else kept

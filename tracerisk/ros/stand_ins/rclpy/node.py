@@ -65,6 +65,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         self._context = state.default_context if context is None else context
         if not self._context.is_valid:
             raise NotInitializedException("cannot create node")
+        self._context._join()
         own = parse_arguments([FLAG, *cli_args]) if cli_args else Arguments()
         everyones = self._context.arguments if use_global_arguments else Arguments()
         given = Arguments(parameters=list(overrides_of(state.runtime.parameters)))

@@ -58,6 +58,7 @@ class Publisher:
             copy=lambda message: message,
             on_connect=self._send_history,
         )
+        self._publication.has_history = qos_profile.is_latching
         self._events.watch(topic)
         self._life.sign()
 

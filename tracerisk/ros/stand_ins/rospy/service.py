@@ -6,7 +6,6 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.names import ANY_TYPE
@@ -179,10 +178,7 @@ class ServiceProxy(_Service):
         state.scheduler.touch()
         server = state.graph.service(self.resolved_name, self.service_class._type)
         if server is None:
-            state.scheduler.miss(Need("service", self.resolved_name, self.service_class._type))
-            state.graph.carrier.note_lost(
-                f"service {self.resolved_name} is called and not served yet", asking_place()
-            )
+            state.graph.miss_service(self.resolved_name, self.service_class._type, request)
             raise ServiceException(f"service [{self.resolved_name}] unavailable")
         if server.type_name not in (ANY_TYPE, self.service_class._type):
             raise ServiceException(

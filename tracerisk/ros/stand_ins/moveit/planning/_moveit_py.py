@@ -63,6 +63,8 @@ class MoveItPy:
         self._monitor = PlanningSceneMonitor._of_run()
         self._execution_manager = TrajectoryExecutionManager._of_run()
         self._execution_manager._read(self._parameter)
+        # It loads the robot and its planners, which takes longer than any connection.
+        current().graph.carrier.pass_connections()
 
     def execute(self, *args: Any, **kwargs: Any) -> ExecutionStatus:
         """Execute a trajectory: (robot_trajectory, controllers); return the status at the end.
