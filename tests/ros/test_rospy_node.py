@@ -222,10 +222,11 @@ def test_a_busy_wait_on_is_shutdown_sees_callbacks(run_node, scheduler):
     assert scheduler.now_ns == pytest.approx(0.05 * SECOND, abs=2e6)
 
 
-def test_shutdown_wakes_a_sleep_with_an_interruption(run_node, scheduler):
+def test_shutdown_wakes_a_sleep_of_simulated_time_with_an_interruption(run_node, scheduler):
     def main():
         import rospy
 
+        rospy.set_param("/use_sim_time", True)
         rospy.init_node("arm")
         rospy.Timer(rospy.Duration(1), lambda _: rospy.signal_shutdown("enough"), oneshot=True)
         with pytest.raises(rospy.ROSInterruptException) as caught:

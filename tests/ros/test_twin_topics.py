@@ -14,6 +14,8 @@ arm = moveit_commander.MoveGroupCommander("panda_arm")
 rospy.Subscriber("joint_states", JointState, seen.append)
 arm.set_max_velocity_scaling_factor(0.5)
 arm.set_named_target("ready")
+rospy.sleep(0.5)
+seen.clear()
 began = rospy.get_time()
 arm.go(wait=True)
 lasted = rospy.get_time() - began

@@ -88,6 +88,7 @@ def test_what_a_program_broadcasts_is_found_again(succeed):
     succeed("""
 tf2_ros.StaticTransformBroadcaster().sendTransform(transform("panda_hand", "camera", 0.1))
 moving = tf2_ros.TransformBroadcaster()
+rospy.sleep(0.5)
 for x in (1.0, 2.0):
     moving.sendTransform(transform("camera", "part", x)); rospy.sleep(0.1)
 found = buffer.lookup_transform("panda_hand", "part", latest)
@@ -109,7 +110,9 @@ except tf2_ros.TypeException as error:
 def test_tf_of_ros_1_answers_in_lists(succeed):
     succeed("""
 old = tf.TransformListener()
-tf.TransformBroadcaster().sendTransform((0, 0, 1), tf.transformations.quaternion_from_euler(0, 0, math.pi / 2), rospy.Time.now(), "/tool", "panda_link0")
+broadcaster = tf.TransformBroadcaster()
+rospy.sleep(0.5)
+broadcaster.sendTransform((0, 0, 1), tf.transformations.quaternion_from_euler(0, 0, math.pi / 2), rospy.Time.now(), "/tool", "panda_link0")
 old.waitForTransform("/panda_link0", "/tool", latest, rospy.Duration(4))
 place, turn = old.lookupTransform("/panda_link0", "/tool", latest)
 assert place == [0.0, 0.0, 1.0] and abs(turn[3] - math.sqrt(0.5)) < 1e-9

@@ -111,6 +111,8 @@ class ControllerThread:
     """How often it has slept or waited for something, and not only looked at the clock."""
     raises: int = 0
     interrupt: BaseException | None = None
+    signals: list[Callable[[], object]] = field(default_factory=list)
+    """Handlers of signals that it is to run before it goes on; only the main thread has any."""
     process: NodeProcess | None = None
     at_finish: list[Callable[[], None]] = field(default_factory=list)
 

@@ -114,8 +114,7 @@ class GreenletBaton:
         if not _LOCALS_ARE_KEPT:
             yield sys.modules["_thread"], "_local", _threading_local.local
             yield threading, "local", _threading_local.local
-        for name in ("signal", "set_wakeup_fd"):
-            yield signal, name, self._only_in_main(vars(signal)[name])
+        yield signal, "set_wakeup_fd", self._only_in_main(signal.set_wakeup_fd)
         if "pthread_kill" in vars(signal):
             yield signal, "pthread_kill", self._to_real(signal.pthread_kill)
 

@@ -6,6 +6,7 @@ import atexit
 import concurrent.futures
 import concurrent.futures.thread as pool
 import datetime as dt
+import errno
 import functools
 import itertools
 import os
@@ -33,6 +34,8 @@ from tracerisk.ros.time.selector import VirtualSelector
 from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter, for_controller
 from tracerisk.sandbox.replaced_names import replaced
 
+_HANDLED = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2})
+"""The signals that a controller may send itself and handle."""
 _real_selector = selectors.DefaultSelector
 # The one in C waits on a lock of its own.
 _SimpleQueue: Any = vars(queue)["_PySimpleQueue"]
@@ -286,6 +289,46 @@ def _no_fork(scheduler: Scheduler, name: str, real: Callable[[], Any]) -> Callab
     return fork
 
 
+def _signal_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    """Yield what sends the controller's own process a signal, and what handles it."""
+    signals, low_level = scheduler.signals, sys.modules["_thread"]
+    real_kill, own = os.kill, os.getpid()
+
+    def set_handler(number: int, handler: Any, /) -> Any:
+        main = scheduler.current is not None and scheduler.current.is_main
+        if scheduler.process is None and not main:
+            raise ValueError("signal only works in main thread of the main interpreter")
+        if not callable(handler) and handler not in (signal.SIG_DFL, signal.SIG_IGN):
+            raise TypeError(
+                "signal handler must be signal.SIG_IGN, signal.SIG_DFL, or a callable object"
+            )
+        if number in (signal.SIGKILL, signal.SIGSTOP):
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))
+        if number not in signal.valid_signals():
+            raise ValueError("signal number out of range")
+        return signals.set_handler(int(number), handler)
+
+    def kill(process: int, number: int, /) -> None:
+        is_own = process == own and scheduler.process is None and number in _HANDLED
+        if not is_own or not scheduler.send_signal(int(number)):
+            real_kill(process, number)
+
+    def raise_signal(number: int, /) -> None:
+        kill(own, number)
+
+    def interrupt_main(number: int = signal.SIGINT, /) -> None:
+        scheduler.send_signal(int(number), from_python=True)
+
+    for owner, name, value in (
+        (signal, "signal", set_handler),
+        (signal, "getsignal", lambda number: signals.handler(int(number))),
+        (signal, "raise_signal", raise_signal),
+        (os, "kill", kill),
+        (low_level, "interrupt_main", interrupt_main),
+    ):
+        yield owner, name, for_controller(scheduler, value, vars(owner)[name])
+
+
 def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     real_register, real_unregister = atexit.register, atexit.unregister
 
@@ -302,6 +345,7 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
     def pause() -> None:
         scheduler.wait_until(lambda: False, reason="a signal", kind="idle")
 
+    yield from _signal_replacements(scheduler)
     for name in ("fork", "forkpty"):
         yield os, name, _no_fork(scheduler, name, vars(os)[name])
     yield atexit, "register", register

@@ -13,9 +13,11 @@ Times are integer nanoseconds of simulated time.
 from __future__ import annotations
 
 import itertools
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
+from functools import partial
 from sys import _getframe
 from typing import Any, Literal, NoReturn, TypeVar
 
@@ -23,6 +25,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.exit_calls import ExitCalls
 from tracerisk.ros.controller.needs import Need, NeedLedger
 from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.controller.signals import Signals
 from tracerisk.ros.controller.thread import (
     ControllerThread,
     HoldsLock,
@@ -122,6 +125,7 @@ class Scheduler:
         self.process: NodeProcess | None = None
         self.on_process_change: Callable[[NodeProcess | None], None] | None = None
         self.exit_calls = ExitCalls()
+        self.signals = Signals()
         self.needs = NeedLedger()
 
     # Companions
@@ -478,18 +482,46 @@ class Scheduler:
     ) -> bool:
         self._raise_if_over(thread)
         wait = self._new_wait(predicate, deadline_ns, reason, kind, on)
-        wait.frame = _getframe(1)
-        thread.wait = wait
-        following = self._next_thread(thread)
-        if following is not thread:
-            self.baton.hand(thread, following)
-        self._enter(thread.process)
-        thread.wait = wait.frame = None
-        self._raise_if_over(thread)
-        if thread.interrupt is not None:
-            interrupt, thread.interrupt = thread.interrupt, None
-            raise interrupt
-        return wait.satisfied
+        while True:
+            wait.frame = _getframe(1)
+            thread.wait = wait
+            following = self._next_thread(thread)
+            if following is not thread:
+                self.baton.hand(thread, following)
+            self._enter(thread.process)
+            thread.wait = wait.frame = None
+            self._raise_if_over(thread)
+            if thread.interrupt is not None:
+                interrupt, thread.interrupt = thread.interrupt, None
+                raise interrupt
+            if not thread.signals:
+                return wait.satisfied
+            # As PEP 475 has it: unless a handler raises, the wait goes on.
+            self._handle_signals(thread)
+
+    # Signals
+
+    def send_signal(self, number: int, *, from_python: bool = False) -> bool:
+        """Send the controller a signal of its own, which its main thread handles.
+
+        `from_python`: as of `_thread.interrupt_main`, which no library in C notices. Returns False
+        where nothing handles it and it is to end the process.
+        """
+        taken = None if from_python else self.signals.taken_by(number)
+        if taken is not None:
+            # A thread of the library does it, a moment later.
+            self.call_at(self._now_ns, taken)
+        handler, main = self.signals.handler(number), self._main
+        if callable(handler) and main is not None:
+            main.signals.append(partial(handler, number, _getframe(1)))
+            if self.current is main and not self._kernel_depth:
+                self._handle_signals(main)
+            return True
+        return taken is not None or from_python or handler is signal.SIG_IGN
+
+    def _handle_signals(self, thread: ControllerThread) -> None:
+        while thread.signals:
+            thread.signals.pop(0)()
 
     def _next_thread(self, thread: ControllerThread | None) -> ControllerThread:
         """Return who runs next; `thread` waits, or is None where it has finished."""
@@ -531,7 +563,7 @@ class Scheduler:
                 return thread
             if wait.deadline_ns is not None and wait.deadline_ns <= self._now_ns:
                 return thread
-            if thread.interrupt is not None:
+            if thread.interrupt is not None or thread.signals:
                 return thread
         return None
 

@@ -3,6 +3,7 @@ from std_msgs.msg import Empty
 
 
 def main():
+    rospy.set_param("/use_sim_time", True)  # by the clock of the wall a sleep goes on
     rospy.init_node("shutdown")
     rospy.on_shutdown(lambda: print("> hook one"))
     rospy.on_shutdown(lambda: print("> hook two", rospy.is_shutdown()))

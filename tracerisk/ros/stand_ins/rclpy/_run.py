@@ -26,6 +26,7 @@ class Run:
         self.actions = runtime.client(Actions)
         self.default_context = Context()
         self.global_executor: Executor | None = None
+        self.contexts: list[Context] = []
         self.nodes: list[Node] = []
         self.log_levels: dict[str, int] = {"": 20}
         self.log_places: dict[tuple[Any, ...], Any] = {}
@@ -34,6 +35,11 @@ class Run:
         self.unheard_loggers: set[str] = set()
         self.signal_options = 0
         self._action_services: ActionServices | None = None
+
+    def end_contexts(self) -> None:
+        """End every context that lives, as a signal does; nobody is called back."""
+        for context in self.contexts:
+            context._end_at_signal()
 
     @property
     def action_services(self) -> ActionServices:

@@ -55,6 +55,9 @@ class Context:
         self._domain_id = domain_id or 0
         self._arguments = parse_arguments(current().argv if args is None else args)
         self._is_valid = True
+        from ._run import run
+
+        run().contexts.append(self)
         self.handle = Handle()
         for name, level in self._arguments.log_levels:
             from .logging import set_logger_level
@@ -119,6 +122,12 @@ class Context:
         if self.handle is None:
             raise RuntimeError("Context must be initialized before it can have a domain id")
         return self._domain_id
+
+    def _end_at_signal(self) -> None:
+        """End without calling anybody, as the real handler of signals does."""
+        if self._is_valid:
+            self._callbacks = []
+            self._end()
 
     def _end(self) -> None:
         self._is_valid = False

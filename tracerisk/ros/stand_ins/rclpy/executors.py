@@ -15,6 +15,7 @@ from tracerisk.ros.imports.exported import defined as _defined
 
 from ._executor_work import WorkFinding
 from ._handle import OF_CONTEXT, check_context
+from ._rclpy_pybind11 import RCLError
 from ._run import run
 from .context import Context
 from .task import Future, Task
@@ -354,6 +355,7 @@ class MultiThreadedExecutor(Executor):
         self._futures: list[Task] = []
         self._begun: Task | None = None
         self._has_failed_at_once = False
+        self._lacks_subscription = False
         self._pool: list[ControllerThread] = []
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
@@ -361,6 +363,7 @@ class MultiThreadedExecutor(Executor):
             task = self._next_task(timeout_ns, future)
         except ExternalShutdownException:
             task = None
+        self._check_indices(task)
         if task is not None:
             # Begun by a thread of the pool, so that it is not found again.
             task._is_submitted = True
@@ -376,6 +379,30 @@ class MultiThreadedExecutor(Executor):
                     )
                 )
             self._raise_what_failed()
+
+    def _check_indices(self, task: Task | None) -> None:
+        """Fail as the real library does where two threads wait for a node with an action client.
+
+        While a thread of the pool has a subscription, the others wait without it. The client keeps
+        where it stands in what was waited for last, which is too far in what a thread waits for
+        that began without the subscription.
+
+        Raises:
+            RCLError: this thread was the first to spin, and another one waits here, too.
+        """
+        is_first = self._spinners[:1] == [self._run.scheduler.current]
+        if self._lacks_subscription and is_first:
+            self._lacks_subscription = False
+            raise RCLError(
+                "Failed to get number of ready entities for action client: wait set index for "
+                "status subscription is out of bounds"
+            )
+        node = None if task is None else task._node
+        if node is None or task is None or len(set(self._spinners)) < 2:
+            return
+        if task._entity in node._subscriptions:
+            waitables = (waitable for node in self._nodes for waitable in node._waitables)
+            self._lacks_subscription = any(hasattr(one, "send_goal_async") for one in waitables)
 
     @property
     def _takes_work(self) -> bool:

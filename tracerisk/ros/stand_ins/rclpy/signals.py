@@ -1,7 +1,12 @@
-"""Signal handlers: a simulated run gets no signals, so that there is none to install."""
+"""Signal handlers: a signal that the program sends itself shuts the contexts down.
+
+The real ones are in C: they pass the signal on to the handler of Python, and one that the program
+sets later takes their place.
+"""
 
 from __future__ import annotations
 
+import signal
 from enum import IntEnum
 
 from ._run import run
@@ -17,13 +22,17 @@ class SignalHandlerOptions(IntEnum):
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Take the options; Ctrl-C ends the run itself."""
-    run().signal_options = int(options)
+    """End all contexts at these signals; a signal from outside ends the run itself."""
+    state = run()
+    state.signal_options = int(options)
+    for bit, number in ((1, signal.SIGINT), (2, signal.SIGTERM)):
+        is_taken = bool(state.signal_options & bit)
+        state.scheduler.signals.take_first(number, state.end_contexts if is_taken else None)
 
 
 def uninstall_signal_handlers() -> None:
-    """Take it that no signal ends the contexts."""
-    run().signal_options = int(SignalHandlerOptions.NO)
+    """Leave the contexts alone at any signal."""
+    install_signal_handlers(SignalHandlerOptions.NO)
 
 
 def get_current_signal_handlers_options() -> SignalHandlerOptions:

@@ -28,6 +28,8 @@ class NodeState:
         self.resolved_mappings: dict[str, str] = {}
         self.is_initialized = False
         self.is_time_initialized = False
+        self.has_simulated_time = False
+        """Whether its time is that of a simulation, of which sleeps know the end of the node."""
         self.uri: str | None = None
         """Another than the usual one."""
         self.init_args: tuple[Any, ...] | None = None

@@ -14,13 +14,23 @@ from tracerisk.ros.time.rostime import Duration
 
 from . import names
 from ._node import node
-from .core import DEBUG, ERROR, FATAL, INFO, WARN, add_client_shutdown_hook, signal_shutdown  # noqa: F401 - names of this module too
+from .core import (  # noqa: F401 - names of this module too
+    DEBUG,
+    ERROR,
+    FATAL,
+    INFO,
+    WARN,
+    add_client_shutdown_hook,
+    register_signals,
+    signal_shutdown,
+)
 from .exceptions import ROSException, ROSInitException, ROSInterruptException
 from .msproxy import MasterProxy
 from .rostime import duration_ns
 from .topics import Subscriber
 
 TIMEOUT_READY = 15.0
+_SIMULATED = "/use_sim_time"
 _UNSPECIFIED = object()
 
 
@@ -92,6 +102,8 @@ def init_node(
             f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools.",
             stacklevel=2,
         )
+    if not disable_signals:
+        register_signals()
     state.set_name(graph_names.resolve(name, state.name))
     if state.is_shutdown:
         raise ROSInitException("init_node interrupted before it could complete")
@@ -104,6 +116,8 @@ def init_node(
         state.log_level = log_level
     state.is_initialized = True
     state.is_time_initialized = True
+    parameters = state.graph.parameters
+    state.has_simulated_time = bool(parameters.has(_SIMULATED) and parameters.get(_SIMULATED))
 
 
 def spin() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -307,6 +309,30 @@ def _add_hook(hook: Callable[..., object], hooks: list[Any], late: tuple[str, ..
         hook(*late)
     else:
         hooks.append(hook)
+
+
+def register_signals() -> None:
+    """Shut the node down at SIGINT and SIGTERM that the program sends itself.
+
+    Raises:
+        ValueError: another thread than the main one calls this.
+    """
+    scheduler, signals = node().scheduler, node().scheduler.signals
+    if scheduler.process is not None:
+        return  # a companion gets none
+    if scheduler.current is not None and not scheduler.current.is_main:
+        raise ValueError("signal only works in main thread of the main interpreter")
+    before: dict[int, Any] = {}
+
+    def shut_down(number: int, frame: Any) -> None:
+        signal_shutdown(f"signal-{number}")
+        if callable(before[number]):
+            # Python's own handler raises it, which is filtered out.
+            with contextlib.suppress(KeyboardInterrupt):
+                before[number](number, frame)
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        before[number] = signals.set_handler(number, shut_down)
 
 
 def signal_shutdown(reason: str) -> None:

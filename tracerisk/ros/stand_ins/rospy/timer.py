@@ -45,7 +45,8 @@ class Rate:
 def sleep(duration: float | Duration) -> None:
     """Sleep for seconds or a Duration; a negative one returns at once.
 
-    Before the node is initialized it sleeps too, by the clock of the wall.
+    Before the node is initialized it sleeps too. By the clock of the wall it sleeps on when the
+    node shuts down; by that of a simulation (`/use_sim_time`) it does not.
 
     Raises:
         ROSInterruptException: the node shuts down before the sleep is over.
@@ -54,10 +55,10 @@ def sleep(duration: float | Duration) -> None:
     length_ns = duration_ns(duration)
     if length_ns < 0:
         return
-    if length_ns == 0:
-        state.scheduler.sleep(0)
-    else:
-        state.wait(lambda: False, length_ns, "time to pass")
+    if length_ns == 0 or not state.has_simulated_time:
+        state.scheduler.sleep(length_ns)
+        return
+    state.wait(lambda: False, length_ns, "time to pass")
     if state.is_shutdown:
         raise ROSInterruptException("ROS shutdown request")
 
