@@ -70,7 +70,7 @@ def held(*spans, welded=()):
 
 
 def fallen(samples, contacts):
-    return falls(samples, contacts, "empty")
+    return falls(samples, contacts)
 
 
 OPENS = [*[CLOSED] * 4, *[WIDE] * 6]

@@ -373,6 +373,31 @@ def test_a_script_ends_the_program_of_the_driver(run, steps, expected):
     assert all("ended the program" in words for words in said)
 
 
+DASHBOARD = """\
+def press(name):
+    client = node.create_client(Trigger, "/dashboard_client/" + name)
+    client.wait_for_service()
+    done(client.call_async(Trigger.Request()))
+"""
+
+
+@pytest.mark.parametrize(
+    ("pressed", "expected"),
+    [
+        (["stop"], False),
+        (["pause"], False),
+        (["power_off", "power_on"], False),
+        (["stop", "play"], True),
+    ],
+)
+def test_controllers_move_nothing_while_the_program_on_the_robot_is_stopped(run, pressed, expected):
+    steps = "".join(f"press('{name}')\n" for name in pressed)
+    ran = run(ROS_2 + DASHBOARD + steps + f"found = goal('{SCALED}', -0.3)\n")
+    assert ran["found"] is expected
+    said = [words for words in ran.findings if "ended the program" in words]
+    assert bool(said) != expected
+
+
 def test_a_script_ends_the_program_of_the_driver_of_ros_1(run):
     script = SCRIPT_1.replace("TOPIC", "/ur_hardware_interface/script_command")
     ran = run(

@@ -134,7 +134,7 @@ class DescribedDriver(TwinNode):
         request = self._request(interface, message)
         try:
             case = case_of(interface, request)
-            self._set(case, request)
+            self._set(interface, case, request)
             result, jobs = self._do(interface, case, request, stack)
             if request.flag(case.wait, default=bool(jobs) or case.wait is not None):
                 timeout_s = request.seconds(case.timeout)
@@ -174,7 +174,7 @@ class DescribedDriver(TwinNode):
 
     # What is done
 
-    def _set(self, case: Case, request: Request) -> None:
+    def _set(self, interface: Interface, case: Case, request: Request) -> None:
         for name, value in case.set.items():
             if name == "enabled":
                 enabled = request.flag(value, default=True)
@@ -189,6 +189,8 @@ class DescribedDriver(TwinNode):
                 self._state[name] = found.decode() if isinstance(found, bytes) else found
                 if name == "program" and found == _PLAYING:
                     self._controllers.program_started()
+                elif name == "program":
+                    self._controllers.program_stopped(interface.name)
                 self._hold_trajectories(name)
 
     def _hold_trajectories(self, name: str) -> None:
@@ -310,7 +312,7 @@ class DescribedDriver(TwinNode):
         request = self._request(interface, goal.message)
         try:
             case = case_of(interface, request)
-            self._set(case, request)
+            self._set(interface, case, request)
             ended = partial(self._end_goal, interface, case, goal)
             goal.data = []
             result, jobs = self._do(
@@ -407,7 +409,7 @@ class DescribedDriver(TwinNode):
 
     def _take(self, interface: Interface, topic: str, request: Request) -> None:
         case, stack = case_of(interface, request), self._commands.stack()
-        self._set(case, request)
+        self._set(interface, case, request)
         is_motion = case.effect in ("move", "velocity")
         queued = (interface.while_moving or self._driver.while_moving) == "queue"
         waits = queued and case.effect == "move" and not case.stream

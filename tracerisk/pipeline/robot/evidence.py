@@ -130,13 +130,16 @@ def shown(evidence: Iterable[Evidence]) -> tuple[Evidence, ...]:
 
 
 def weighed(evidence: Iterable[Evidence], best: str) -> str:
-    """Return in one line what speaks for a robot, and how many points the next ones have."""
+    """Return in one line what speaks for a robot, and how many points the next ones have.
+
+    Without lines of sources: they change with the blocks that a run writes.
+    """
     found = tuple(evidence)
     points: dict[str, float] = {}
     for one in found:
         points[one.robot] = points.get(one.robot, 0.0) + one.points
     own = sorted((one for one in found if one.robot == best), key=lambda one: -one.points)
-    said = "; ".join(f"{one.words} ({one.place})" for one in own[:_MOST_SAID])
+    said = "; ".join(f"{one.words} ({one.file})" for one in own[:_MOST_SAID])
     others = sorted((-sum_, name) for name, sum_ in points.items() if name != best and sum_ > LEAST)
     line = f"{best} has {points.get(best, 0.0):.0f} points: {said}"
     if others:

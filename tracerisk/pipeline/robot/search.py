@@ -206,7 +206,7 @@ def _reason(robot: str, gathered: Gathered) -> str:
     own.sort(key=lambda one: -one.points)
     parts = [one for one in own if one.kind != "name"][:1]
     names = [one for one in own if one.kind == "name"][:1]
-    return "; ".join(f"{one.words} ({one.place})" for one in (*parts, *names))
+    return "; ".join(f"{one.words} ({one.file})" for one in (*parts, *names))
 
 
 def _doubts(ranking: Ranking, gathered: Gathered) -> Iterator[str]:

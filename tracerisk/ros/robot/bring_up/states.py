@@ -55,6 +55,7 @@ class ControllerStates:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._switched: set[str] = set()
+        self._ended_by = ""
         self._script_topic = ""
         self._held = ""
         self.starts = 0
@@ -143,10 +144,15 @@ class ControllerStates:
     def script_came(self, topic: str) -> None:
         """Note that a script on a topic has ended the program by which the driver moves the arm."""
         self._script_topic = topic
+        self._ended_by = f"the script that came on {topic}"
+
+    def program_stopped(self, service: str) -> None:
+        """Note that a service has ended the program by which the driver moves the arm."""
+        self._script_topic, self._ended_by = "", f"service {service}"
 
     def program_started(self) -> None:
         """Note that the program by which the driver moves the arm runs again."""
-        self._script_topic = ""
+        self._script_topic = self._ended_by = ""
         self.starts += 1
 
     def hold(self, words: str) -> None:
@@ -168,16 +174,16 @@ class ControllerStates:
         """Return why the driver moves none of some joints of the arm; empty where it does."""
         if not self._arm.intersection(joints):
             return ""
-        if self._held or not self._script_topic:
+        if self._held or not self._ended_by:
             return self._held
         again = (
             "stop and start the controller with service switch_controller"
             if self._script_topic.endswith(_MODERN)
             else "start it with service resend_robot_program, or play of the dashboard"
         )
+        wrap = ", or wrap a script that moves nothing in `sec`" if self._script_topic else ""
         return (
-            f"the script that came on {self._script_topic} ended the program by which the driver "
-            f"moves the arm; {again}, or wrap a script that moves nothing in `sec`"
+            f"{self._ended_by} ended the program by which the driver moves the arm; {again}{wrap}"
         )
 
     @property
