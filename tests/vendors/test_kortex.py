@@ -249,3 +249,23 @@ found = rospy.has_param('/degrees_of_freedom')
 """,
     )
     assert ran["found"] is False
+
+
+def test_actions_are_notified_of_once_a_program_has_asked_for_it(run_on):
+    ran = run_on(
+        "gen3",
+        HEAD.replace(
+            "service('activate_publishing_of_action_topic', On", "later = ('', On"
+        ).replace("OnNotificationActionTopic)()", "OnNotificationActionTopic)")
+        + """
+home = read(ReadActionRequest(input=ActionHandle(identifier=2))).output
+execute(ExecuteActionRequest(input=home))
+rospy.sleep(20.0)
+before = list(events)
+service('activate_publishing_of_action_topic', OnNotificationActionTopic)()
+execute(ExecuteActionRequest(input=home))
+finish(1)
+""",
+    )
+    assert ran["before"] == []
+    assert (1, 2) in ran["events"]

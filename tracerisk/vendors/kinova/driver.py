@@ -67,6 +67,7 @@ class KortexDriver(TwinNode):
         self._kortex = KortexArm(self._arm)
         self._player = KortexPlayer(self._kortex, messages, self._commands, self._notify)
         self._topics: dict[str, Publication] = {}
+        self._is_notifying = False
         self._graph.watch(self._on_change)
         if not messages.has("service", f"{PACKAGE}/ExecuteAction"):
             return
@@ -111,7 +112,7 @@ class KortexDriver(TwinNode):
             "send_twist_joystick_command": partial(self._do, "send_twist_command"),
             "send_gripper_command": partial(self._do, "send_gripper_command"),
             "validate_waypoint_list": self._validate,
-            "activate_publishing_of_action_topic": lambda asked, answer: None,
+            "activate_publishing_of_action_topic": self._begin_to_notify,
             "get_product_configuration": self._product,
             "get_actuator_count": self._count,
             "get_measured_joint_angles": self._measured_angles,
@@ -189,8 +190,11 @@ class KortexDriver(TwinNode):
                 lambda message, _: self._player.do(kind, message, 0, is_answered=False),
             )
 
+    def _begin_to_notify(self, request: Any, answer: Any) -> None:
+        self._is_notifying = True
+
     def _notify(self, event: int, kind: int, identifier: int, detail: int) -> None:
-        for publication in self._topics.values():
+        for publication in self._topics.values() if self._is_notifying else ():
             message = self._messages.new(f"{PACKAGE}/ActionNotification")
             message.action_event, message.abort_details = event, detail
             message.handle.identifier, message.handle.action_type = identifier, kind
