@@ -106,6 +106,41 @@ def test_a_context_begins_and_ends_as_a_context_manager(run_ros2):
     assert run_ros2(main) == (True, False)
 
 
+@pytest.mark.parametrize("made", ["Context()", "executors.SingleThreadedExecutor()"])
+def test_humble_has_no_with_blocks(run_ros2, made):
+    def main():
+        import rclpy
+        from rclpy import executors
+
+        rclpy.init()
+        with (
+            pytest.raises(AttributeError, match="__enter__"),
+            eval(made, {"Context": rclpy.Context, "executors": executors}),
+        ):
+            pass
+
+    run_ros2(main, distro="humble")
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_nodes_and_their_parts_stand_in_no_with_block(run_ros2, distro):
+    def main():
+        import rclpy
+        from std_msgs.msg import Empty
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        publisher = node.create_publisher(Empty, "go", 1)
+        for part in (node, publisher, node.create_timer(1.0, print)):
+            with (
+                pytest.raises((TypeError, AttributeError), match=r"context manager|__enter__"),
+                part,
+            ):
+                pass
+
+    run_ros2(main, distro=distro)
+
+
 def test_jumps_of_a_clock_can_be_asked_for_and_never_come(run_ros2):
     def main():
         import time

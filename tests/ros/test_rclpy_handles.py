@@ -28,8 +28,9 @@ def test_a_handle_is_good_until_its_thing_is_destroyed(run_ros2):
             node.create_guard_condition(print),
         ]
         for thing in things:
-            with thing, thing.handle:
+            with thing.handle:
                 pass
+            thing.destroy()
             with pytest.raises(InvalidHandle), thing.handle:
                 pass
         with pytest.raises(AttributeError):

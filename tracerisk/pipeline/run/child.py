@@ -361,6 +361,8 @@ def twin_of(
     twin = Twin.build(robot, scene, samples=samples)
     if world.takes_other_solution:
         twin.take_other_solutions()
+    if world is not NOMINAL:
+        twin.pass_over_rest()
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     return twin, scenario
 

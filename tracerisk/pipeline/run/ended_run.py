@@ -39,6 +39,7 @@ from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
+from tracerisk.worlds.world import NOMINAL
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -162,7 +163,8 @@ def _read(
     end = _run_end(recording, process_end, ran)
     if options.progress is not None:
         options.progress("attributing", end.simulated_s or 0.0)
-    has_faults = bool(request.faults) or options.beside is not None
+    is_cell = options.beside is not None and request.world == NOMINAL.name
+    has_faults = bool(request.faults) or is_cell
     left = Ran(ran, robot, request.scene, settings, recording, folder, end, has_faults)
     trace = make_trace(left, beside=options.beside)
     trace = trace.with_lines(lines_since(recording.sources, controller))

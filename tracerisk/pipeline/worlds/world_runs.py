@@ -126,7 +126,7 @@ def in_world(nominal: Nominal, world: World) -> WorldRun:
                 nominal.run,
                 with_scenario(nominal.settings),
                 world.name,
-                RunOptions(folder, quiet=True),
+                RunOptions(folder, quiet=True, beside=nominal.recording),
                 duration_s=_longest_s(nominal),
             )
         except MachineError:

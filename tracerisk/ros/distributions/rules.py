@@ -88,6 +88,14 @@ RULES: tuple[Rule, ...] = (
         source="ros2/rclpy rclpy/rclpy/client.py",
     ),
     Rule(
+        name="with-blocks",
+        subject="a Context or an Executor of rclpy stands in a `with` block",
+        noetic=None,
+        humble=False,
+        jazzy=True,
+        source="ros2/rclpy rclpy/rclpy/context.py, ros2/rclpy rclpy/rclpy/executors.py",
+    ),
+    Rule(
         name="words-of-errors",
         subject="the text of an error of rclpy's parameters",
         noetic=None,

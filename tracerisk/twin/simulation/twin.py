@@ -78,6 +78,10 @@ class Twin:
         """
         return cls(robot, scene, samples)
 
+    def pass_over_rest(self) -> None:
+        """Let time pass without physics while all is at rest: as good for a comparison."""
+        self._simulation.passes_over_rest = True
+
     def take_other_solutions(self) -> None:
         """Reach poses in another posture than the nearest, where there is one."""
         self._planner.takes_other = True

@@ -22,7 +22,7 @@ from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._bare_action_server import BareActionServer
 from ._entity import Call, Entity
-from ._handle import OF_NODE, check_context
+from ._handle import OF_NODE, Handle, check_context
 from ._rclpy_pybind11 import RCLError
 from ._run import run
 from .callback_groups import CallbackGroup
@@ -220,6 +220,12 @@ class ActionClient(Entity):
             return self.server_is_ready()
         self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
         return self.server_is_ready()
+
+    def __enter__(self) -> Handle:
+        return self.handle.__enter__()
+
+    def __exit__(self, *error: object) -> None:
+        self.handle.__exit__(*error)
 
     def get_num_entities(self) -> NumberOfEntities:
         """Return how many entities of each kind a client is made of."""

@@ -18,6 +18,7 @@ from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
+from ._handle import Handle
 from ._rclpy_pybind11 import GoalEvent, RCLError
 from ._run import run
 from .callback_groups import CallbackGroup
@@ -211,6 +212,12 @@ class ActionServer(Entity):
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
         self._execute_callback = execute_callback
+
+    def __enter__(self) -> Handle:
+        return self.handle.__enter__()
+
+    def __exit__(self, *error: object) -> None:
+        self.handle.__exit__(*error)
 
     def get_num_entities(self) -> NumberOfEntities:
         """Return how many entities of each kind a server is made of."""

@@ -12,7 +12,7 @@ from ._run import run
 from .callback_groups import CallbackGroup
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    pass
 
 Call = Callable[[], Coroutine[Any, Any, None]]
 
@@ -59,9 +59,3 @@ class Entity:
         """Stop working."""
         self._is_destroyed = True
         self.handle.destroy_when_not_in_use()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.destroy()

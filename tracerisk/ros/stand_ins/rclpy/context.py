@@ -7,6 +7,7 @@ from types import MethodType
 from typing import Any
 from weakref import WeakMethod
 
+from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import current
 
 from ._arguments import Arguments, parse_arguments
@@ -141,8 +142,18 @@ class Context:
                 callback()
 
     def __enter__(self) -> Context:
+        check_with_block()
         self.init()
         return self
 
     def __exit__(self, *error: object) -> None:
         self.try_shutdown()
+
+
+def check_with_block() -> None:
+    """Raise what Python does where the distribution has no context manager."""
+    distro = current().distro
+    distro.decided("with-blocks", asking_place())
+    if not distro.value("with-blocks"):
+        # As Python 3.10 says it, which Humble has.
+        raise AttributeError("__enter__")

@@ -17,7 +17,7 @@ from ._executor_work import WorkFinding
 from ._handle import OF_CONTEXT, check_context
 from ._rclpy_pybind11 import RCLError
 from ._run import run
-from .context import Context
+from .context import Context, check_with_block
 from .task import Future, Task
 
 _NO_TIMER = "failed to create timer"
@@ -313,6 +313,7 @@ class Executor(WorkFinding):
             yield self.wait_for_ready_callbacks(*args, **kwargs)
 
     def __enter__(self) -> Executor:
+        check_with_block()
         return self
 
     def __exit__(self, *error: object) -> None:

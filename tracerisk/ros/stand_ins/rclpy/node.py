@@ -229,12 +229,6 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             event.node = self.get_fully_qualified_name()
             self._event_publisher.publish(event)
 
-    def __enter__(self) -> Node:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.destroy_node()
-
 
 def _taken_from(executor: Any) -> str:
     """Return in words where the controller takes a node from an executor that is spun."""

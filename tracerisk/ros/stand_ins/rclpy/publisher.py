@@ -162,9 +162,3 @@ class Publisher:
         for message, sent_ns in self._history:
             if lifespan_ns is None or run().scheduler.now_ns <= sent_ns + lifespan_ns:
                 subscription.deliver(message, self._publication)
-
-    def __enter__(self) -> Publisher:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.destroy()

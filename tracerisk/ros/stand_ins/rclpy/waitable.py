@@ -58,6 +58,12 @@ class Waitable(Entity):
         super().__init__(None, callback_group)
         self._was_added = False
 
+    def __enter__(self) -> None:
+        """Mark what it is made of as in use."""
+
+    def __exit__(self, *error: object) -> None:
+        """Mark it as in use no longer."""
+
     def add_future(self, future: Any) -> None:
         """Take a future that is completed by this; nothing has to be done for it."""
 
