@@ -483,6 +483,9 @@ def test_an_empty_trajectory_or_one_of_no_duration_succeeds_and_moves_nothing(ro
     [
         ({}, (3, 1)),
         ({"allowed_execution_duration_scaling": 0.2, "allowed_goal_duration_margin": 0.1}, (4, -6)),
+        # Each beside the other's default.
+        ({"allowed_execution_duration_scaling": 0.2}, (4, -6)),
+        ({"allowed_goal_duration_margin": -1.0}, (4, -6)),
         (
             {"allowed_execution_duration_scaling": 0.2, "execution_duration_monitoring": False},
             (3, 1),
