@@ -100,6 +100,23 @@ send("movej(p[-0.4, -0.2, 0.3, 0, 3.14159, 0])", seconds=8.0)
     assert ran.twin.link_pose("tool0").position == pytest.approx((0.4, 0.2, 0.4), abs=2e-3)
 
 
+def test_the_tcp_goes_when_the_program_of_the_driver_begins_again(run_on):
+    ran = run_on(
+        "ur5e",
+        CELL
+        + f"""
+from std_srvs.srv import Trigger
+send("{HOME}", "set_tcp(p[0, 0, 0.1, 0, 0, 0])", seconds=8.0)
+again = node.create_client(Trigger, "/io_and_status_controller/resend_robot_program")
+again.wait_for_service()
+rclpy.spin_until_future_complete(node, again.call_async(Trigger.Request()))
+send("movej(p[-0.4, -0.2, 0.3, 0, 3.14159, 0])", seconds=8.0)
+""",
+        ros=2,
+    )
+    assert ran.twin.link_pose("tool0").position == pytest.approx((0.4, 0.2, 0.3), abs=2e-3)
+
+
 # Streams
 
 
