@@ -25,7 +25,7 @@ contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock a
 
 CELL = """\
 import asyncio, csv, json, logging, os, pathlib, shutil, socket, subprocess, tempfile
-import rospy, moveit_commander
+import numpy, rospy, moveit_commander
 import poses
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -41,6 +41,8 @@ def main():
     with open("steps.csv", "w", newline="") as file:
         csv.writer(file).writerow([1, 2])
     assert next(csv.reader(open("steps.csv"))) == ["1", "2"]
+    numpy.savetxt("way.csv", [[1.0, 2.0]])
+    assert numpy.loadtxt("way.csv").tolist() == [1.0, 2.0]
     results = pathlib.Path(HERE, "results", "today")
     results.mkdir(parents=True)
     (results / "a.json").write_text("{}")

@@ -57,6 +57,7 @@ class Overlay:
             *((os, name, functions[name]) for name in _OS_NAMES),
             *((accessor, name, staticmethod(each)) for name, each in bound.items()
               if name in vars(accessor)),
+            *_kept_by_numpy(functions["io.open"]),
         )  # fmt: skip
         with replaced(replacements):
             self._watch_network()
@@ -353,6 +354,15 @@ _OS_NAMES = (
     *("readlink", "remove", "rename", "replace", "rmdir", "scandir", "stat", "symlink"),
     *("truncate", "unlink", "utime"),
 )
+
+
+def _kept_by_numpy(opens: Callable[..., Any]) -> Iterator[tuple[Any, str, Any]]:
+    """Yield what replaces the function with which NumPy reads and writes texts, if it is there."""
+    source = sys.modules.get("numpy.lib._datasource")
+    openers = getattr(source, "_file_openers", None)
+    kept = getattr(openers, "_file_openers", None)
+    if isinstance(kept, dict):
+        yield openers, "_file_openers", {**kept, None: opens}
 
 
 def _address(given: Any) -> str:
