@@ -317,7 +317,7 @@ def test_doctor_says_what_a_controller_gets(annotated):
     found = outcome.json["found"]
     assert outcome.json["faults"] == {}
     assert found["robot"].startswith(
-        "panda (its source names parts of it: panda_arm (controller.py:"
+        "panda (its source names parts of it: panda_arm (controller.py); "
     )
     assert "+40.0 for panda: panda is named in its source" in found["what speaks for robots"]
     assert found["physics"].endswith("built and stepped")
