@@ -394,4 +394,4 @@ class Simulation:
 
 
 def _stand(model: Any, data: Any) -> None:
-    """Let a step pass in which nothing moves."""
+    """Pass over a step in which nothing moves."""

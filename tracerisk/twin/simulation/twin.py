@@ -79,7 +79,7 @@ class Twin:
         return cls(robot, scene, samples)
 
     def pass_over_rest(self) -> None:
-        """Let time pass without physics while all is at rest: as good for a comparison."""
+        """Leave out the physics while all is at rest: as good for a comparison."""
         self._simulation.passes_over_rest = True
 
     def take_other_solutions(self) -> None:
