@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import signal
 import sys
 from pathlib import Path
 
@@ -20,6 +21,15 @@ def test_there_is_a_recording_of_each():
     assert sorted(path.stem for path in PROGRAMS.glob("*.txt")) == NAMES
 
 
+@pytest.fixture
+def as_python_starts():
+    """Handlers of signals as in a new process: an earlier test may have left one of the command."""
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
+@pytest.mark.usefixtures("as_python_starts")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_program_prints_what_it_prints_on_real_rclpy(name, run_ros2):
     program = PROGRAMS / f"{name}.py"
