@@ -55,7 +55,7 @@ def _as_choice(reason: Reason, robot: Robot, elsewhere: dict[str, str]) -> Reaso
 
 
 def _parts(robot: Robot) -> frozenset[str]:
-    joints = (each.name for each in robot.attachments)
+    joints = (hung.name for hung in robot.attachments)
     return frozenset({robot.name, *robot.link_names, *robot.groups, *joints})
 
 

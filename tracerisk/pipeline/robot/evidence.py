@@ -107,9 +107,7 @@ def ranked(evidence: Iterable[Evidence], preferred: Sequence[str] = ()) -> Ranki
     Of robots with equal points that one is taken which comes first in `preferred`, then by name.
     Where little speaks, and as much for several, it is none of them.
     """
-    points: dict[str, float] = {}
-    for one in evidence:
-        points[one.robot] = points.get(one.robot, 0.0) + one.points
+    points = _sums(evidence)
     most = max(points.values(), default=0.0)
     if most < LEAST:
         return Ranking("", most, ())
@@ -119,6 +117,14 @@ def ranked(evidence: Iterable[Evidence], preferred: Sequence[str] = ()) -> Ranki
     order = {name: index for index, name in enumerate(preferred)}
     best, *rivals = sorted(equal, key=lambda name: (order.get(name, len(order)), name))
     return Ranking(best, points[best], tuple(sorted(rivals)))
+
+
+def _sums(evidence: Iterable[Evidence]) -> dict[str, float]:
+    """Return the points of each robot for which, or against which, anything speaks."""
+    points: dict[str, float] = {}
+    for one in evidence:
+        points[one.robot] = points.get(one.robot, 0.0) + one.points
+    return points
 
 
 def shown(evidence: Iterable[Evidence]) -> tuple[Evidence, ...]:
@@ -135,9 +141,7 @@ def weighed(evidence: Iterable[Evidence], best: str) -> str:
     Without lines of sources: they change with the blocks that a run writes.
     """
     found = tuple(evidence)
-    points: dict[str, float] = {}
-    for one in found:
-        points[one.robot] = points.get(one.robot, 0.0) + one.points
+    points = _sums(found)
     own = sorted((one for one in found if one.robot == best), key=lambda one: -one.points)
     said = "; ".join(f"{one.words} ({one.file})" for one in own[:_MOST_SAID])
     others = sorted((-sum_, name) for name, sum_ in points.items() if name != best and sum_ > LEAST)
@@ -153,8 +157,6 @@ def is_decided(evidence: Sequence[Evidence]) -> bool:
     now = ranked(evidence)
     if not now.is_sure:
         return False
-    others: dict[str, float] = {}
-    for one in evidence:
-        others[one.robot] = others.get(one.robot, 0.0) + one.points
+    others = _sums(evidence)
     others.pop(now.best)
     return now.points - max(others.values(), default=0.0) >= CLEAR

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import LaunchChoice
@@ -30,7 +31,7 @@ from tracerisk.pipeline.robot.named_parts import (
     evidence_of_parts,
     shipped_parts,
 )
-from tracerisk.pipeline.robot.speech import Speech, own_speeches, speeches_beside
+from tracerisk.pipeline.robot.speech import Speech, own_speeches, speeches_beside, strings_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
@@ -85,27 +86,28 @@ class Gathering:
 
     def spoken(self, speeches: Sequence[Speech]) -> Spoken:
         """Return what sources say about the robot of the workspace."""
-        own = self.speeches[0]
-        strings = tuple(text for speech in speeches for text in speech.strings)
-        root = self._controller.root
+        return self._said(speeches)[0]
+
+    def _said(self, speeches: Sequence[Speech]) -> tuple[Spoken, Mapping[str, Path]]:
+        """Return what sources say, and the installed packages in which they mean a robot."""
+        own, root, strings = self.speeches[0], self._controller.root, strings_of(speeches)
         described = installed_descriptions(root, self.workspace, strings)
         named = named_packages(root, self.workspace.packages, strings) | described.keys()
-        return Spoken(strings, named, self._launched, own.listed, own.strings)
+        return Spoken(strings, named, self._launched, own.listed, own.strings), described
 
     @cached_property
     def _launched(self) -> tuple[LaunchedDescription, ...]:
         """The robots of launch files; to read those of ROS 2 costs a process each."""
-        strings = tuple(text for speech in self.speeches for text in speech.strings)
+        strings = strings_of(self.speeches)
         return launched_robots(self._controller, self._settings, self._launch, strings)
 
     def _workspace(self, speeches: Sequence[Speech]) -> WorkspaceRobots:
         root, workspace = self._controller.root, self.workspace
-        strings = tuple(text for speech in speeches for text in speech.strings)
-        described = installed_descriptions(root, workspace, strings)
+        spoken, described = self._said(speeches)
         return find_workspace_robots(
             (root, *workspace.packages.values(), *described.values()),
             workspace.findable,
-            self.spoken(speeches),
+            spoken,
             self._controller.path,
             self._settings.limits,
         )

@@ -18,6 +18,7 @@ from tracerisk.pipeline.robot.evidence import (
 )
 from tracerisk.pipeline.robot.gathering import Gathered, Gathering
 from tracerisk.pipeline.robot.installed_descriptions import installed_in
+from tracerisk.pipeline.robot.speech import strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import find_workspace
@@ -145,7 +146,7 @@ class _Search:
         """
         robot = load_robot(name)
         reason = _reason(name, gathered)
-        words = words_in(text for speech in self._speeches for text in speech.strings)
+        words = words_in(strings_of(self._speeches))
         if words.isdisjoint(robot.groups):
             robot = replace(robot, assumes_names=True)
         if gathered.prefix:

@@ -65,6 +65,11 @@ class Speech:
         return replace(self, strings=tuple(sorted(bare)), listed=listed)
 
 
+def strings_of(speeches: Iterable[Speech]) -> tuple[str, ...]:
+    """Return the strings of some sources, one after the other."""
+    return tuple(text for speech in speeches for text in speech.strings)
+
+
 def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tuple[Speech, ...]:
     """Return what a controller says, and what the modules of its project say that it imports.
 
