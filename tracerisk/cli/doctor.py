@@ -170,7 +170,7 @@ def _of_environment() -> str:
 
     here = Path.cwd()
     of_both = (find_prefixes(here, project_top(here), ros) for ros in (1, 2))
-    return _installed(tuple(dict.fromkeys(each for found in of_both for each in found)))
+    return _installed(tuple(dict.fromkeys(prefix for found in of_both for prefix in found)))
 
 
 def _installed(prefixes: Sequence[Prefix]) -> str:
@@ -240,15 +240,15 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
     from tracerisk.pipeline.workspace.ros_distro import choose_distro
-    from tracerisk.pipeline.workspace.workspace import workspace_of
+    from tracerisk.pipeline.workspace.workspace import prefixes_of
 
     found = {"controller": controller.file, "root": str(controller.root)}
     if controller.is_python:
         distro = choose_distro(controller, settings)
         assumed = "assumed: " if distro.is_assumed else ""
         found["ros_distro"] = f"{distro.name} ({assumed}{distro.found_in})"
-        found["installed ROS"] = _installed(workspace_of(controller, settings).prefixes)
-        absent = [each for each in settings.ros_prefixes if not Path(each).is_dir()]
+        found["installed ROS"] = _installed(prefixes_of(controller, settings))
+        absent = [name for name in settings.ros_prefixes if not Path(name).is_dir()]
         if absent:
             found["ros_prefixes that are not there"] = ", ".join(absent)
     launch = LaunchChoice()

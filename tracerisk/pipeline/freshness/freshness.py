@@ -218,11 +218,12 @@ def _prefixes_of(
     files: Iterable[str], controller: Controller, settings: Settings
 ) -> tuple[str, ...]:
     """Return the prefixes in which files are that a run depended on, from the root."""
-    from tracerisk.pipeline.workspace.workspace import workspace_of
+    from tracerisk.pipeline.workspace.workspace import prefixes_of
 
     root = controller.root.resolve()
     paths = [Path(os.path.normpath(root / file)) for file in files]
-    prefixes = (Path(each.path).resolve() for each in workspace_of(controller, settings).prefixes)
+    found = prefixes_of(controller, settings)
+    prefixes = (Path(prefix.path).resolve() for prefix in found)
     return tuple(
         sorted(
             from_root(root, prefix)
@@ -238,14 +239,14 @@ def _comparable(recorded: RunInputs, root: Path) -> dict[str, str]:
     Those of a prefix that this machine does not have cannot: where blocks are checked, no ROS
     needs to be installed.
     """
-    absent = [Path(os.path.normpath(root / each)) for each in recorded.prefixes]
-    absent = [each for each in absent if not each.is_dir()]
+    prefixes = [Path(os.path.normpath(root / name)) for name in recorded.prefixes]
+    absent = [prefix for prefix in prefixes if not prefix.is_dir()]
     if not absent:
         return dict(recorded.files)
     return {
         file: digest
         for file, digest in recorded.files.items()
-        if not any(Path(os.path.normpath(root / file)).is_relative_to(each) for each in absent)
+        if not any(Path(os.path.normpath(root / file)).is_relative_to(prefix) for prefix in absent)
     }
 
 

@@ -83,13 +83,18 @@ def declared_needs(folder: Path) -> tuple[str, ...]:
 
 
 def manifest_text(folder: Path) -> str:
-    """Return the first 256 kB of the `package.xml` in a folder; empty where it is no file."""
+    """Return the first 256 kB of the `package.xml` in a folder; empty where it is not a file."""
+    return head_of(folder / PACKAGE_FILE, _MOST_BYTES)
+
+
+def head_of(path: Path, most: int) -> str:
+    """Return the first bytes of a file, at most `most`, as a text; empty where it is not a file."""
     try:
         # A pipe would keep who opens it waiting.
-        descriptor = os.open(folder / PACKAGE_FILE, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         with os.fdopen(descriptor, "rb") as stream:
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 return ""
-            return stream.read(_MOST_BYTES).decode("utf-8", errors="replace")
+            return stream.read(most).decode("utf-8", errors="replace")
     except OSError:
         return ""

@@ -18,7 +18,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, name_of, packages_below
+from tracerisk.pipeline.workspace.package_folders import (
+    PACKAGE_FILE,
+    head_of,
+    name_of,
+    packages_below,
+)
 from tracerisk.records import dataclass, replace
 from tracerisk.sandbox.ros_prefix import (
     AMENT_INDEX,
@@ -198,17 +203,8 @@ def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
 
 def _catkin_sources(prefix: Prefix) -> list[Path]:
     """Return the folders of sources of a `devel` space; none for an `install` space."""
-    try:
-        with open(Path(prefix.path, CATKIN_MARK), "rb", opener=_without_waiting) as stream:
-            text = stream.read(_MOST_BYTES).decode("utf-8", "replace")
-    except OSError:
-        return []
-    return [Path(each) for each in text.strip().split(";") if Path(each).is_absolute()]
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    """Open a file that may be a pipe, to which nobody writes."""
-    return os.open(path, flags | os.O_NONBLOCK)
+    text = head_of(Path(prefix.path, CATKIN_MARK), _MOST_BYTES)
+    return [Path(folder) for folder in text.strip().split(";") if Path(folder).is_absolute()]
 
 
 def _is_within(path: Path, prefix: Prefix) -> bool:
@@ -271,11 +267,7 @@ def _linked_from(folder: Path) -> Iterator[Path]:
     for name in sorted(_names_in(folder)):
         if not name.endswith(".egg-link"):
             continue
-        try:
-            with open(folder / name, "rb", opener=_without_waiting) as stream:
-                first = stream.read(_MOST_BYTES).decode("utf-8", "replace").split("\n")[0].strip()
-        except OSError:
-            continue
+        first = head_of(folder / name, _MOST_BYTES).split("\n")[0].strip()
         if Path(first).is_absolute() and Path(first).is_dir():
             yield Path(first)
 

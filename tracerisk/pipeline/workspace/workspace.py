@@ -147,15 +147,19 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
 
 def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     """Return the packages around a controller, and those that are installed for its ROS."""
+    return replace(find_workspace(controller.root), prefixes=prefixes_of(controller, settings))
+
+
+def prefixes_of(controller: Controller, settings: Settings) -> tuple[Prefix, ...]:
+    """Return where packages are installed for the ROS of a controller."""
     root = controller.root
-    prefixes = find_prefixes(
+    return find_prefixes(
         root,
         project_top(root),
         ros_version(controller.path.resolve(), root.resolve()),
         settings.ros_prefixes,
         settings.ros_distro,
     )
-    return replace(find_workspace(root), prefixes=prefixes)
 
 
 def find_workspace(root: Path) -> Workspace:
