@@ -33,6 +33,11 @@ class DistroRules:
         self._reported: set[tuple[str, Location | None]] = set()
 
     @property
+    def is_ros2(self) -> bool:
+        """Whether the distribution is one of ROS 2."""
+        return self.name != "noetic"
+
+    @property
     def is_assumed(self) -> bool:
         """Whether nothing says that the run follows this distribution."""
         return self._report is not None

@@ -118,7 +118,7 @@ class GripperServer(TwinNode):
         """
         command = goal.message.command
         # In ROS 2 the force does not matter; in ROS 1 nothing is grasped without one.
-        is_grasp_by_force = self._runtime.distro.name == "noetic"
+        is_grasp_by_force = not self._runtime.distro.is_ros2
 
         def width(gripper: Gripper) -> float:
             return width_at(self._twin.robot, gripper, self._measured(gripper)[0])

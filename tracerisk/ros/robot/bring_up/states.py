@@ -67,7 +67,7 @@ class ControllerStates:
         known = robot_controllers(self._runtime)
         modes = dict(self._runtime.client(DeclaredControllers).without_joints)
         if self._bring_up is None:
-            name, kind = _BROADCASTERS[self._runtime.distro.name != "noetic"]
+            name, kind = _BROADCASTERS[self._runtime.distro.is_ros2]
             is_there = any(_PUBLISHES.search(each) for each in (*modes, *known))
             return modes | known | ({} if is_there else {name: DeclaredController((), kind)})
         made, robot = self._bring_up, self._runtime.twin.robot
@@ -91,10 +91,6 @@ class ControllerStates:
             joints = robot_controllers(self._runtime)[made.mark].joints
             loaded = DeclaredController(joints, made.loadable[name])
         self.all.setdefault(name, loaded)
-
-    @property
-    def _is_ros2(self) -> bool:
-        return self._runtime.distro.name != "noetic"
 
     @cached_property
     def running(self) -> set[str]:
@@ -216,7 +212,7 @@ class ControllerStates:
             why = f"the bring-up of {made.driver} loads it and does not start it"
         else:
             return ""
-        state = "stopped" if self._runtime.distro.name == "noetic" else "inactive"
+        state = "inactive" if self._runtime.distro.is_ros2 else "stopped"
         return (
             f"controller '{name}' is {state}: {why}; start it in place of "
             f"{self._of_same_joints(name)} with service switch_controller"
@@ -232,7 +228,9 @@ class ControllerStates:
         runtime = self._runtime
         script = next(map(Path, runtime.argv), None)
         files = LaunchedControllers(runtime.packages.values(), script)
-        made = bring_up_of(runtime.twin.robot, is_ros2=self._is_ros2, is_named=files.name)
+        made = bring_up_of(
+            runtime.twin.robot, is_ros2=self._runtime.distro.is_ros2, is_named=files.name
+        )
         if made is None:
             return None
         if files.has_own_bring_up:

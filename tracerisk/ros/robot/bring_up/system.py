@@ -80,7 +80,7 @@ class SystemState:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._graph = runtime.graph
-        self._is_ros2 = runtime.distro.name != "noetic"
+        self._is_ros2 = runtime.distro.is_ros2
 
     # Topics
 
