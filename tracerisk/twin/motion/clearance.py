@@ -49,7 +49,6 @@ class Clearance:
         self._robot = robot
         self._world = self._alone = CollisionWorld(robot)
         self._columns = self._alone.columns([joint.name for joint in robot.joints])
-        self._has_bodies = False
         self._rule: PathRule | None = None
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> None:
@@ -58,17 +57,16 @@ class Clearance:
         Raises RobotError for a body that cannot be built, and then keeps those before.
         """
         self._world = CollisionWorld(self._robot, bodies, allowed, by_build=self._world.by_build)
-        self._has_bodies = bool(bodies)
 
     @contextmanager
     def among(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> Iterator[None]:
         """Take `bodies` for all that is declared within the block; raise as `declare`."""
-        before = self._world, self._has_bodies
+        before = self._world
         self.declare(bodies, allowed)
         try:
             yield
         finally:
-            self._world, self._has_bodies = before
+            self._world = before
 
     @contextmanager
     def keeping(self, rule: PathRule) -> Iterator[None]:
@@ -203,7 +201,7 @@ class Clearance:
         Bodies and rules may be thinner than the steps of a search; links are not, and MoveIt looks
         no closer.
         """
-        is_thin = self._has_bodies or self._rule is not None
+        is_thin = self._world.has_bodies or self._rule is not None
         return (RESOLUTION, FINE) if is_thin else (RESOLUTION,)
 
     def free_share(

@@ -45,6 +45,7 @@ class CollisionWorld:
         by_build: frozenset[Pair] | None = None,
     ) -> None:
         self._robot = robot
+        self.has_bodies = bool(bodies)
         touch = {
             frozenset((body.name, link))
             for body in bodies

@@ -200,7 +200,8 @@ class NodeParameters(TwinNode):
     def _set_all(self, node: str, parameters: Any) -> Any:
         """Set parameters that are declared, which the twin keeps and does not act on."""
         result = self._messages.new("rcl_interfaces/SetParametersResult")
-        unknown = [each.name for each in parameters if each.name not in self._values(node)]
+        declared = self._values(node)
+        unknown = [each.name for each in parameters if each.name not in declared]
         if unknown:
             result.reason = f"parameter '{unknown[0]}' cannot be set because it was not declared"
             return result
