@@ -62,7 +62,7 @@ def read_text(path: Path) -> str:
     """
     try:
         if path.exists() and not path.is_file():
-            raise ParameterTextError("is no file")
+            raise ParameterTextError("is not a file")
         if path.stat().st_size > _MOST_BYTES:
             raise ParameterTextError(f"is larger than {_MOST_BYTES} bytes")
         return path.read_text(encoding="utf-8", errors="replace")

@@ -88,7 +88,7 @@ def _text_of(file: Path) -> bytes:
     """Return what a manifest holds; no manifest is large, or defines entities."""
     status = file.stat()
     if not stat.S_ISREG(status.st_mode) or status.st_size > _MOST_BYTES:
-        raise InvalidManifest(f"[{file}] is no file of at most {_MOST_BYTES // 1024} kB")
+        raise InvalidManifest(f"[{file}] is not a file of at most {_MOST_BYTES // 1024} kB")
     text = file.read_bytes()
     if b"<!ENTITY" in text:
         raise InvalidManifest(f"[{file}] defines entities, which are not read")
