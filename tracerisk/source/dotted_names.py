@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from functools import lru_cache
 
 
 def dotted_name(node: ast.AST) -> str:
@@ -21,13 +21,16 @@ def last_name(node: ast.AST | None) -> str:
     return node.id if isinstance(node, ast.Name) else ""
 
 
-def imports_in(tree: ast.AST | None) -> Iterator[tuple[int, list[str]]]:
-    """Yield what a source imports: the level of a relative import, and the parts of a name."""
+@lru_cache(maxsize=32)  # several stages of a run ask it of the same trees
+def imports_in(tree: ast.AST | None) -> tuple[tuple[int, tuple[str, ...]], ...]:
+    """Return what a source imports: the level of a relative import, and the parts of a name."""
+    found: list[tuple[int, tuple[str, ...]]] = []
     for node in ast.walk(tree) if tree is not None else ():
         if isinstance(node, ast.Import):
-            yield from ((0, alias.name.split(".")) for alias in node.names)
+            found += ((0, tuple(alias.name.split("."))) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            start = node.module.split(".") if node.module else []
-            yield node.level, start
+            start = tuple(node.module.split(".")) if node.module else ()
+            found.append((node.level, start))
             # A submodule may be named as what is imported: `from control_msgs import action`.
-            yield from ((node.level, [*start, alias.name]) for alias in node.names)
+            found += ((node.level, (*start, alias.name)) for alias in node.names)
+    return tuple(found)

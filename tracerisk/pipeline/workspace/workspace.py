@@ -6,6 +6,7 @@ import itertools
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 
 from tracerisk.config import Settings
@@ -213,9 +214,10 @@ def named_packages(
     return frozenset(words & packages.keys())
 
 
-def imported_names(source: str) -> set[str]:
+@lru_cache(maxsize=256)  # the same modules are looked at for the robot, the ROS and the packages
+def imported_names(source: str) -> frozenset[str]:
     """Return the first part of each module that the lines of a source import."""
-    return set(_IMPORT.findall(source))
+    return frozenset(_IMPORT.findall(source))
 
 
 def project_top(root: Path) -> Path:

@@ -165,8 +165,10 @@ class CollisionWorld:
             if geom.contype:
                 geom.contype, geom.conaffinity = _LINK, _LINK | _BODY
         links = set(self._robot.link_names)
-        # Left out before they are looked at: an SRDF disables most pairs.
+        # Left out before they are looked at: an SRDF disables most pairs. MuJoCo itself leaves out
+        # neighbours, but for those of a link that stands on the ground.
         disabled = {frozenset(pair) for pair in self._robot.disabled_collisions} | by_build
+        disabled |= {frozenset((hung.parent, hung.child)) for hung in self._robot.attachments}
         for pair in sorted(sorted(pair) for pair in disabled):
             if len(pair) == 2 and links.issuperset(pair):
                 spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
