@@ -22,7 +22,7 @@ IN_FRONT_OF_MACHINE = [-0.71, 0.02, 0.0, -1.88, 0.0, 1.90, 0.08]
 IN_CHUCK = [-0.71, 0.31, 0.0, -1.62, 0.0, 1.93, 0.08]
 
 # Distance of one finger from the middle of the hand [m].
-OPEN = 0.038
+OPEN = 0.04
 CLOSED = 0.0
 GRIP_FORCE = 15.0
 
