@@ -1,13 +1,19 @@
 """What collides with what: the pairs that an SRDF disables, and plans clear of the arm itself."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tracerisk.errors import RobotError
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.physics.collision import CollisionWorld
+from tracerisk.twin.robots.reader import read_robot
 from tracerisk.twin.robots.robot import load_robot
+
+
+SHIPPED = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots" / "shipped"
 
 
 def drawn_pairs(robot, group):
@@ -76,3 +82,44 @@ def test_a_plan_leads_around_the_arm_itself(name, group):
             assert joint.lower - 1e-9 <= value <= joint.upper + 1e-9
     steps = np.abs(np.diff(np.array(way), axis=0)).max()
     assert steps < 0.05, "what lies between two points of the way was looked at"
+
+
+PANDA_LEANS = (0.0, 0.1, 0.0, -1.57, 0.0, 0.0, 0.0)
+"""Where the hand is folded back beside the forearm [rad]."""
+
+
+def colliding(name, joints, posture):
+    """The pairs of links of a shipped robot that collide in a posture [rad]."""
+    world = CollisionWorld(load_robot(name))
+    return {
+        frozenset(pair)
+        for pair in world.pairs(world.configuration(dict(zip(joints, posture, strict=True))))
+    }
+
+
+@pytest.mark.parametrize("arm", ["panda", "fr3"])
+def test_moveit_does_not_compare_the_hand_of_a_franka_with_its_wrist(arm):
+    joints = [f"{arm}_joint{number}" for number in range(1, 8)]
+    assert not colliding(arm, joints, PANDA_LEANS)
+
+
+@pytest.mark.parametrize("arm", ["panda", "fr3"])
+def test_moveit_compares_the_hand_of_a_franka_with_its_lower_links(arm):
+    joints = [f"{arm}_joint{number}" for number in range(1, 8)]
+    folded = colliding(arm, joints, (0.0, 0.53, 0.0, -2.86, 0.0, 1.2, 0.0))
+    lower = {f"{arm}_link{number}" for number in range(4)}
+    assert any(pair & lower and f"{arm}_hand" in pair for pair in folded)
+
+
+@pytest.mark.parametrize("arm", ["ur3", "ur5e", "ur30"])
+def test_moveit_does_not_compare_the_first_and_the_last_wrist_of_a_ur(arm):
+    assert ("wrist_1_link", "wrist_3_link") in load_robot(arm).disabled_collisions
+    assert ("shoulder_link", "wrist_1_link") not in load_robot(arm).disabled_collisions
+
+
+def test_a_pair_of_a_link_that_there_is_not_is_refused(tmp_path):
+    text = (SHIPPED / "ur5e.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "ur5e.yaml"
+    path.write_text(text.replace("wrist_1_link: [wrist_3_link]", "wrist_1_link: [wrist_9_link]"))
+    with pytest.raises(RobotError, match="'wrist_9_link'"):
+        read_robot(path)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
 
-from tracerisk.errors import RobotError
+from tracerisk.errors import RobotError, one_of
 from tracerisk.geometry.shapes import read_shapes
 from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.twin.robots.outline import derived_servo, outlined
@@ -47,7 +47,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
             "default_scaling", "default_scene", "effort_unit", "payload", "sensors", "following",
-            "masses",
+            "masses", "disabled_collisions",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -101,6 +101,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         default_scene=top.optional_string("default_scene"),
         file=file,
         aliases=tuple(top.strings("aliases")),
+        disabled_collisions=_disabled_collisions(top, link_names),
         payload=_positive(top, "payload") if "payload" in top else None,
         own_sensors=sensors,
         without_encoder=without_encoder,
@@ -126,6 +127,18 @@ def _link(entry: YamlMap) -> Link:
         else (inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]),
         shapes=read_shapes(entry),
     )
+
+
+def _disabled_collisions(top: YamlMap, links: Collection[str]) -> frozenset[tuple[str, str]]:
+    """Return the pairs of links that may touch, each pair in order; each link names others."""
+    section = top.section("disabled_collisions")
+    found = set()
+    for link in section:
+        if link not in links:
+            section.fail(link, one_of(sorted(links), link))
+        for other in section.choices(link, links, "link"):
+            found.add((min(link, other), max(link, other)))
+    return frozenset(found)
 
 
 def _joints(
