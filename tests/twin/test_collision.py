@@ -12,7 +12,6 @@ from tracerisk.twin.physics.collision import CollisionWorld
 from tracerisk.twin.robots.reader import read_robot
 from tracerisk.twin.robots.robot import load_robot
 
-
 SHIPPED = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots" / "shipped"
 
 

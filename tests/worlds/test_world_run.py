@@ -23,8 +23,8 @@ LOST = WorldRun(
 
 def test_a_sentence_says_what_depends_on_a_world_why_and_where():
     assert dependence_line(LOST) == (
-        "depends on world discovery: rest 1 of 2 is no longer reached; a message on /a is lost "
-        "(pick.py:18)"
+        "depends on world discovery (publishers, subscribers, services and actions take 0.2 to "
+        "1 s to connect): rest 1 of 2 is no longer reached; a message on /a is lost (pick.py:18)"
     )
 
 

@@ -42,7 +42,8 @@ def _depends(run: WorldRun) -> str:
     words += [f"{more} more"] if more > 0 else []
     words += [f"{run.verdict or 'refused'}: {run.reason}"] if run.reason else []
     words += [run.cause] if run.cause else []
-    return "; ".join(words)
+    changed = f"{run.changed}: " if run.changed else ""
+    return changed + "; ".join(words)
 
 
 def _line(run: WorldRun) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.records import dataclass, replace
+from tracerisk.worlds.world import WORLDS
 
 WORLDS_KEPT = "worlds"
 """The key of a lock's summary under which the worlds of a run are kept."""
@@ -25,7 +26,8 @@ class WorldRun:
     differs: tuple[str, ...] = ()
     """What it brought about that is different, a sentence each, the gravest first."""
     cause: str = ""
-    """What is known of why: what was sent to an end that was not connected yet."""
+    """What is known of why: what was sent to an end that was not connected yet, or what was read of
+    joint states that come in another order."""
     location: Location | None = None
     """The file, from the controller's root, and the line that it depends on, where known."""
 
@@ -39,6 +41,11 @@ class WorldRun:
         """What depends on the world, in one sentence; empty where nothing does."""
         found = self.differs[0] if self.differs else f"{self.verdict}: {self.reason}"
         return found if self.depends else ""
+
+    @property
+    def changed(self) -> str:
+        """What is different in the world, in words; empty for a name that is no longer there."""
+        return next((world.description for world in WORLDS if world.name == self.world), "")
 
     def with_line(self, line_of: Callable[[str, int], int]) -> WorldRun:
         """Return it with another line; `line_of` takes a file and a line of it."""
@@ -57,8 +64,9 @@ def dependence_line(run: WorldRun) -> str:
     """Return in one sentence what depends on a world, and where that is known the line."""
     place = run.location
     at = "" if place is None else f" ({Location(place.file, place.line)})"
+    what = f" ({run.changed})" if run.changed else ""
     why = f"; {run.cause}" if run.cause else ""
-    return f"depends on world {run.world}: {run.words}{why}{at}"
+    return f"depends on world {run.world}{what}: {run.words}{why}{at}"
 
 
 def joined_worlds(before: Iterable[WorldRun], now: Iterable[WorldRun]) -> tuple[WorldRun, ...]:

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[3]
 RACES = ROOT / "benchmarks" / "races"
 NAMED = [
     ("publish_at_once", "discovery", 18),
-    ("joint_index", "joints-alphabetical", 23),
+    ("joint_index", "joints-alphabetical", 16),
     ("sleep_for_motion", "planning", 16),
     ("callback_order", "order", None),
     ("gripper_assumed", "gripper-closed", 26),

@@ -31,5 +31,5 @@ def print_worlds(runs: Sequence[WorldRun], options: argparse.Namespace) -> None:
 
 
 def worlds_json(runs: Sequence[WorldRun]) -> list[dict[str, Any]]:
-    """Return the runs in worlds for a `--json`, each with whether anything depends on it."""
-    return [{**plain_data(run), "depends": run.depends} for run in runs]
+    """Return the runs in worlds for a `--json`: what each changed, and whether anything depends."""
+    return [{**plain_data(run), "changed": run.changed, "depends": run.depends} for run in runs]

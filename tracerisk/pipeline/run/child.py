@@ -82,6 +82,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import TwinFrames
+from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.scenario.cell_log import CellLog
 from tracerisk.ros.scenario.objects import with_objects, with_start
@@ -93,6 +94,7 @@ from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.world.connecting import ConnectionTimes
 from tracerisk.ros.world.start import started_in
+from tracerisk.ros.world.state_reads import StateReads
 from tracerisk.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.sandbox.moved_files import MovedFiles
 from tracerisk.sandbox.noted_reads import NotedReads
@@ -196,6 +198,11 @@ def _run(
         else Interfaces(own, more, there, reads.add)
     )
     serve_twin(runtime, interfaces, drivers)
+    state_reads = (
+        StateReads(interfaces.message(JOINT_STATE_TYPE))
+        if world_named(request.world).joint_order != NOMINAL.joint_order
+        else None
+    )
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule
     values = UsableValues(
@@ -240,7 +247,8 @@ def _run(
                 "sent_early", words, place, object_name=early.name, time_ns=early.time_ns
             )
         if request.world != NOMINAL.name:
-            recorder.note(LOST_ON_THE_WAY, lost=carrier.lost_in(root))
+            read = [] if state_reads is None else state_reads.places_in(root)
+            recorder.note(LOST_ON_THE_WAY, lost=[*carrier.lost_in(root), *read])
         watch.run_over(cause)
         if fate is not None:
             fate.note_end()

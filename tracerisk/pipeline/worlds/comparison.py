@@ -20,7 +20,7 @@ from tracerisk.worlds.world import World
 from tracerisk.worlds.world_run import WorldRun
 
 Lost = tuple[str, str, int]
-"""What was sent to an end that was not connected yet: words, file and line."""
+"""What the world reached: a message that was lost, a reading; words, file and line."""
 
 _WIDER = 5.0
 """How many times the tolerances of outcomes two worlds may differ: contacts depend on timing."""
@@ -68,7 +68,7 @@ def _key(reason: Reason) -> tuple[str, str]:
 
 
 def _with_cause(run: WorldRun, new: list[Reason], lost: tuple[Lost, ...]) -> WorldRun:
-    """Return a run with the line that it depends on: where something was lost, else failed."""
+    """Return a run with the line that it depends on: what the world reached, else what failed."""
     if lost:
         words, file, line = lost[0]
         return replace(run, cause=words, location=Location(file, line or None))
