@@ -16,6 +16,7 @@ from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.state_topics import TwinTopics
@@ -79,6 +80,7 @@ def run_traced(
                 scheduler.run_main(run)
             except RunOver as ended:
                 over = ended
+            runtime.client(StaleMessages).report()
         return Ran(dict(namespace), read_recording(events), twin), over
 
 

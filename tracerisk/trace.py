@@ -68,6 +68,7 @@ NOTES: frozenset[str] = frozenset(
         "assumed_start",
         "concurrent_owners",
         "distro_assumed",
+        "handled_late",
         "not_simulated",
         "nothing_to_grasp",
         "removed_name",

@@ -70,6 +70,7 @@ from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
@@ -246,6 +247,7 @@ def _run(
             recorder.finding(
                 "sent_early", words, place, object_name=early.name, time_ns=early.time_ns
             )
+        runtime.client(StaleMessages).report()
         if request.world != NOMINAL.name:
             read = [] if state_reads is None else state_reads.places_in(root)
             recorder.note(LOST_ON_THE_WAY, lost=[*carrier.lost_in(root), *read])

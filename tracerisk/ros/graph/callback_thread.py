@@ -27,6 +27,11 @@ class CallbackThread:
     _is_started: bool = False
     _is_closed: bool = False
 
+    @property
+    def n_waiting(self) -> int:
+        """How many calls wait."""
+        return len(self._calls)
+
     def put(self, call: Callable[[], object]) -> None:
         """Run `call` when the thread gets its turn; it must raise nothing."""
         if self._is_closed:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import STOPS
 from tracerisk.ros.graph.actions import Actions
+from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.twin.motion.execution import Motion, Way
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ class TwinCommands:
         self.scheduler: Scheduler = runtime.scheduler
         self.twin: Twin = runtime.twin
         self._runtime = runtime
+        self._stale = runtime.client(StaleMessages)
         self._recorder: Recorder | None = runtime.recorder
         self._live: list[LiveCommand] = []
         self._stops: set[tuple[str, int, int]] = set()
@@ -126,6 +128,7 @@ class TwinCommands:
         `goal` is the goal of an action that it is; `what` is what it is called where it fails.
         `misses` says of a motion that succeeded why it is a failure all the same.
         """
+        self._stale.commanded()
         command_id = 0
         if self._recorder is not None and stack:
             command_id = self._recorder.command(kind, motion.elements, stack, goal=motion.goal)
@@ -151,6 +154,7 @@ class TwinCommands:
 
         It is not over before another `for_ns` [ns].
         """
+        self._stale.commanded()
         command.commanded_ns = self.scheduler.now_ns
         command.keep_until_ns = command.commanded_ns + for_ns
         # The watch of the commands looks when the clock stops here.

@@ -9,6 +9,7 @@ from enum import Enum
 from operator import attrgetter
 from typing import Any
 
+from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.messages.ros2_wire import encode
 from tracerisk.ros.time.clock import EPOCH_NS
@@ -155,7 +156,13 @@ class Subscription(Entity):
         if self._callback_type is self.CallbackType.WithMessageInfo:
             arguments.append(info)
 
+        came_ns = info["received_timestamp"] - EPOCH_NS
+        # What waits now: a callback that is at work takes in none of it.
+        waiting = [(later, told["received_timestamp"] - EPOCH_NS) for later, told, _ in self._queue]
+        stale = run().runtime.client(StaleMessages)
+
         async def call() -> None:
-            await await_or_execute(self._callback, *arguments)
+            with stale.handling(self._subscription, message, came_ns, waiting, "a depth of 1"):
+                await await_or_execute(self._callback, *arguments)
 
         return call

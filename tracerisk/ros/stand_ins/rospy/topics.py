@@ -13,6 +13,7 @@ from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import Publication, Subscription
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.messages.ros1_base import Message, SerializationError
 from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 
@@ -253,6 +254,11 @@ class _Connection:
     def __init__(self, thread: CallbackThread) -> None:
         self.thread = thread
         self.latched: Any = None
+        self.waiting: list[tuple[Any, int]] = []
+
+    def trim(self) -> None:
+        """Forget of the messages that wait those that the thread has dropped or taken."""
+        del self.waiting[: len(self.waiting) - self.thread.n_waiting]
 
 
 class _SubscriberImpl(_Connected):
@@ -327,10 +333,15 @@ class _SubscriberImpl(_Connected):
                 limit=self.queue_size,
             )
             connection = self._connections[publication] = _Connection(thread)
-        arrived = connection
-        arrived.thread.put(lambda: self._receive(snapshot, publication, arrived))
+        arrived, came_ns = connection, node().scheduler.now_ns
+        arrived.thread.put(lambda: self._receive(snapshot, publication, arrived, came_ns))
+        arrived.waiting.append((snapshot, came_ns))
+        arrived.trim()
 
-    def _receive(self, snapshot: Any, publication: Publication, connection: _Connection) -> None:
+    def _receive(
+        self, snapshot: Any, publication: Publication, connection: _Connection, came_ns: int
+    ) -> None:
+        connection.trim()
         if type(snapshot) is self.data_class:
             message = copy.deepcopy(snapshot)
         else:
@@ -343,8 +354,12 @@ class _SubscriberImpl(_Connected):
             "type": publication.type_name,
         }
         connection.latched = message if publication.latch else None
-        for callback, args in self.callbacks:
-            self._invoke(message, callback, args)
+        stale = node().runtime.client(StaleMessages)
+        with stale.handling(
+            self.subscription, snapshot, came_ns, connection.waiting, "queue_size=1"
+        ):
+            for callback, args in self.callbacks:
+                self._invoke(message, callback, args)
 
     def _invoke(self, message: Any, callback: Callable[..., object], args: Any) -> None:
         state = node()
