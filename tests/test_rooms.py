@@ -80,6 +80,7 @@ SUB_ROOMS = {
             "robot",
         ),
         *(
+            "readings",
             "drafts",
             "transforms",
             "messages",

@@ -16,9 +16,10 @@ from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime, activate
-from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.readings.stale_messages import StaleMessages
+from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
@@ -39,6 +40,7 @@ def run_traced(
     drivers: Sequence[Any] = (),
     packages: Mapping[str, Path] = MappingProxyType({}),
     has_topics: bool = True,
+    has_frames: bool = False,
     distro: RosDistro | None = None,
     on_decided: Callable[..., None] = lambda *_: None,
 ) -> tuple[Ran, RunOver | None]:
@@ -68,6 +70,8 @@ def run_traced(
         )
         if has_topics:
             TwinTopics(runtime, interfaces)
+        if has_frames:
+            TwinFrames(runtime, interfaces)
         serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
         with (
             activate(runtime),

@@ -71,6 +71,7 @@ NOTES: frozenset[str] = frozenset(
         "handled_late",
         "not_simulated",
         "nothing_to_grasp",
+        "other_frame",
         "removed_name",
         "stopped_nothing",
         "unlikely_unit",

@@ -70,7 +70,6 @@ from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
@@ -81,6 +80,7 @@ from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE

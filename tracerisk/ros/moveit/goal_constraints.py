@@ -16,9 +16,10 @@ from typing import Any
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.moveit.goal_regions import LinkRegion
 from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, places
-from tracerisk.ros.moveit.path_constraints import PathRule
+from tracerisk.ros.moveit.path_constraints import PathRule, message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
-from tracerisk.ros.transforms.poses import ORIGIN
+from tracerisk.ros.readings.read_poses import ReadPoses
+from tracerisk.ros.transforms.poses import ORIGIN, unit_quaternion
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Scaling
 
@@ -85,10 +86,14 @@ class Goal:
 
 
 class GoalReader:
-    """Reads goals by what a server knows of groups, links and frames."""
+    """Reads goals by what a server knows of groups, links and frames.
 
-    def __init__(self, server: MoveGroupServer) -> None:
+    `read_poses` is told which poses are asked for in which frames.
+    """
+
+    def __init__(self, server: MoveGroupServer, read_poses: ReadPoses) -> None:
         self._server = server
+        self._read_poses = read_poses
 
     def plan(
         self,
@@ -158,6 +163,12 @@ class GoalReader:
                     ErrorCode.INVALID_GOAL_CONSTRAINTS,
                     f"the position constraint of link '{link}' has no primitive as its region",
                 )
+        for place, turn in zip(positions[:1], turns[:1], strict=False):
+            if place.header.frame_id == turn.header.frame_id:
+                middle = message_pose(place.constraint_region.primitive_poses[0]).position
+                asked = turn.orientation
+                turned = unit_quaternion((asked.x, asked.y, asked.z, asked.w))
+                self.given(place.header.frame_id, Pose(middle, turned))
         is_known = link in self._server.robot.link_names
         return LinkRegion(
             link,
@@ -240,6 +251,10 @@ class GoalReader:
         if not link:
             raise RequestError(ErrorCode.INVALID_LINK_NAME, f"group '{group}' has no tip link")
         return link
+
+    def given(self, frame: str, pose: Pose) -> None:
+        """Take note of a pose that is asked for in a frame."""
+        self._read_poses.given(frame, pose, self._server.known_frame)
 
     def frame(self, name: str) -> Pose:
         """Return the pose of a frame; raise RequestError for an unknown one."""

@@ -162,8 +162,7 @@ class MoveGroupServer(RobotGroups):
         one of these.
         """
         plain = name.lstrip("/")
-        pose = self.changes.frame(plain)
-        pose = pose or fixed_frame(self._runtime.graph, plain, self.changes.frame)
+        pose = self.known_frame(plain)
         if plain:
             need = Need("frame", plain, parent=self.robot.base_link)
             if pose is None:
@@ -171,6 +170,12 @@ class MoveGroupServer(RobotGroups):
             else:
                 self._runtime.scheduler.needs.meet(need)
         return pose
+
+    def known_frame(self, plain: str) -> Pose | None:
+        """Return the pose of a frame as `frame` does, for who needs none."""
+        return self.changes.frame(plain) or fixed_frame(
+            self._runtime.graph, plain, self.changes.frame
+        )
 
     def seek(self, name: str, how: str = "") -> None:
         """Note that the controller looks for an object that the planning scene lacks."""

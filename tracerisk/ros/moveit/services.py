@@ -24,6 +24,7 @@ from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, val
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.scene_topics import MONITORED, SceneTopics
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
 from tracerisk.ros.robot.twin_node import TwinNode
@@ -54,7 +55,8 @@ class MoveItInterfaces(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._server = runtime.client(MoveGroupServer)
-        self._goals = GoalReader(self._server)
+        self._read_poses = runtime.client(ReadPoses)
+        self._goals = GoalReader(self._server, self._read_poses)
         self._turns = {
             MOVE_GROUP: GoalTurns(runtime, "move-action", self._move_group, self._stop),
             EXECUTE_TRAJECTORY: GoalTurns(
@@ -216,7 +218,9 @@ class MoveItInterfaces(TwinNode):
             self._goals.check_group(asked.group_name)
             link = asked.ik_link_name or self._goals.tip(asked.group_name)
             base = self._goals.frame(asked.pose_stamped.header.frame_id)
-            goal = PoseGoal(link, compose(base, message_pose(asked.pose_stamped.pose)))
+            given = message_pose(asked.pose_stamped.pose)
+            self._goals.given(asked.pose_stamped.header.frame_id, given)
+            goal = PoseGoal(link, compose(base, given))
             found = self._server.reach(
                 asked.group_name, [goal], self._start(asked.robot_state) or None
             )
@@ -256,7 +260,9 @@ class MoveItInterfaces(TwinNode):
             message = self._messages.new("geometry_msgs/PoseStamped")
             message.header.frame_id = request.header.frame_id or self._server.planning_frame
             self._now(message.header)
-            set_pose(message.pose, compose(back, pose))
+            seen = compose(back, pose)
+            self._read_poses.read(message.header.frame_id, seen, "compute_fk")
+            set_pose(message.pose, seen)
             stamped.append(message)
         answer.pose_stamped = stamped
         answer.fk_link_names = list(request.fk_link_names)
@@ -267,6 +273,8 @@ class MoveItInterfaces(TwinNode):
         try:
             self._goals.check_group(request.group_name)
             base = self._goals.frame(request.header.frame_id)
+            for pose in request.waypoints:
+                self._goals.given(request.header.frame_id, message_pose(pose))
             if request.max_step <= 0.0:
                 raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
             with self._server.planning_under(request.path_constraints):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import STOPS
 from tracerisk.ros.graph.actions import Actions
-from tracerisk.ros.graph.stale_messages import StaleMessages
+from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.twin.motion.execution import Motion, Way
 
 if TYPE_CHECKING:

@@ -7,6 +7,8 @@ import numpy as np
 from moveit_msgs.msg import RobotState
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import conjugate, multiply, rotate, rpy_from_quaternion
 from tracerisk.twin.physics import motion
 
@@ -70,8 +72,9 @@ class GroupState(GroupSettings):
     def get_current_pose(self, end_effector_link: str = "") -> Any:
         """Return the pose of the end effector in the planning frame, as a PoseStamped."""
         pose = self._link_pose(end_effector_link, "get the pose of")
-        values = [*pose.position, *pose.orientation]
-        return conversions.list_to_pose_stamped(values, self.get_planning_frame())
+        frame = self.get_planning_frame()
+        current().client(ReadPoses).read(frame, pose, "get_current_pose")
+        return conversions.list_to_pose_stamped([*pose.position, *pose.orientation], frame)
 
     def get_current_rpy(self, end_effector_link: str = "") -> list[float]:
         """Return roll, pitch and yaw of the end effector in the planning frame [rad]."""

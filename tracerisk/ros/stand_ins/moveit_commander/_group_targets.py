@@ -8,7 +8,9 @@ from geometry_msgs.msg import Pose, PoseStamped
 from sensor_msgs.msg import JointState
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.move_group import GoalKind, PoseGoal
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import (
     Quaternion,
     compose,
@@ -310,11 +312,13 @@ class GroupTargets(GroupState):
     def _framed(
         self, pose: Any, turned: Callable[[Sequence[float]], Quaternion] = unit_quaternion
     ) -> _FramedPose:
+        frame = self._reference_frame
         if isinstance(pose, PoseStamped):
-            values = conversions.pose_to_list(pose.pose)
-            return _FramedPose(pose.header.frame_id, conversions._twin_pose(values, turned))
+            frame, pose = pose.header.frame_id, pose.pose
         values = conversions.pose_to_list(pose) if isinstance(pose, Pose) else pose
-        return _FramedPose(self._reference_frame, conversions._twin_pose(values, turned))
+        framed = _FramedPose(frame, conversions._twin_pose(values, turned))
+        current().client(ReadPoses).given(frame, framed.pose, self._server.known_frame)
+        return framed
 
     def _pose_goal(self, link: str, framed: _FramedPose, kind: GoalKind) -> PoseGoal:
         return self._goal(link, compose(self._frame(framed.frame), framed.pose), kind)

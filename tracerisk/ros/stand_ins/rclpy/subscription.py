@@ -9,9 +9,9 @@ from enum import Enum
 from operator import attrgetter
 from typing import Any
 
-from tracerisk.ros.graph.stale_messages import StaleMessages
 from tracerisk.ros.messages.ros2 import copy_message
 from tracerisk.ros.messages.ros2_wire import encode
+from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._endpoint_events import EndpointEvents

@@ -13,6 +13,7 @@ from tracerisk.ros.graph.failures import lookup_failed, lookup_succeeded
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
 from tracerisk.text.near_names import likely_meant
@@ -94,6 +95,7 @@ class BufferCore:
             lambda: self._tree.lookup(target_frame, source_frame, time_ns),
         )
         self._read(target_frame, source_frame, time_ns)
+        current().client(ReadPoses).read(target_frame, found[0], "a lookup")
         return _stamped(target_frame, source_frame, *found)
 
     def lookup_transform_full_core(

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import attached_messages, set_pose, state_message
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.planning_scene import AttachedObject
 from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, compose
 from tracerisk.twin.physics.motion import PlanningError, Pose
 
@@ -182,7 +184,9 @@ class RobotState(JointValues):
             RuntimeError: there is no such link; lists those there are.
         """
         message = new("geometry_msgs/Pose")
-        set_pose(message, self._pose(link_name))
+        pose = self._pose(link_name)
+        current().client(ReadPoses).read("", pose, "get_pose")
+        set_pose(message, pose)
         return message
 
     def get_global_link_transform(self, link_name: str) -> Array:

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 from moveit_msgs.msg import Constraints
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.moveit.move_group import Plan
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Scaling
@@ -56,7 +58,7 @@ class PlanningComponent:
         self._goals: list[Any] = []
         self._path_constraints = Constraints()
         self._workspace: tuple[float, ...] | None = None
-        self._reader = GoalReader(self._server)
+        self._reader = GoalReader(self._server, current().client(ReadPoses))
 
     @property
     def planning_group_name(self) -> str:

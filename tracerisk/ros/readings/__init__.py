@@ -1,0 +1,1 @@
+"""What a controller reads of its cell, and whether it takes it for something else."""
