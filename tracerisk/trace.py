@@ -72,8 +72,10 @@ NOTES: frozenset[str] = frozenset(
         "not_simulated",
         "nothing_to_grasp",
         "other_frame",
+        "other_link",
         "removed_name",
         "stopped_nothing",
+        "unlikely_turn",
         "unlikely_unit",
         UNUSED,
     }

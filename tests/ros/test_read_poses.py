@@ -137,6 +137,10 @@ while not result.done():
 """
 
 
+KINDS = {"other_frame", "other_link", "unlikely_turn", "unlikely_unit"}
+TURNS = "from tf.transformations import euler_matrix, quaternion_from_euler\nimport PyKDL\n"
+
+
 @pytest.fixture
 def told(tmp_path: Path):
     def told(program: str):
@@ -146,7 +150,7 @@ def told(tmp_path: Path):
         ran = quiet_end(
             *run_traced(script, interfaces, scene="empty", has_frames=True, duration_s=60.0)
         )
-        return [each for each in ran.recording.findings if each.kind == "other_frame"]
+        return [each for each in ran.recording.findings if each.kind in KINDS]
 
     return told
 
@@ -154,6 +158,7 @@ def told(tmp_path: Path):
 @pytest.mark.parametrize("what", WRONG)
 def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     (finding,) = told(COMMANDER + WRONG[what])
+    assert finding.kind == "other_frame"
     assert "the planning frame" in finding.message or "frame 'panda_link0'" in finding.message
     assert f"as of frame '{finding.object}'" in finding.message
     assert finding.location.line >= LINE
@@ -168,3 +173,98 @@ def test_numbers_that_belong_to_their_frame_are_not(told, what):
 @pytest.mark.parametrize(("frame", "number"), [("panda_link1", 1), ("panda_link0", 0)])
 def test_constraints_of_a_goal_are_looked_at_too(told, frame, number):
     assert len(told(MOVE_GROUP.replace("FRAME", frame))) == number
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        'arm.set_pose_target(lowered(arm.get_current_pose("panda_hand_tcp").pose), "panda_link8")',
+        'pose = looked_up("panda_link0", "panda_hand")\narm.set_pose_target(pose, "panda_hand_tcp")',
+        'pose = looked_up("panda_link0", "panda_link8")\n'
+        'pose.position.y += 0.1\narm.set_pose_target(stamped(pose, "world"), "panda_hand_tcp")',
+    ],
+)
+def test_the_pose_of_another_link_of_the_same_body_is_told_of(told, steps):
+    (finding,) = told(COMMANDER + steps)
+    assert finding.kind == "other_link"
+    assert "from it on the same body" in finding.message
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        'arm.set_pose_target(lowered(arm.get_current_pose("panda_hand_tcp").pose), '
+        '"panda_hand_tcp")',
+        # A link that the arm goes to, as to an object.
+        'arm.set_pose_target(looked_up("panda_link0", "panda_link4"), "panda_link8")',
+        # The way between the links is taken off.
+        'pose = arm.get_current_pose("panda_hand_tcp").pose\npose.position.z += 0.1034 - 0.05\n'
+        'arm.set_pose_target(pose, "panda_hand")',
+        'here()\npose = arm.get_current_pose("panda_hand").pose\nhere()\n'
+        'arm.set_pose_target(lowered(arm.get_current_pose("panda_link8").pose), "panda_link8")',
+    ],
+)
+def test_the_pose_of_the_link_itself_is_not(told, steps):
+    assert not told(COMMANDER + steps)
+
+
+@pytest.mark.parametrize(
+    ("steps", "words"),
+    [
+        (
+            "p, q = here().position, here().orientation\n"
+            "arm.set_pose_target([p.x, p.y, p.z, q.w, q.x, q.y, q.z])",
+            "with w first",
+        ),
+        ("arm.set_pose_target(Pose(position=here().position))", "has length 0"),
+        ("arm.set_pose_target([0.4, 0.1, 0.4, 1.0, 0.0, 0.0, 0.7])", "has length 1.22"),
+    ],
+)
+def test_a_turn_that_is_none_is_told_of(told, steps, words):
+    (finding,) = told(COMMANDER + steps)
+    assert finding.kind == "unlikely_turn"
+    assert words in finding.message
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        "arm.set_pose_target([0.4, 0.1, 0.4, 1.0, 0.0, 0.0, 0.0])",
+        "arm.set_pose_target([0.4, 0.1, 0.4, 0.0, 1.0, 0.0, 0.0])",
+        "arm.set_pose_target([0.4, 0.1, 0.4, 0.924, -0.383, 0.0, 0.0])",
+        # Only the position is asked for.
+        "arm.set_position_target([0.4, 0.1, 0.4])",
+    ],
+)
+def test_a_whole_turn_is_not(told, steps):
+    assert not told(COMMANDER + steps)
+
+
+@pytest.mark.parametrize(
+    ("steps", "name"),
+    [
+        ("quaternion_from_euler(180, 0, 45)", "quaternion_from_euler"),
+        ("quaternion_from_euler(0.0, 90.0, 22.5)", "quaternion_from_euler"),
+        ("euler_matrix(0, 0, -90)", "euler_matrix"),
+        ("PyKDL.Rotation.RPY(180.0, 0.0, 0.0)", "Rotation.RPY"),
+        ("arm.set_pose_target([0.4, 0.1, 0.4, 180, 0, 45])", "a pose of six numbers"),
+        ("arm.set_rpy_target([180, 0, 90])", "set_rpy_target"),
+    ],
+)
+def test_angles_in_degrees_are_told_of(told, steps, name):
+    (finding,) = told(COMMANDER + TURNS + steps)
+    assert (finding.kind, finding.object) == ("unlikely_unit", name)
+    assert "(degrees?)" in finding.message
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        "quaternion_from_euler(3.14159, 0, -1.5708)",
+        "quaternion_from_euler(3, 0, 1)",
+        "quaternion_from_euler(0, 0, 7.123)",
+        "arm.set_pose_target([0.4, 0.1, 0.4, 3.1416, 0, 0.785])",
+    ],
+)
+def test_angles_in_radians_are_not(told, steps):
+    assert not told(COMMANDER + TURNS + steps)

@@ -168,7 +168,10 @@ class GoalReader:
                 middle = message_pose(place.constraint_region.primitive_poses[0]).position
                 asked = turn.orientation
                 turned = unit_quaternion((asked.x, asked.y, asked.z, asked.w))
-                self.given(place.header.frame_id, Pose(middle, turned))
+                self.given(place.header.frame_id, Pose(middle, turned), link)
+        for turn in turns:
+            asked = turn.orientation
+            self._read_poses.look_at_length((asked.x, asked.y, asked.z, asked.w))
         is_known = link in self._server.robot.link_names
         return LinkRegion(
             link,
@@ -252,9 +255,9 @@ class GoalReader:
             raise RequestError(ErrorCode.INVALID_LINK_NAME, f"group '{group}' has no tip link")
         return link
 
-    def given(self, frame: str, pose: Pose) -> None:
-        """Take note of a pose that is asked for in a frame."""
-        self._read_poses.given(frame, pose, self._server.known_frame)
+    def given(self, frame: str, pose: Pose, link: str) -> None:
+        """Take note of a pose that is asked for in a frame, for a link."""
+        self._read_poses.given(frame, pose, link, self._server.known_frame)
 
     def frame(self, name: str) -> Pose:
         """Return the pose of a frame; raise RequestError for an unknown one."""

@@ -219,7 +219,7 @@ class MoveItInterfaces(TwinNode):
             link = asked.ik_link_name or self._goals.tip(asked.group_name)
             base = self._goals.frame(asked.pose_stamped.header.frame_id)
             given = message_pose(asked.pose_stamped.pose)
-            self._goals.given(asked.pose_stamped.header.frame_id, given)
+            self._goals.given(asked.pose_stamped.header.frame_id, given, link)
             goal = PoseGoal(link, compose(base, given))
             found = self._server.reach(
                 asked.group_name, [goal], self._start(asked.robot_state) or None
@@ -256,12 +256,12 @@ class MoveItInterfaces(TwinNode):
             return
         self._server.execution.succeeded("fk_failure", links, ())
         stamped = []
-        for pose in poses:
+        for link, pose in zip(request.fk_link_names, poses, strict=True):
             message = self._messages.new("geometry_msgs/PoseStamped")
             message.header.frame_id = request.header.frame_id or self._server.planning_frame
             self._now(message.header)
             seen = compose(back, pose)
-            self._read_poses.read(message.header.frame_id, seen, "compute_fk")
+            self._read_poses.read(message.header.frame_id, seen, link, "compute_fk")
             set_pose(message.pose, seen)
             stamped.append(message)
         answer.pose_stamped = stamped
@@ -273,15 +273,16 @@ class MoveItInterfaces(TwinNode):
         try:
             self._goals.check_group(request.group_name)
             base = self._goals.frame(request.header.frame_id)
+            link = request.link_name or self._goals.tip(request.group_name)
             for pose in request.waypoints:
-                self._goals.given(request.header.frame_id, message_pose(pose))
+                self._goals.given(request.header.frame_id, message_pose(pose), link)
             if request.max_step <= 0.0:
                 raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
             with self._server.planning_under(request.path_constraints):
                 plan, fraction = self._server.plan_cartesian(
                     request.group_name,
                     [compose(base, message_pose(pose)) for pose in request.waypoints],
-                    link=request.link_name or self._goals.tip(request.group_name),
+                    link=link,
                     eef_step=request.max_step,
                     start=self._start(request.start_state) or None,
                 )

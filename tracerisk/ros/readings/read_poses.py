@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,13 @@ import numpy as np
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.transforms.poses import angle_between, compose, inverse, unit_quaternion
+from tracerisk.ros.transforms.poses import (
+    UNIT_LENGTH,
+    angle_between,
+    compose,
+    inverse,
+    unit_quaternion,
+)
 from tracerisk.twin.physics.motion import Pose
 
 _KEPT = 50  # readings that a pose is compared with: a loop reads again and again
@@ -27,17 +33,25 @@ _ROUND_M = 0.005  # what a person adds to a pose is a whole number of these [m]
 _TYPED_M = 0.001  # what a person types is a whole number of these [m]
 
 
+_PLANNING = "the planning frame"
 FramePlace = Callable[[str], "Pose | None"]
 
 
 @dataclass(frozen=True, slots=True)
 class _Reading:
-    """A pose that was read: its frame, what gave it and the line that asked."""
+    """A pose that was read: its frame, whose it is, what gave it and the line that asked."""
 
     frame: str
     pose: Pose
+    link: str
     source: str
     place: Location | None
+
+    @property
+    def words(self) -> str:
+        """What gave it, and where."""
+        line = "" if self.place is None else f" of line {self.place.line}"
+        return f"{self.source}{line}"
 
 
 class ReadPoses:
@@ -48,57 +62,129 @@ class ReadPoses:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._readings: deque[_Reading] = deque(maxlen=_KEPT)
-        self._told: set[Location | None] = set()
+        self._told: set[tuple[str, Location | None]] = set()
 
-    def read(self, frame: str, pose: Pose, source: str) -> None:
-        """Note that the running code gets a pose in a frame; `source` is what gives it."""
-        if not all(map(math.isfinite, pose.position)):
-            return
-        self._readings.append(_Reading(frame.lstrip("/"), pose, source, asking_place()))
+    def read(self, frame: str, pose: Pose, link: str, source: str) -> None:
+        """Note that the running code gets the pose of a link; `source` is what gives it."""
+        if all(map(math.isfinite, pose.position)):
+            plain = frame.lstrip("/")
+            self._readings.append(_Reading(plain, pose, link.lstrip("/"), source, asking_place()))
 
-    def given(self, frame: str, pose: Pose, place_of: FramePlace) -> None:
-        """Take a pose that the running code gives as of a frame.
+    def given(self, frame: str, pose: Pose, link: str, place_of: FramePlace) -> None:
+        """Take a pose that the running code wants a link to have in a frame.
 
-        A finding says where its numbers are those of a pose in a frame that is elsewhere;
-        `place_of` returns where a frame is, None for one that is not known.
+        A finding says where its numbers are those of a pose in a frame that is elsewhere, or of
+        another link of the same body; `place_of` returns where a frame or link is, None for one
+        that is not known.
         """
         plain = frame.lstrip("/")
+        self._look_at_order(pose)
         alike = [one for one in self._readings if _altered(one.pose, pose) is not None]
-        if not alike or any(one.frame == plain for one in alike):
-            return
-        there = place_of(plain)
+        there = place_of(plain) if alike else None
         if there is None:
             return
+        here = {one.frame: place_of(one.frame) for one in alike}
+        same = [one for one in alike if (at := here[one.frame]) is None or not _is_apart(at, there)]
+        if same:
+            self._look_at_links(same, pose, link, place_of)
+            return
         for one in reversed(alike):
-            here = place_of(one.frame)
-            if here is None or not _is_apart(here, there):
+            at = here[one.frame]
+            assert at is not None
+            if _is_unconverted(one.pose, pose, compose(compose(inverse(there), at), one.pose)):
+                names = [f"frame '{name}'" if name else _PLANNING for name in (one.frame, plain)]
+                self._tell(
+                    "other_frame",
+                    f"the numbers of this pose are those of {one.words}, which are in {names[0]}, "
+                    f"and it is given as of {names[1]}, {_way(at, there)} from there; name the "
+                    "frame in its header, or transform it",
+                    plain,
+                )
                 return
-            if not _is_unconverted(one.pose, pose, compose(inverse(there), here)):
-                continue
-            self._tell(one, plain, here, there)
-            return
 
-    def _tell(self, one: _Reading, frame: str, here: Pose, there: Pose) -> None:
-        place = asking_place()
-        if place in self._told:
+    def look_at_length(self, turn: Sequence[float]) -> None:
+        """Look at the quaternion (x, y, z, w) of an orientation that MoveIt is asked for."""
+        length = math.hypot(*turn)
+        if abs(length - 1.0) > UNIT_LENGTH:
+            shown = ", ".join(f"{value:g}" for value in turn)
+            self._tell(
+                "unlikely_turn",
+                f"the quaternion ({shown}) has length {length:.3g}: MoveIt takes one whose length "
+                f"is not 1 within {UNIT_LENGTH:g} for no turn at all",
+            )
+
+    def _look_at_links(
+        self, same: Sequence[_Reading], pose: Pose, link: str, place_of: FramePlace
+    ) -> None:
+        """Look at poses that were read in the very frame: of which links they are."""
+        if any(one.link == link for one in same):
             return
-        self._told.add(place)
-        far = 1e3 * math.dist(here.position, there.position)
-        turned = math.degrees(angle_between(here.orientation, there.orientation))
-        apart = " and ".join(
-            [f"{far:.0f} mm" for _ in range(far > 1e3 * _APART_M)]
-            + [f"{turned:.0f} degrees" for _ in range(turned > math.degrees(_APART_RAD))]
-        )
-        line = f" of line {one.place.line}" if one.place is not None else ""
-        names = [f"frame '{name}'" if name else "the planning frame" for name in (one.frame, frame)]
-        self._runtime.recorder.finding(
-            "other_frame",
-            f"the numbers of this pose are those of {one.source}{line}, which are in {names[0]}, "
-            f"and it is given as of {names[1]}, {apart} from there; name the frame in its header, "
-            "or transform it",
-            place,
-            object_name=frame,
-        )
+        for one in reversed(same):
+            if not self._are_one_body(one.link, link):
+                return
+            at, wanted = place_of(one.link), place_of(link)
+            if at is None or wanted is None or not _is_apart(at, wanted):
+                return
+            right = compose(one.pose, compose(inverse(at), wanted))
+            # Who takes off the length of a tool along one axis comes nearer to what is right.
+            off, was_off = (math.dist(made.position, right.position) for made in (pose, one.pose))
+            if off > was_off - _APART_M and _is_unconverted(one.pose, pose, right):
+                self._tell(
+                    "other_link",
+                    f"the numbers of this pose are those of {one.words}, where link '{one.link}' "
+                    f"is, and link '{link}' is sent there, {_way(at, wanted)} from it on the same "
+                    "body; name the link for which the pose is",
+                    link,
+                )
+                return
+
+    def _look_at_order(self, pose: Pose) -> None:
+        """Look whether the turn is one that was read, with w before x, y and z."""
+        x, y, z, w = pose.orientation
+        turn = (y, z, w, x)
+        for one in self._readings:
+            if (
+                np.allclose(turn, one.pose.orientation, atol=_SAME)
+                and not np.allclose(pose.orientation, one.pose.orientation, atol=1e-3)
+                and sum(not _is_whole(value, _TYPED_M) for value in turn) > 1
+            ):
+                self._tell(
+                    "unlikely_turn",
+                    f"the quaternion of this pose is that of {one.words} with w first; ROS lists "
+                    "x, y, z, w",
+                )
+                return
+
+    def _are_one_body(self, link: str, other: str) -> bool:
+        above = {
+            one.child: one.parent
+            for one in self._runtime.twin.robot.attachments
+            if one.type == "fixed"
+        }
+
+        def body(name: str) -> str:
+            while name in above:
+                name = above[name]
+            return name
+
+        return body(link) == body(other)
+
+    def _tell(self, kind: str, message: str, about: str = "") -> None:
+        place = asking_place()
+        if (kind, place) not in self._told:
+            self._told.add((kind, place))
+            self._runtime.recorder.finding(kind, message, place, object_name=about)
+
+
+def _way(one: Pose, other: Pose) -> str:
+    """Return in words how far two places are from one another."""
+    far, turned = (
+        math.dist(one.position, other.position),
+        angle_between(one.orientation, other.orientation),
+    )
+    parts = [f"{1e3 * far:.0f} mm"] if far > _APART_M else []
+    parts += [f"{math.degrees(turned):.0f} degrees"] if turned > _APART_RAD else []
+    return " and ".join(parts)
 
 
 def _altered(read: Pose, given: Pose) -> list[int] | None:
@@ -118,9 +204,8 @@ def _altered(read: Pose, given: Pose) -> list[int] | None:
     return [i for i, (one, other) in enumerate(pairs) if abs(one - other) >= _SAME]
 
 
-def _is_unconverted(read: Pose, given: Pose, from_read: Pose) -> bool:
-    """Return whether the numbers of a pose cannot be what the way between the frames makes."""
-    right = compose(from_read, read)
+def _is_unconverted(read: Pose, given: Pose, right: Pose) -> bool:
+    """Return whether the numbers of a pose cannot come of the right ones, but of those read."""
     if angle_between(right.orientation, read.orientation) > _APART_RAD:
         return True
     shifts = [there - here for here, there in zip(read.position, right.position, strict=True)]

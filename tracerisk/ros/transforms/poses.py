@@ -14,7 +14,8 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
-_UNIT_LENGTH = 1e-3  # how far the length of a unit quaternion may be from 1
+UNIT_LENGTH = 1e-3
+"""How far the length of a unit quaternion may be from 1."""
 ORIGIN = Pose((0.0, 0.0, 0.0), IDENTITY)
 
 
@@ -34,7 +35,7 @@ def goal_quaternion(values: Sequence[float]) -> Quaternion:
     moveit/moveit2, moveit_core/kinematic_constraints/src/kinematic_constraint.cpp.
     """
     length = math.sqrt(sum(float(value) ** 2 for value in values))
-    return unit_quaternion(values) if abs(length - 1.0) <= _UNIT_LENGTH else IDENTITY
+    return unit_quaternion(values) if abs(length - 1.0) <= UNIT_LENGTH else IDENTITY
 
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:

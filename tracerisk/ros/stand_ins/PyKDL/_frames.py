@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.geometry import frames
+from tracerisk.ros.readings.euler_angles import look_at_euler
 
 from ._values import (
     EPSILON,
@@ -90,6 +91,7 @@ class Rotation(Value):
     @staticmethod
     def RPY(roll: float, pitch: float, yaw: float) -> Rotation:
         """Return the turn by roll, pitch and yaw about the fixed x, y, z [rad]."""
+        look_at_euler((roll, pitch, yaw), "Rotation.RPY")
         return Rotation._of(frames.rotation((roll, pitch, yaw)))
 
     @staticmethod

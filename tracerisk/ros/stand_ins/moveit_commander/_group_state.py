@@ -72,8 +72,9 @@ class GroupState(GroupSettings):
     def get_current_pose(self, end_effector_link: str = "") -> Any:
         """Return the pose of the end effector in the planning frame, as a PoseStamped."""
         pose = self._link_pose(end_effector_link, "get the pose of")
+        link = end_effector_link or self._end_effector_link
         frame = self.get_planning_frame()
-        current().client(ReadPoses).read(frame, pose, "get_current_pose")
+        current().client(ReadPoses).read(frame, pose, link, "get_current_pose")
         return conversions.list_to_pose_stamped([*pose.position, *pose.orientation], frame)
 
     def get_current_rpy(self, end_effector_link: str = "") -> list[float]:

@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.move_group import GoalKind, PoseGoal
+from tracerisk.ros.readings.euler_angles import look_at_euler
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import (
     Quaternion,
@@ -148,7 +149,7 @@ class GroupTargets(GroupState):
         self._target_kind = "joint"
         place: tuple[float, ...] = ()
         try:
-            goal = self._pose_goal(link, self._framed(pose), "pose")
+            goal = self._pose_goal(link, self._framed(pose, link), "pose")
             place = goal.pose.position
             self._joint_target.update(self._server.reach(self._name, [goal], self._start()))
             self._server.execution.succeeded("planning_failure", self._name, place)
@@ -257,7 +258,7 @@ class GroupTargets(GroupState):
 
     def _set_poses(self, poses: Sequence[Any], link: str) -> None:
         self._target_kind = "pose"
-        self._pose_targets[link] = [self._framed(pose, goal_quaternion) for pose in poses]
+        self._pose_targets[link] = [self._framed(pose, link, goal_quaternion) for pose in poses]
 
     def set_position_target(self, xyz: Sequence[float], end_effector_link: str = "") -> None:
         """Set a position of a link [m] as the target; any orientation will do."""
@@ -278,6 +279,7 @@ class GroupTargets(GroupState):
         old = self._known_pose(end_effector_link)
         if len(rpy) != 3:
             raise MoveItCommanderException("Expected [roll, pitch, yaw]")
+        look_at_euler(doubles(rpy), "set_rpy_target")
         pose = motion.Pose(old.position, quaternion_from_rpy(*doubles(rpy)))
         self._set_part("orientation", pose, end_effector_link)
 
@@ -310,14 +312,21 @@ class GroupTargets(GroupState):
         self._pose_targets[link] = [_FramedPose(self._reference_frame, pose)]
 
     def _framed(
-        self, pose: Any, turned: Callable[[Sequence[float]], Quaternion] = unit_quaternion
+        self,
+        pose: Any,
+        link: str,
+        turned: Callable[[Sequence[float]], Quaternion] = unit_quaternion,
     ) -> _FramedPose:
         frame = self._reference_frame
         if isinstance(pose, PoseStamped):
             frame, pose = pose.header.frame_id, pose.pose
         values = conversions.pose_to_list(pose) if isinstance(pose, Pose) else pose
+        if len(values) == 6:
+            look_at_euler(doubles(values)[3:], "a pose of six numbers")
+        elif turned is goal_quaternion:
+            current().client(ReadPoses).look_at_length(doubles(values)[3:])
         framed = _FramedPose(frame, conversions._twin_pose(values, turned))
-        current().client(ReadPoses).given(frame, framed.pose, self._server.known_frame)
+        current().client(ReadPoses).given(frame, framed.pose, link, self._server.known_frame)
         return framed
 
     def _pose_goal(self, link: str, framed: _FramedPose, kind: GoalKind) -> PoseGoal:

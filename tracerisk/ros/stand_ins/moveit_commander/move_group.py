@@ -431,7 +431,7 @@ class MoveGroupCommander(GroupPickPlace):
 
     def _pose_goal_or_none(self, link: str, waypoint: Any) -> PoseGoal | None:
         try:
-            return self._pose_goal(link, self._framed(waypoint), "pose")
+            return self._pose_goal(link, self._framed(waypoint, link), "pose")
         except PlanningError as error:
             text = f"a waypoint: {error.message}"
             self._server.execution.report("planning_failure", text, object_name=self._name)

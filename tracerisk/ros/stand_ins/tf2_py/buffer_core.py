@@ -95,7 +95,7 @@ class BufferCore:
             lambda: self._tree.lookup(target_frame, source_frame, time_ns),
         )
         self._read(target_frame, source_frame, time_ns)
-        current().client(ReadPoses).read(target_frame, found[0], "a lookup")
+        current().client(ReadPoses).read(target_frame, found[0], source_frame, "a lookup")
         return _stamped(target_frame, source_frame, *found)
 
     def lookup_transform_full_core(

@@ -11,6 +11,7 @@ from tracerisk.ros import homogeneous as _homogeneous
 from tracerisk.ros.homogeneous import *  # noqa: F403 - each name of it, as the real library has
 from tracerisk.ros.homogeneous import turns
 from tracerisk.ros.homogeneous.vectors import Array
+from tracerisk.ros.readings.euler_angles import look_at_euler as _look_at_euler
 
 __all__ = list(_homogeneous.__all__)
 
@@ -19,6 +20,7 @@ Quaternion = tuple[float, float, float, float]
 
 def quaternion_from_euler(ai: float, aj: float, ak: float, axes: turns.Axes = "sxyz") -> Quaternion:  # type: ignore[no-redef]
     """Return the quaternion of three Euler angles [rad]."""
+    _look_at_euler((ai, aj, ak), "quaternion_from_euler")
     return _tuple(turns.quaternion_from_euler(ai, aj, ak, axes))
 
 

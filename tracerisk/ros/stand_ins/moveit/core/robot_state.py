@@ -185,7 +185,7 @@ class RobotState(JointValues):
         """
         message = new("geometry_msgs/Pose")
         pose = self._pose(link_name)
-        current().client(ReadPoses).read("", pose, "get_pose")
+        current().client(ReadPoses).read("", pose, link_name, "get_pose")
         set_pose(message, pose)
         return message
 
