@@ -75,6 +75,7 @@ NOTES: frozenset[str] = frozenset(
         "other_link",
         "removed_name",
         "stopped_nothing",
+        "too_fast",
         "unlikely_turn",
         "unlikely_unit",
         UNUSED,

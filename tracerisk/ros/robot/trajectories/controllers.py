@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from tracerisk.errors import Location, one_of
 from tracerisk.ros.robot.bring_up.states import robot_controllers
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.trajectories.checks import (
     EFFORT,
     END_VELOCITY,
@@ -28,6 +31,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.simulation.twin import Twin
 
 _FOR_GRIPPERS = "ripper"
+_STREAMED_S = 0.1
+_BEYOND = 1.5  # times its limit: less is a matter of the curve between two points
 
 
 class Pursued(Protocol):
@@ -83,7 +88,42 @@ class TrajectoryController:
         """
         self._note_rules(asked, stack)
         check(asked)
-        return timed(asked, self._twin)
+        made = timed(asked, self._twin)
+        self._look_at_speeds(made, stack)
+        return made
+
+    def _look_at_speeds(self, made: JointTrajectory, stack: tuple[Frame, ...] | None) -> None:
+        """Note a way between two points that a joint cannot follow in its time.
+
+        Of a short trajectory, as a stream has them, nothing is told: the next one leads on.
+        """
+        robot = self._twin.robot
+        if robot.approximate or made.duration_s < _STREAMED_S:
+            return
+        time, position = made.time, made.position
+        if time[0] > 0.0:
+            here = self._twin.joint_state().positions
+            time = np.concatenate(([0.0], time))
+            position = np.vstack(([here[name] for name in made.joints], position))
+        steps, ways = np.diff(time), np.abs(np.diff(position, axis=0))
+        if not steps.all():
+            return
+        speeds = ways / steps[:, None]
+        limits = np.array([robot.joint(name).velocity_limit for name in made.joints])
+        row, column = np.unravel_index(int((speeds / limits).argmax()), speeds.shape)
+        speed, limit = float(speeds[row, column]), float(limits[column])
+        if speed <= _BEYOND * limit:
+            return
+        joint, step, way = robot.joint(made.joints[column]), steps[row], ways[row, column]
+        unit = "m" if joint.type == "prismatic" else "rad"
+        self._runtime.client(TwinCommands).report(
+            "too_fast",
+            f"the trajectory takes joint '{joint.name}' by {way:.3g} {unit} in {step:.3g} s: that "
+            f"is {speed:.3g} {unit}/s, and its limit {limit:.3g} {unit}/s; a real driver stops the "
+            "arm or comes late",
+            stack,
+            object_name=joint.name,
+        )
 
     def _note_rules(self, asked: Asked, stack: tuple[Frame, ...] | None) -> None:
         """Report which rules decide that the other distribution has otherwise."""
