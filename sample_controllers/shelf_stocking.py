@@ -37,6 +37,7 @@ def pose_stamped(x, y, z):
     pose.pose.position.z = z
     pose.pose.orientation.x = 0.9238795
     pose.pose.orientation.y = -0.3826834
+    pose.pose.orientation.w = 0.0
     return pose
 
 
