@@ -73,6 +73,7 @@ NOTES: frozenset[str] = frozenset(
         "nothing_to_grasp",
         "other_frame",
         "other_link",
+        "qos_misfit",
         "removed_name",
         "stopped_nothing",
         "too_fast",

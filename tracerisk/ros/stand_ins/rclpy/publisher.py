@@ -154,6 +154,15 @@ class Publisher:
             if misfit is not None:
                 receiver._events.note_misfit(misfit)
                 self._events.note_misfit(misfit)
+                recorder = current().recorder
+                if recorder is not None:
+                    recorder.finding(
+                        "qos_misfit",
+                        f"this subscription of {subscription.topic} gets nothing of the program's "
+                        f"own publisher: their {misfit.name} does not fit",
+                        subscription.place,
+                        object_name=subscription.topic,
+                    )
                 return
             if not asked.is_latching:
                 subscription.has_missed_latched |= bool(self._history)
