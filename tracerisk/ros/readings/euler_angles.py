@@ -28,12 +28,13 @@ class EulerAngles:
         """
         given = [float(angle) for angle in angles]
         place = asking_place()
-        if place in self._told or not _are_degrees(given):
+        recorder = self._runtime.recorder
+        if recorder is None or place in self._told or not _are_degrees(given):
             return
         self._told.add(place)
         shown = ", ".join(f"{angle:g}" for angle in given)
         turns = max(map(abs, given)) / math.tau
-        self._runtime.recorder.finding(
+        recorder.finding(
             "unlikely_unit",
             f"{name} takes radians: ({shown}) (degrees?) is up to {turns:.1f} whole turns",
             place,

@@ -170,10 +170,10 @@ class ReadPoses:
         return body(link) == body(other)
 
     def _tell(self, kind: str, message: str, about: str = "") -> None:
-        place = asking_place()
-        if (kind, place) not in self._told:
+        place, recorder = asking_place(), self._runtime.recorder
+        if recorder is not None and (kind, place) not in self._told:
             self._told.add((kind, place))
-            self._runtime.recorder.finding(kind, message, place, object_name=about)
+            recorder.finding(kind, message, place, object_name=about)
 
 
 def _way(one: Pose, other: Pose) -> str:
