@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.conftest import quick_controller
 from tracerisk.pipeline.workspace.entry_point import EntryPoint, find_entry_point
 
 NODE = """\
@@ -120,3 +121,25 @@ def test_a_module_off_the_import_path_is_found_in_the_workspace_and_reported(exa
     assert outcome.code == 0, outcome.err
     text = "import: VENDOR_init was taken from ../vendor/imp, which is not on the import path"
     assert text in outcome.json["assumptions"]
+
+
+@pytest.mark.parametrize(
+    ("script", "imported", "module", "more"),
+    [
+        ("src/tasks/pick.py", "src.tools.amounts", "src/tools/amounts.py", "pyproject.toml"),
+        ("src/tasks/pick.py", "src.tools.amounts", "src/tools/amounts.py", "README.md"),
+        ("lab/tasks/pick.py", "shared.amounts", "shared/amounts.py", "README.md"),
+        ("scripts/pick.py", "amounts", "amounts.py", "README.md"),
+    ],
+)
+def test_a_script_runs_as_from_the_top_of_its_repository(example, script, imported, module, more):
+    example.write(more, "")
+    example.write(module, "AMOUNT = 0.05\n")
+    source = quick_controller("joints[0] += AMOUNT", "arm.go(joints, wait=True)")
+    example.write(script, source.replace("import ", f"from {imported} import AMOUNT\nimport ", 1))
+    outcome = example.run("run", script, "--json")
+    assert outcome.code == 0, outcome.err
+    name = imported.partition(".")[0]
+    told = [each for each in outcome.json["assumptions"] if each.startswith(f"import: {name} ")]
+    assert len(told) == 1
+    assert "which is not on the import path" in told[0]

@@ -23,6 +23,7 @@ from tracerisk.sandbox.replaced_names import replaced
 
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _SYSTEM = ("/dev/", "/proc/", "/sys/")
+_HOMES = ("home", "Users")
 _MOST_COPIED = 1024**3
 
 Denied = Callable[[str, str], None]
@@ -32,8 +33,16 @@ Denied = Callable[[str, str], None]
 class Overlay:
     """Redirects what is written to `folder`, but for what is below a `writable` folder."""
 
-    def __init__(self, folder: str, writable: Sequence[str], denied: Denied) -> None:
+    def __init__(
+        self,
+        folder: str,
+        writable: Sequence[str],
+        denied: Denied,
+        on_absent_home: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self._folder = folder
+        self._on_absent_home = on_absent_home
+        self._assumed: set[str] = set()
         self._writable = tuple(os.path.realpath(each) for each in writable)
         self._denied = denied
         self._is_used = False
@@ -92,9 +101,18 @@ class Overlay:
         for name in ("truncate", "utime", "chmod"):
             found[name] = functools.partial(self._within, self._changing, name)
         return {
-            name: _named_as(self._real.get(name, self._open), function)
+            name: _named_as(self._real.get(name, self._open), function, self._by_the_given_path)
             for name, function in found.items()
         }
+
+    def _by_the_given_path(self, error: OSError, given: tuple[Any, ...]) -> None:
+        """Name in an error the paths that the controller gave, not where they are redirected to."""
+        for field in ("filename", "filename2"):
+            named = getattr(error, field)
+            if isinstance(named, str) and named.startswith(self._folder + os.sep):
+                full = named.removeprefix(self._folder)
+                same = (each for each in given[:2] if self._full(each, {}) == full)
+                setattr(error, field, os.fsdecode(next(same, full)))
 
     def _full(self, path: Any, more: dict[str, Any]) -> str | None:
         """Return the full path of what is the overlay's business, `None` for what is not."""
@@ -140,10 +158,25 @@ class Overlay:
         over = self._over(full)
         folder = os.path.dirname(full)
         seen = self._seen(folder)
-        if os.path.isdir(folder) if seen == folder else self._exists(seen):
+        is_there = os.path.isdir(folder) if seen == folder else self._exists(seen)
+        if is_there or self._is_of_absent_home(folder):
             self._is_used = True
             self._make_folders(os.path.dirname(over))
         return over
+
+    def _is_of_absent_home(self, folder: str) -> bool:
+        """Return whether a folder is in a home that this machine lacks: that of the author.
+
+        There the author's files would be, so a log has a place; it is reported once for each home.
+        """
+        parts = folder.split(os.sep)
+        home = os.sep.join(parts[:3])
+        if len(parts) < 3 or parts[1] not in _HOMES or self._exists(home):
+            return False
+        if home not in self._assumed:
+            self._assumed.add(home)
+            self._on_absent_home(home)
+        return True
 
     def _make_folders(self, folder: str) -> None:
         missing = []
@@ -309,7 +342,11 @@ class Overlay:
         return _Entries(entries)
 
 
-def _named_as(real: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
+def _named_as(
+    real: Callable[..., Any],
+    function: Callable[..., Any],
+    on_error: Callable[[OSError, tuple[Any, ...]], None],
+) -> Callable[..., Any]:
     """Return a plain function that stands for a real one, but for what it calls itself."""
 
     @functools.wraps(real)
@@ -319,6 +356,9 @@ def _named_as(real: Callable[..., Any], function: Callable[..., Any]) -> Callabl
         _inside.is_so = True
         try:
             return function(*args, **more)
+        except OSError as error:
+            on_error(error, args)
+            raise
         finally:
             _inside.is_so = False
 

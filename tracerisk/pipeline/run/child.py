@@ -524,7 +524,15 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[Overlay | None]:
             "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
         )
 
-    overlay = Overlay(request.written, request.writable, denied)
+    def absent_home(home: str) -> None:
+        recorder.finding(
+            "file_elsewhere",
+            f"{home} is not here: what is written below it goes into a folder of the run",
+            asking_place(),
+            object_name=home,
+        )
+
+    overlay = Overlay(request.written, request.writable, denied, absent_home)
     with overlay.active():
         yield overlay
 

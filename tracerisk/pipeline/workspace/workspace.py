@@ -100,7 +100,7 @@ class Workspace:
             found = [each for folder in folders for each in _modules_named(name, folder)]
             if found:
                 return min(found, key=lambda each: (len(each.parts), each))
-        return None
+        return _folder_above(name, root.resolve())
 
 
 def searched(
@@ -144,6 +144,25 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
     for folder, files in itertools.islice(searched(top, NOT_SEARCHED | TESTS), _MOST_FOLDERS):
         if f"{name}.py" in files or Path(folder, name, "__init__.py").is_file():
             yield Path(folder)
+
+
+def _folder_above(name: str, root: Path) -> Path | None:
+    """Return the folder from which a project is started, where that makes `name` importable.
+
+    `python -m src.pick` and `PYTHONPATH=.` do so: it is the root, or one above it up to the top of
+    the repository. A package there needs no `__init__.py`.
+    """
+    above = itertools.takewhile(lambda folder: folder != Path.home(), root.parents)
+    folders = (root, *itertools.islice(above, _UPWARDS))
+    top = next((number for number, folder in enumerate(folders) if _is_marked(folder)), 0)
+    for folder in folders[: top + 1]:
+        if (folder / f"{name}.py").is_file() or _holds_python(folder / name):
+            return folder
+    return None
+
+
+def _holds_python(folder: Path) -> bool:
+    return folder.is_dir() and any(any(folder.glob(each)) for each in ("*.py", "*/*.py"))
 
 
 def workspace_of(controller: Controller, settings: Settings) -> Workspace:
