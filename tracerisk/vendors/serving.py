@@ -14,6 +14,7 @@ from tracerisk.vendors.dobot.driver import DobotDriver
 from tracerisk.vendors.doosan.driver import DoosanController
 from tracerisk.vendors.driver_search import shipped_drivers
 from tracerisk.vendors.interbotix.driver import InterbotixDriver
+from tracerisk.vendors.interbotix.old_driver import InterbotixSdk
 from tracerisk.vendors.kinova.driver import FOLLOW_CARTESIAN, KortexDriver
 from tracerisk.vendors.niryo.actions import ROBOT_MOVE, TOOL
 from tracerisk.vendors.niryo.driver import NiryoRobot
@@ -46,6 +47,7 @@ def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driv
                 object_name=driver.name,
             )
     InterbotixDriver(runtime, messages)
+    InterbotixSdk(runtime, messages)
     BaxterDriver(runtime, messages)
     IoDevices(runtime, messages)
     kortex = KortexDriver(runtime, messages)

@@ -94,7 +94,7 @@ class SetPoints(TrajectoryNode):
         take = self._if_commanded(self._if_active(self._takers[type_name]))
 
         def deliver(message: Any, publication: Publication) -> None:
-            if not publication.by_controller:
+            if not publication.by_controller or self._is_of_a_driver(name, type_name):
                 return
             if type_name == TRAJECTORY:
                 message = self._by_joints(name, message)
@@ -106,6 +106,11 @@ class SetPoints(TrajectoryNode):
             take(message, publication)
 
         self._hear(name, type_name, deliver)
+
+    def _is_of_a_driver(self, topic: str, type_name: str) -> bool:
+        """Return whether a maker's driver takes the numbers of a topic, in units of its own."""
+        heard = self._graph.subscriptions(topic) if type_name == SINGLE else ()
+        return any(not each.by_controller and each.node != self.node for each in heard)
 
     def _if_active(self, take: Callable[[str, Any], None]) -> Callable[[str, Any], None]:
         """Return what passes on what its controller takes in the state that it is in."""
