@@ -227,7 +227,7 @@ waist = core.robot_get_single_joint_state('waist')
     assert ran["waist"]["velocity"] == pytest.approx(0.0, abs=0.01)
 
 
-def test_what_needs_a_camera_says_so_when_it_is_called(run_on):
+def test_what_needs_a_camera_sees_nothing_and_the_run_says_so(run_on):
     ran = run_on(
         "wx250s",
         """
@@ -236,28 +236,25 @@ from interbotix_perception_modules.armtag import InterbotixArmTagInterface
 from interbotix_perception_modules.pointcloud import InterbotixPointCloudInterface
 rospy.init_node('camera')
 tag, cloud = InterbotixArmTagInterface(), InterbotixPointCloudInterface()
-told = []
 found = tag.find_ref_to_arm_base_transform(arm_base_frame='wx250s/base_link')
-for ask in (tag.apriltag.find_pose, cloud.get_cluster_positions):
-    try:
-        ask()
-    except NotImplementedError as error:
-        told.append(str(error))
+tag.apriltag.valid_tags.append(7)
+place = tag.apriltag.find_pose().position.x
+tags = tag.apriltag.find_pose_id()
+clusters = cloud.get_cluster_positions()
 cloud.set_cluster_tol(0.03)
 tolerance = cloud.get_cluster_tol()
 """,
     )
-    assert ran["told"] == [
-        "InterbotixAprilTagInterface.find_pose needs a camera, and tracerisk "
-        "simulates none; serve /apriltag/single_image_tag_detection with what the camera would see",
-        "InterbotixPointCloudInterface.get_cluster_positions needs a camera, and tracerisk "
-        "simulates none; serve /pc_filter/get_cluster_positions with what the camera would see",
-    ]
-    assert ran["tolerance"] == 0.03
     assert ran["found"]
-    assert any(
-        "leaves 'wx250s/base_link' where it is: it needs a camera" in f for f in ran.findings
-    )
+    assert (ran["place"], ran["tags"], ran["clusters"]) == (0.0, ([], []), (False, []))
+    assert ran["tolerance"] == 0.03
+    for words in (
+        "leaves 'wx250s/base_link' where it is: it needs a camera",
+        "find_pose returns a zero pose of 'ar_tag': it needs a camera",
+        "find_pose_id returns no tags: it needs a camera",
+        "as nobody serves /pc_filter/get_cluster_positions: it needs a camera",
+    ):
+        assert any(words in finding for finding in ran.findings), words
 
 
 def test_clusters_that_somebody_serves_are_found_and_sorted(run_on):

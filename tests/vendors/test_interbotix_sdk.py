@@ -122,7 +122,10 @@ def test_the_arm_goes_where_it_is_sent_in_the_time_of_its_profile(run_sdk, robot
     [
         ("gripper.publish(350)", "gripper.publish(-350)"),
         ("gripper.publish(0.07)", "gripper.publish(0.032)"),
-        ("one.publish(SingleCommand('gripper', 350))", "one.publish(SingleCommand('gripper', -350))"),
+        (
+            "one.publish(SingleCommand('gripper', 350))",
+            "one.publish(SingleCommand('gripper', -350))",
+        ),
         (
             "modes(cmd=3, mode='pwm'); gripper.publish(300)",
             "modes(4, 'position', 'gripper', False, 0, 0); gripper.publish(0.032)",

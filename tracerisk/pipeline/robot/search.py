@@ -34,7 +34,10 @@ from tracerisk.twin.workspace.srdf_pairing import shipped_with_srdf
 from tracerisk.twin.workspace.srdf_stand_in import spoken_srdf, srdf_stand_in
 
 # Of arms that are called alike the one that most public programs drive.
-_USUAL = ("ur5e", "panda", "ur5", "ur10e", "ur10", "gen3", "iiwa7", "iiwa7_stack", "m1013")
+_USUAL = (
+    *("ur5e", "panda", "ur5", "ur10e", "ur10", "gen3", "iiwa7", "iiwa7_stack", "m1013"),
+    *("wx250s", "wx200", "px100"),
+)
 _MOST_SHOWN = 6
 
 

@@ -56,15 +56,22 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     """
     text = _plain(text)
     found: set[str] = set()
+    shared: dict[str, set[str]] = {}
     for phrase, names in _phrases(robots):
         wanted = f" {phrase} "
         # What was read is not read again as a shorter name; neighbours share a blank.
         while (at := text.find(wanted)) >= 0:
             rest = text[at + len(wanted) :]
             if rest.partition(" ")[0] not in _MODELS:
-                found |= names
+                if len(names) > 1:
+                    shared[phrase] = names
+                else:
+                    found |= names
             text = f"{text[:at]} {_APART} {rest}"
-    return frozenset(found)
+    named = {word for name in found for word in _split(name)}
+    # Of several robots that are called so, the one that is also named in full is meant.
+    more = (names for phrase, names in shared.items() if not named.issuperset(phrase.split()))
+    return frozenset(found.union(*more))
 
 
 def words_in(strings: Iterable[str]) -> frozenset[str]:

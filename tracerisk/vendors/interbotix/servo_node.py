@@ -79,7 +79,6 @@ class ServoNode(TwinNode):
         del name
         return type_name in self._takers
 
-
     def _publish_states(self, topic: str) -> None:
         # The twin's own joint states need no second publisher.
         if topic not in self._publications and topic != "/joint_states":

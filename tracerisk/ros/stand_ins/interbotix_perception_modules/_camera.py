@@ -13,16 +13,6 @@ from tracerisk.ros.messages.dialect import is_ros2
 IS_ROS2 = is_ros2(TransformStamped)
 
 
-class NoCameraError(NotImplementedError):
-    """What only a camera could see was asked for."""
-
-    def __init__(self, what: str, service: str) -> None:
-        super().__init__(
-            f"{what} needs a camera, and tracerisk simulates none; serve {service} with what "
-            "the camera would see"
-        )
-
-
 def is_served(service: str, type_name: str) -> bool:
     """Return whether somebody answers a service; one that nobody answers is a need of the run."""
     runtime = current()

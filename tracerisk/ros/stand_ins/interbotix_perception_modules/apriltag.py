@@ -5,40 +5,37 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ._camera import IS_ROS2, NoCameraError, begin, node_of
+from geometry_msgs.msg import Pose
+
+from ._camera import IS_ROS2, begin, node_of, report_unseen
 
 __all__ = ["InterbotixAprilTagInterface"]
 
 
 class _AprilTags:
-    valid_tags: Any = (5, 413, 820, 875, 1050)
     v = False
     image_frame_id: str | None = None
-    _namespace = "apriltag"
+
+    def _begin(self) -> None:
+        self.valid_tags: Any = [5, 413, 820, 875, 1050]
 
     def find_pose(self, ar_tag_name: str = "ar_tag", publish_tf: bool = False) -> Any:
-        """Return the pose of a tag in the camera's frame.
+        """Return the pose of the library where no tag is seen, zero; the run says so."""
+        del publish_tf
+        report_unseen(
+            f"InterbotixAprilTagInterface.find_pose returns a zero pose of '{ar_tag_name}': it"
+        )
+        return Pose()
 
-        Raises:
-            NoCameraError: always.
-        """
-        raise self._unseen("InterbotixAprilTagInterface.find_pose")
-
-    def find_pose_id(self) -> Any:
-        """Return the poses of the valid tags and their numbers.
-
-        Raises:
-            NoCameraError: always.
-        """
-        raise self._unseen("InterbotixAprilTagInterface.find_pose_id")
+    def find_pose_id(self) -> tuple[list[Any], list[int]]:
+        """Return no poses and no numbers, as where no tag is seen; the run says so."""
+        report_unseen("InterbotixAprilTagInterface.find_pose_id returns no tags: it")
+        return [], []
 
     def set_valid_tags(self, ids: Iterable[int] | None) -> None:
         """Set which tags count."""
         if ids is not None:
             self.valid_tags = set(ids)
-
-    def _unseen(self, what: str) -> NoCameraError:
-        return NoCameraError(what, f"/{self._namespace}/single_image_tag_detection")
 
 
 class _AprilTags1(_AprilTags):
@@ -53,7 +50,8 @@ class _AprilTags1(_AprilTags):
         verbose: bool = False,
     ) -> None:
         begin(apriltag_ns, init_node)
-        self.v, self._namespace = verbose, apriltag_ns
+        self.v = verbose
+        self._begin()
 
 
 class _AprilTags2(_AprilTags):
@@ -67,7 +65,8 @@ class _AprilTags2(_AprilTags):
         node_inf: Any = None,
         args: Any = None,
     ) -> None:
-        self.node_inf, self._namespace = node_of(node_inf), apriltag_ns
+        self.node_inf = node_of(node_inf)
+        self._begin()
 
 
 _Base: Any = _AprilTags2 if IS_ROS2 else _AprilTags1

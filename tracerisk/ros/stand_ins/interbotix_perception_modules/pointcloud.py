@@ -11,7 +11,7 @@ from geometry_msgs.msg import PointStamped, TransformStamped
 from ruamel.yaml import YAML
 from tf2_geometry_msgs import do_transform_point
 
-from ._camera import IS_ROS2, NoCameraError, begin, is_served, node_of, warn
+from ._camera import IS_ROS2, begin, is_served, node_of, report_unseen, warn
 
 if IS_ROS2:
     from interbotix_perception_msgs.srv import ClusterInfoArray
@@ -95,15 +95,14 @@ class _PointCloud:
         """Return whether there are clusters, and each as a mapping, sorted along an axis.
 
         `position` is in `ref_frame`, at the top of the cluster where that is parallel to what
-        the objects stand on.
-
-        Raises:
-            NoCameraError: nobody serves the clusters.
+        the objects stand on. Where nobody serves the clusters there are none, and the run says so.
         """
         if not is_served(self._service, _TYPE):
-            raise NoCameraError(
-                "InterbotixPointCloudInterface.get_cluster_positions", self._service
+            report_unseen(
+                "InterbotixPointCloudInterface.get_cluster_positions returns no clusters, as "
+                f"nobody serves {self._service}: it"
             )
+            return False, []
         samples = []
         for _ in range(num_samples):
             samples.append(self._clusters())
