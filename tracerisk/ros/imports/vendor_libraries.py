@@ -32,6 +32,7 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_xs_modules",
         "moveit_python",
         "pymoveit2",
+        "pyrobot",
         "ros2_numpy",
         "ros_numpy",
         "smach",

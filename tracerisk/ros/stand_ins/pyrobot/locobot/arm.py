@@ -1,0 +1,5 @@
+"""A LoCoBot's arm."""
+
+from .._arm import Arm as LoCoBotArm
+
+__all__ = ["LoCoBotArm"]

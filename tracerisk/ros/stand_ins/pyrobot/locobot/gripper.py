@@ -1,0 +1,5 @@
+"""A LoCoBot's gripper."""
+
+from .._parts import TopicGripper as LoCoBotGripper
+
+__all__ = ["LoCoBotGripper"]
