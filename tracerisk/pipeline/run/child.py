@@ -27,6 +27,7 @@ from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.recording import CELL, Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
+from tracerisk.pipeline.launch.left_open import filled
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.mission.asked_calls import AskedCalls
 from tracerisk.pipeline.mission.names import check_names
@@ -410,7 +411,11 @@ def runtime_of(
         argv=(str(Path(request.controller)), *request.argv),
         seed=request.seed,
         parameters=(
-            *launch.parameters,
+            *filled(
+                launch.parameters,
+                twin.robot.name,
+                lambda name, words: recorder.finding("answer_assumed", words, object_name=name),
+            ),
             *scenario.parameters,
             *(each for file in request.params for each in read_parameters(Path(file))),
         ),
