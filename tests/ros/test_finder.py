@@ -9,6 +9,7 @@ import types
 import pytest
 
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.vendor_libraries import distributions
 from tracerisk.ros.messages.ros1 import Interfaces
 
 
@@ -111,6 +112,24 @@ def test_an_unknown_ros_package_is_reported_with_what_to_do(finder):
     )
     assert "put its definitions into the workspace" in str(raised.value)
     assert len(str(raised.value)) < 250
+
+
+@pytest.mark.parametrize(
+    ("name", "repository"),
+    [
+        ("intera_interface", "RethinkRobotics/intera_sdk"),
+        ("niryo_robot_python_ros_wrapper", "NiryoRobotics/ned_ros"),
+        ("arc_utilities", "UM-ARM-Lab/arc_utilities"),
+        ("simulation_and_control", "VModugno/simulation_and_control"),
+    ],
+)
+def test_a_missing_library_of_a_repository_alone_is_reported_with_that(finder, name, repository):
+    with pytest.raises(ModuleNotFoundError, match=f"https://github.com/{repository}; clone it"):
+        importlib.import_module(name)
+
+
+def test_libraries_of_robots_name_their_distribution_on_the_package_index():
+    assert distributions()["modern_robotics"] == "modern_robotics"
 
 
 def test_a_missing_library_that_needs_hardware_is_reported_so(finder):

@@ -76,6 +76,26 @@ _HARDWARE = {
     "xarm": "the robot over the network",
 }
 
+# Libraries that no package index has, and where their sources are.
+_REPOSITORIES = {
+    "arc_utilities": "UM-ARM-Lab/arc_utilities",
+    "arm_robots": "UM-ARM-Lab/arm_robots",
+    "franka_interface": "justagist/franka_ros_interface",
+    "franka_tools": "justagist/franka_ros_interface",
+    "frankapy": "iamlab-cmu/frankapy",
+    "interbotix_descriptions": "Interbotix/interbotix_ros_arms",
+    "interbotix_sdk": "Interbotix/interbotix_ros_arms",
+    "intera_external_devices": "RethinkRobotics/intera_sdk",
+    "intera_interface": "RethinkRobotics/intera_sdk",
+    "intera_motion_interface": "RethinkRobotics/intera_sdk",
+    "locobot_control": "facebookresearch/pyrobot",
+    "niryo_one_python_api": "NiryoRobotics/niryo_one_ros",
+    "niryo_robot_python_ros_wrapper": "NiryoRobotics/ned_ros",
+    "panda_robot": "justagist/panda_robot",
+    "simulation_and_control": "VModugno/simulation_and_control",
+    "ur_control": "cambel/ur3",
+}
+
 _ROS_LIKE = re.compile(
     r"\w+_(msgs|srvs|interfaces|actions)"
     r"|(ros|rcl|tf2_|moveit|ament|catkin|actionlib|action_|gazebo_|controller_manager|rosidl)\w*"
@@ -117,6 +137,11 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
         )
     if name in REMOVED_MODULES:
         return Remedy(REMOVED_MODULES[name])
+    if name in _REPOSITORIES:
+        return Remedy(
+            f"it is in https://github.com/{_REPOSITORIES[name]}; clone it into the workspace, or "
+            "install it in the environment in which tracerisk runs"
+        )
     distribution = distributions().get(name)
     if distribution is not None:
         return Remedy("", distribution)
@@ -149,6 +174,6 @@ def missing_module(name: str, provided: Collection[str]) -> str | None:
 
     `provided` are the names that have stand-ins.
     """
-    if name not in _HARDWARE and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
+    if name not in {*_HARDWARE, *_REPOSITORIES} and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
         return None
     return f"No module named '{name}': {remedy(name, provided).words}"
