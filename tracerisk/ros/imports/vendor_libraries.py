@@ -174,6 +174,7 @@ def missing_module(name: str, provided: Collection[str]) -> str | None:
 
     `provided` are the names that have stand-ins.
     """
-    if name not in {*_HARDWARE, *_REPOSITORIES} and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
+    is_known = name in _HARDWARE or name in _REPOSITORIES
+    if not is_known and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
         return None
     return f"No module named '{name}': {remedy(name, provided).words}"
