@@ -83,6 +83,14 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
         ),
         (
             "kortex_description",
+            '<xacro:load_robot parent="world" arm="gen3" dof="6" prefix="">'
+            f"{ORIGIN}</xacro:load_robot>",
+            "joint_6",
+            "gen3_6dof",
+            "",
+        ),
+        (
+            "kortex_description",
             '<xacro:load_robot parent="world" arm="gen3_lite" dof="6" prefix="">'
             f"{ORIGIN}</xacro:load_robot>",
             "joint_6",
@@ -97,7 +105,10 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
             "",
         ),
     ],
-    ids=["name", "type", "any of a maker", "its own name", "parts of a name", "variant", "prefix"],
+    ids=[
+        *("name", "type", "any of a maker", "its own name", "parts of a name"),
+        *("number of joints", "variant", "prefix"),
+    ],
 )
 def test_a_macro_of_an_absent_package_is_the_shipped_robot(
     tmp_path, package, call, joint, shipped, doubt

@@ -110,7 +110,9 @@ def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
 
 
 BARE = (
-    *("a0509", "cr5", "iiwa14", "iiwa14_stack", "iiwa7", "iiwa7_stack", "lite6", "m0609", "m1013"),
+    *("a0509", "cr10", "cr3", "cr5", "crx10ia", "gp7", "gp8", "hc10"),
+    *("iiwa14", "iiwa14_stack", "iiwa7", "iiwa7_stack", "irb120", "lite6", "lrmate200id"),
+    *("m0609", "m1013", "mycobot_320", "nova5", "tm12", "tm5_700", "tm5_900", "tm5_900_tmr"),
     *("ur10", "ur10e", "ur16e", "ur20", "ur3", "ur30", "ur3e", "ur5", "ur5e"),
 )
 """The arms without a gripper; to ask each robot while tests are collected takes seconds."""

@@ -289,3 +289,42 @@ def test_of_descriptions_with_the_same_joints_the_one_that_is_named_is_taken(tmp
     choice = chosen(tmp_path, **files)
     assert choice.robot.name == model
     assert choice.robot.source.endswith(f"{model}.urdf")
+
+
+MOTOMAN = ["joint_1_s", "joint_2_l", "joint_3_u", "joint_4_r", "joint_5_b", "joint_6_t"]
+"""As ros-industrial/motoman motoman_gp7_support/urdf/gp7_macro.xacro names them."""
+MYCOBOT = [
+    "joint2_to_joint1", "joint3_to_joint2", "joint4_to_joint3",
+    "joint5_to_joint4", "joint6_to_joint5", "joint6output_to_joint6",
+]  # fmt: skip
+TMR = [
+    "shoulder_1_joint", "shoulder_2_joint", "elbow_joint",
+    "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
+]  # fmt: skip
+"""As TechmanRobotInc/tmr_ros1 tm_description/urdf/tm5-900-nominal.urdf names them."""
+
+
+@pytest.mark.parametrize(
+    ("joints", "says", "robot", "is_sure"),
+    [
+        (MOTOMAN, "the GP7", "gp7", True),
+        (MOTOMAN, "a Motoman GP8 beside the press", "gp8", True),
+        (MOTOMAN, "yaskawa_hc10", "hc10", True),
+        (MOTOMAN, "the arm", "gp7", False),
+        (MYCOBOT, "mycobot_320_moveit", "mycobot_320", True),
+        (MYCOBOT, "myCobot 280", "mycobot_280", True),
+        (MYCOBOT, "the myCobot", "mycobot_280", False),
+        (TMR, "the arm", "tm5_900_tmr", True),
+        (["J1", "J2", "J3", "J4", "J5", "J6"], "the CRX-10iA", "crx10ia", True),
+        (["joint_1", "joint_2", "joint_3"], "abb_irb120 on the table", "irb120", True),
+        (["joint_1", "joint_2", "joint_3"], "the LR Mate 200iD", "lrmate200id", True),
+        (["joint_1", "joint_2", "joint_3"], "our TM5-900", "tm5_900", True),
+    ],
+)
+def test_arms_of_one_family_are_told_apart_by_what_names_the_model(
+    tmp_path, joints, says, robot, is_sure
+):
+    source = f'MODEL = "{says}"\njoints = {joints}\n'
+    found = of_source(tmp_path, source).robot
+    assert found.name == robot
+    assert bool(found.doubt) is not is_sure

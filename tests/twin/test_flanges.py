@@ -70,7 +70,10 @@ def _flange(robot: Robot, joint: Attachment) -> tuple[NDArray, float]:
         if one.parent == joint.child and one.type == "fixed" and np.linalg.norm(one.xyz) > 1e-6
     ]
     if not fixed or robot.name == "mycobot_280":
-        return axis, 0.0
+        # The joint may turn about the axis that leads back into the arm: the tool's frame says.
+        tools = [one for one in robot.attachments if one.child == "tool0" and any(one.rpy)]
+        out = rotation(tools[0].rpy) @ np.array([0.0, 0.0, 1.0]) if tools else axis
+        return (-axis if out @ axis < -0.9 else axis), 0.0
     normal = fixed[0] / np.linalg.norm(fixed[0])
     return normal, float(fixed[0] @ normal)
 

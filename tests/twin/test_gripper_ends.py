@@ -21,7 +21,7 @@ from tracerisk.twin.robots.gripper_ends import (
 from tracerisk.twin.robots.robot import load_robot, robot_names
 from tracerisk.twin.simulation.twin import Twin
 
-CLOSE_BY_GROWING = {"gen3", "gen3_lite", "j2n6s300", "j2s6s300", "j2s7s300", "xarm6", "xarm7"}
+CLOSE_BY_GROWING = {"gen3", "gen3_6dof", "gen3_lite", "j2n6s300", "j2s6s300", "j2s7s300", "xarm6", "xarm7"}
 """The shipped robots whose pads come nearer while the first joint grows."""
 
 

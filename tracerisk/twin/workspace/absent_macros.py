@@ -23,13 +23,15 @@ _ARMS: Mapping[str, tuple[str, ...]] = {
     "iiwa_description": ("iiwa7_stack", "iiwa14_stack"),
     "interbotix_xsarm_descriptions": ("wx250s", "vx300s", "wx200", "rx200", "px100"),
     "kinova_description": ("j2n6s300", "j2s7s300", "j2s6s300"),
-    "kortex_description": ("gen3", "gen3_lite"),
+    "kortex_description": ("gen3", "gen3_lite", "gen3_6dof"),
     "lbr_description": ("iiwa7", "iiwa14"),
     "moveit_resources_panda_description": ("panda",),
     "dsr_description2": ("m1013", "m0609", "a0509"),
     "ur_description": (
         "ur5e", "ur5", "ur10e", "ur10", "ur3e", "ur3", "ur16e", "ur20", "ur30",
     ),
+    "tm_description": ("tm5_900", "tm5_700", "tm12"),
+    "widowx_arm_description": ("widowx",),
     "xarm_description": ("xarm7", "xarm6", "lite6"),
 }  # fmt: skip
 # Parameters of the macros: UniversalRobots/Universal_Robots_ROS2_Description urdf/ur_macro.xacro,
@@ -72,6 +74,7 @@ class _Drawing:
         self._root = root
         self._packages = packages
         self._robots = {each.name: each for each in shipped_names()}
+        self._called = {word for each in shipped_names() for word in (each.name, *each.aliases)}
         self._anchor = ""
         """The link on which what is loose hangs: the last tip or parent."""
         self.notes: list[str] = []
@@ -116,8 +119,11 @@ class _Drawing:
         digits = [value for value in given.values() if value.isdigit()]
         for name in _TELLING:
             if name in given:
+                # With the number of its joints first: `gen3` of 6 is no `gen3` of 7.
+                numbered = {f"{given[name]}{each}" for each in digits}
+                yield "\n".join(sorted(numbered & self._called))
                 yield given[name]
-                yield "\n".join(f"{given[name]}{each}" for each in digits)
+                yield "\n".join(sorted(numbered))
         yield macro
         yield "\n".join(given.values())
         yield "\n".join(self._packages)
