@@ -231,3 +231,98 @@ def test_an_argument_that_only_a_launch_file_gives_is_taken_from_it(
     robot = cell(tmp_path, TWO_JOINTS, source, **files)
     assert robot.arm_joints[0].name == joint
     assert doubt in robot.doubt if doubt else not robot.doubt
+
+
+@pytest.mark.parametrize(
+    ("file", "joint", "shipped"),
+    [
+        ("dobot_rviz)/urdf/nova5_robot.urdf", "joint6", "nova5"),
+        ("moveit_resources_panda_description)/urdf/panda.urdf", "panda_joint7", "panda"),
+        ("motoman_hc10_support)/urdf/hc10.xacro", "joint_6_t", "hc10"),
+        ("my_cell)/urdf/ur10e.urdf.xacro", "elbow_joint", "ur10e"),
+        ("tm_description)/xacro/robot.urdf.xacro", "joint_6", "tm5_900"),
+    ],
+)
+def test_a_whole_robot_of_an_absent_package_is_the_shipped_one_that_its_file_names(
+    tmp_path, file, joint, shipped
+):
+    robot = cell(tmp_path, f'<xacro:include filename="$(find {file}"/>')
+    assert joint in {each.name for each in robot.arm_joints}
+    assert f"is the shipped robot '{shipped}'" in " ".join(robot.assumed_figures)
+    compile_model(robot)
+
+
+def test_a_whole_robot_hangs_where_a_joint_of_the_description_puts_it(tmp_path):
+    body = (
+        '<xacro:include filename="$(find ur_description)/urdf/ur5e.urdf.xacro"/>'
+        '<joint name="stand" type="fixed"><parent link="world"/><child link="base_link"/>'
+        '<origin xyz="0 0 0.7"/></joint>'
+    )
+    robot = cell(tmp_path, body)
+    assert Kinematics(robot).forward({}, "base_link").position[2] == pytest.approx(0.7)
+
+
+def test_a_file_of_an_absent_package_that_names_no_robot_is_no_robot(tmp_path):
+    robot = cell(tmp_path, '<xacro:include filename="$(find a_cell)/urdf/my_arm.urdf"/>')
+    assert robot.name == "generic"
+
+
+@pytest.mark.parametrize("tool", ["niryo_gripper_1", "niryo_camera", "tool_mount"])
+def test_a_tool_of_a_makers_package_is_no_second_arm(tmp_path, tool):
+    own = TWO_JOINTS.replace("$(arg side)", "")
+    call = f'<xacro:{tool} prefix="t_" parent="b"/>'
+    robot = cell(tmp_path, INCLUDE.format("niryo_one_description") + own + call)
+    assert [each.name for each in robot.arm_joints] == ["j1", "j2"]
+
+
+@pytest.mark.parametrize("condition", ["$(arg sim)", "${'$(arg sim)'}", "$(arg sim)  "])
+def test_what_is_asked_of_an_argument_that_nothing_gives_is_answered_with_no(tmp_path, condition):
+    own = TWO_JOINTS.replace("$(arg side)", "")
+    body = f'{own}<xacro:if value="{condition}"><link name="plugin"/></xacro:if>'
+    robot = cell(tmp_path, body)
+    assert "plugin" not in robot.link_names
+    assert "the arguments sim" in robot.doubt
+
+
+OLD = {
+    "property": '<property name="up" value="0.3"/>',
+    "macro": '<macro name="leg" params="to"><link name="${to}"/></macro><leg to="foot"/>',
+    "condition": '<if value="1"><link name="foot"/></if>',
+    "include": '<include filename="$(find desc)/legs.xacro"/>',
+    "block": (
+        '<macro name="leg" params="*at"><link name="foot"/><joint name="f" type="fixed">'
+        '<insert_block name="at"/><parent link="b"/><child link="foot"/></joint></macro>'
+        '<leg><origin xyz="0 0 1"/></leg>'
+    ),
+}
+
+
+@pytest.mark.parametrize("form", OLD)
+def test_tags_of_xacro_without_their_prefix_are_read_as_up_to_melodic(tmp_path, form):
+    own = TWO_JOINTS.replace("$(arg side)", "")
+    foot = '<joint name="f" type="fixed"><parent link="b"/><child link="foot"/></joint>'
+    is_placed = form in ("property", "block")
+    used = own.replace("0 0 .3", "0 0 ${up}") if form == "property" else own
+    legs = f'{TOP.partition("<link")[0]}<link name="foot"/></robot>'
+    files = {"desc__legs_DOT_xacro": legs} if form == "include" else {}
+    body = OLD[form] + used + ("" if is_placed else foot)
+    robot = cell(tmp_path, body, **files)
+    assert [each.name for each in robot.arm_joints] == ["j1", "j2"]
+    assert ("foot" in robot.link_names) is (form != "property")
+    assert any("have no prefix" in each for each in robot.assumed_figures)
+
+
+def test_an_srdf_goes_with_a_urdf_whose_gripper_is_of_an_absent_package(tmp_path):
+    own = TWO_JOINTS.replace("$(arg side)", "")
+    knuckles = "".join(f'<joint name="robotiq_{number}"/>' for number in range(9))
+    srdf = (
+        '<robot name="cell"><group name="reach"><joint name="j1"/><joint name="j2"/></group>'
+        f'<group name="hand">{knuckles}</group></robot>'
+    )
+    call = '<xacro:robotiq_gripper parent="b"/>'
+    robot = cell(
+        tmp_path, INCLUDE.format("robotiq_description") + own + call, desc__cell_DOT_srdf=srdf
+    )
+    assert [each.name for each in robot.arm_joints] == ["j1", "j2"]
+    assert "reach" in robot.groups
+    assert "macro 'robotiq_gripper'" in " ".join(robot.assumed_figures)

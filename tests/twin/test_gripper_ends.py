@@ -21,7 +21,16 @@ from tracerisk.twin.robots.gripper_ends import (
 from tracerisk.twin.robots.robot import load_robot, robot_names
 from tracerisk.twin.simulation.twin import Twin
 
-CLOSE_BY_GROWING = {"gen3", "gen3_6dof", "gen3_lite", "j2n6s300", "j2s6s300", "j2s7s300", "xarm6", "xarm7"}
+CLOSE_BY_GROWING = {
+    "gen3",
+    "gen3_6dof",
+    "gen3_lite",
+    "j2n6s300",
+    "j2s6s300",
+    "j2s7s300",
+    "xarm6",
+    "xarm7",
+}
 """The shipped robots whose pads come nearer while the first joint grows."""
 
 
@@ -134,3 +143,9 @@ def test_a_plan_for_one_finger_takes_the_others_along(gen3, place):
     plan = gen3.plan_joints("gripper", {joint: gripper.sign(joint) * 0.5})
     end = dict(zip(plan.joints, plan.position[-1].tolist(), strict=True))
     assert end == {name: gripper.sign(name) * 0.5 for name in gripper.joints}
+
+
+def test_a_gripper_whose_pads_nobody_names_opens_by_growing():
+    robot = load_robot("panda")
+    gripper = replace(robot.grippers[0], pads=())
+    assert gripper_ends(robot, gripper).opened == gripper.opening

@@ -92,10 +92,12 @@ def position_at(robot: Robot, gripper: Gripper, width: float) -> float:
 
 
 def pad_distance(robot: Robot, gripper: Gripper, position: float) -> float:
-    """Return how far the first pad is from the middle of the others [m]; 0 for a single pad."""
+    """Return how far the first pad is from the middle of the others [m]; 0 for one or none."""
     at = {name: gripper.sign(name) * position for name in gripper.joints}
-    first, *others = pad_centres(robot, gripper, at)
-    return float(np.linalg.norm(first - np.mean(others, axis=0))) if others else 0.0
+    centres = pad_centres(robot, gripper, at)
+    if len(centres) < 2:
+        return 0.0
+    return float(np.linalg.norm(centres[0] - np.mean(centres[1:], axis=0)))
 
 
 def pad_centres(robot: Robot, gripper: Gripper, at: Mapping[str, float]) -> tuple[Matrix, ...]:

@@ -3,8 +3,9 @@
 On standard input comes JSON: `path`, `packages` (names and folders), `arguments`, `within`, the
 folders whose files may be read (`null`: any), and `lacking`, whether packages and arguments may be
 absent. JSON goes to standard output: the expanded `text`, the `files` that were read, and what was
-absent: `packages` and `arguments`; or, with the exit code REFUSED, which file was `asked` for
-outside the folders, and `by` which file. A macro may never end, may print, and may read
+absent: `packages`, the `includes` of their files and `arguments`, and `is_old`, whether tags have
+no prefix; or, with the exit code REFUSED, which file was `asked` for outside the folders, and `by`
+which file. A macro may never end, may print, and may read
 what it names: so the process has limits.
 """
 
@@ -13,6 +14,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import sys
 import sysconfig
 from pathlib import Path
@@ -28,6 +30,9 @@ ABSENT_MACRO = "absent_macro"
 """The element that a call of an absent macro becomes, with its arguments evaluated."""
 MACRO_NAME = "of_macro"
 """The attribute with the name of the macro."""
+_OLD_TAGS = frozenset({"arg", "if", "include", "insert_block", "macro", "property", "unless"})
+"""The tags that xacro took without its prefix up to ROS Melodic: ros/xacro CHANGELOG.rst."""
+_OLD = re.compile(rf"<(?:{'|'.join(sorted(_OLD_TAGS - {'arg'}))})\b")
 
 
 def main() -> int:
@@ -47,11 +52,27 @@ def main() -> int:
         reading = _Reading(asked["within"])
         mark_start()
         sys.addaudithook(reading.hook)
-        try:
+        is_old = False
+
+        def expanded() -> str:
             document = XacroDoc.from_file(
                 asked["path"], walk_up=True, resolve_packages=False, subargs=asked["arguments"]
             )
-            text = document.to_urdf_string()
+            return str(document.to_urdf_string())
+
+        try:
+            try:
+                text = expanded()
+                is_old = bool(_OLD.search(text))
+            except MemoryError:
+                raise
+            except Exception:
+                is_old = reading.refused is None and any(map(_has_old_tags, reading.files))
+                if not is_old:
+                    raise
+            if is_old:
+                _take_old_tags()
+                text = expanded()
         except MemoryError:
             raise
         except Exception:
@@ -65,10 +86,40 @@ def main() -> int:
             {"asked": reading.refused, "by": reading.by, "within": asked["within"]}, sys.stdout
         )
         return REFUSED
-    answer = {"text": text, "files": reading.files}
+    answer: dict[str, Any] = {"text": text, "files": reading.files}
     answer |= {"packages": [*lacking.packages], "arguments": [*lacking.arguments]}
+    answer |= {"includes": [*lacking.includes], "is_old": is_old}
     json.dump(answer, sys.stdout)
     return 0
+
+
+def _has_old_tags(file: str) -> bool:
+    return bool(_OLD.search(Path(file).read_text(encoding="utf-8", errors="replace")))
+
+
+def _take_old_tags() -> None:
+    """Let xacro take its tags and macros without their prefix."""
+    from xacrodoc.xacrodoc import xacro
+
+    evaluate = xacro.eval_all
+
+    def evaluated(node: Any, macros: Any, symbols: Any) -> Any:
+        # The tags of each level are looked at when it is, for a macro may stand in the one above.
+        for child in list(node.childNodes):
+            tag = getattr(child, "tagName", "")
+            if tag in _OLD_TAGS:
+                child.nodeName = child.tagName = f"xacro:{tag}"
+        return evaluate(node, macros, symbols)
+
+    call = xacro.handle_macro_call
+
+    def called(node: Any, macros: Any, symbols: Any) -> Any:
+        tag = node.tagName
+        if ":" not in tag and tag in macros:
+            node.nodeName = node.tagName = f"xacro:{tag}"
+        return call(node, macros, symbols)
+
+    xacro.eval_all, xacro.handle_macro_call = evaluated, called
 
 
 class _Lacking:
@@ -76,6 +127,7 @@ class _Lacking:
 
     def __init__(self) -> None:
         self.packages: dict[str, None] = {}
+        self.includes: dict[str, None] = {}
         self.arguments: dict[str, None] = {}
 
     def pass_over(self) -> None:
@@ -85,6 +137,7 @@ class _Lacking:
 
         find, files = substitution_args._eval_find, xacro.get_include_files
         argument, call = substitution_args._eval_arg, xacro.handle_macro_call
+        boolean = xacro.get_boolean_value
 
         def found(package: str) -> Any:
             try:
@@ -101,7 +154,16 @@ class _Lacking:
                 return ""
 
         def included(name: str, symbols: Any) -> Any:
-            return (each for each in files(name, symbols) if not each.startswith(f"{ABSENT}/"))
+            for each in files(name, symbols):
+                if each.startswith(f"{ABSENT}/"):
+                    self.includes.setdefault(each.removeprefix(f"{ABSENT}/"))
+                else:
+                    yield each
+
+        def decided(value: Any, condition: Any) -> Any:
+            # What is asked of an argument that nothing gives is answered with no.
+            is_empty = bool(self.arguments) and isinstance(value, str) and not value.strip()
+            return False if is_empty else boolean(value, condition)
 
         def called(node: Any, macros: Any, symbols: Any) -> Any:
             name = node.tagName.removeprefix("xacro:")
@@ -127,6 +189,7 @@ class _Lacking:
 
         substitution_args._eval_find, xacro.get_include_files = found, included
         substitution_args._eval_arg, xacro.handle_macro_call = given, called
+        xacro.get_boolean_value = decided
 
 
 class _Reading:

@@ -34,6 +34,10 @@ class Expanded:
     """The packages that were absent."""
     arguments: tuple[str, ...] = ()
     """The arguments that nothing gave, and that were taken for empty."""
+    includes: tuple[str, ...] = ()
+    """The files of absent packages that it includes, the package's name first."""
+    is_old: bool = False
+    """Whether tags have no prefix, as xacro took them up to ROS Melodic."""
 
 
 class LackingError(RobotError):
@@ -115,10 +119,13 @@ def expanded_xacro(
     try:
         answer = json.loads(done.stdout)
         text, files = answer["text"].encode(), [str(each) for each in answer["files"]]
-        lacked = tuple(tuple(map(str, answer[key])) for key in ("packages", "arguments"))
+        lacked = {
+            key: tuple(map(str, answer[key])) for key in ("packages", "arguments", "includes")
+        }
+        is_old = bool(answer["is_old"])
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise RobotError("xacro gave no document; its macros may print", Location(file)) from error
-    return Expanded(text, regular_within(files, around), *lacked)
+    return Expanded(text, regular_within(files, around), **lacked, is_old=is_old)
 
 
 def _refusal(answer: Mapping[str, Any], shown: str, path: Path) -> RobotError:

@@ -7,6 +7,7 @@ in the name of the macro or of the package.
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -39,6 +40,8 @@ _ARMS: Mapping[str, tuple[str, ...]] = {
 # franka_description/robots/common/franka_arm.xacro, Kinovarobotics/ros2_kortex
 # kortex_description/robots/kortex_robot.xacro, IFL-CAMP/iiwa_stack
 # iiwa_description/urdf/iiwa7.xacro.
+_TOOL = re.compile(r"gripper|hand|finger|camera|sensor|tool|mount|table|stand", re.IGNORECASE)
+_MOVING = ("revolute", "continuous", "prismatic")
 _PREFIXES = ("tf_prefix", "prefix", "arm_prefix", "robot_prefix")
 _IDS = ("arm_id", "robot_name")  # what stands in the place of an arm's own name
 _PARENTS = ("parent", "parent_link", "connected_to", "attach_to", "base")
@@ -57,14 +60,20 @@ class Completed:
     """Why what was put in may be another arm."""
 
 
-def with_shipped_robots(text: bytes, packages: Sequence[str]) -> Completed:
+def with_shipped_robots(
+    text: bytes, packages: Sequence[str], includes: Sequence[str] = ()
+) -> Completed:
     """Return a description with shipped robots in place of the macros of absent `packages`.
 
     A macro that is no shipped robot's is left out: what it would describe is no part of the arm.
+    Where nothing moves then, `includes`, the files of these packages, name the robot: a MoveIt
+    configuration includes the whole robot by its file.
     """
     root = ET.fromstring(text)
     drawing = _Drawing(root, packages)
     drawing.replace_calls()
+    if not any(each.get("type") in _MOVING for each in root.iter("joint")):
+        drawing.replace_includes(includes)
     drawing.hang_loose_links()
     return Completed(ET.tostring(root), tuple(drawing.notes), tuple(drawing.doubts))
 
@@ -94,6 +103,40 @@ class _Drawing:
                     self.notes.append(
                         f"macro '{macro}' of {self._shown()} is left out: the package is absent"
                     )
+
+    def replace_includes(self, files: Sequence[str]) -> None:
+        """Put the robot that the first of some files of absent packages names."""
+        for file in files:
+            package, _, name = file.partition("/")
+            stem = name.rpartition("/")[2].partition(".")[0]
+            family = _ARMS.get(package, ())
+            named = mentioned(stem, self._robots) or mentioned(package, self._robots)
+            found = [each for each in family if each in named] or sorted(named) or list(family)
+            if not found:
+                continue
+            robot = load_robot(found[0])
+            links = self._links()
+            base = robot.base_link
+            if (links - {base}) & set(robot.link_names):
+                continue
+            hung = {each.get("link", "") for each in self._root.iter("child")}
+            parent = next((each for each in sorted(links) if each not in hung), "")
+            own = [each for each in self._root.findall("link") if each.get("name") == base]
+            for each in own:
+                self._root.remove(each)
+            self._root.extend(ET.fromstring(urdf_text(robot, with_shapes=True)))
+            if parent and parent != base and base not in hung:
+                self._root.append(_fixed(parent, base, None))
+            self._anchor = base
+            self.notes.append(
+                f"'{name}' of '{package}', which is absent, is the shipped robot '{found[0]}'"
+            )
+            if len(found) > 1:
+                others = ", ".join(found[1:])
+                self.doubts.append(
+                    f"the absent file '{name}' may be {others} as well as {found[0]}"
+                )
+            return
 
     def _shown(self) -> str:
         return ", ".join(f"'{name}'" for name in self._packages)
@@ -126,7 +169,9 @@ class _Drawing:
                 yield "\n".join(sorted(numbered))
         yield macro
         yield "\n".join(given.values())
-        yield "\n".join(self._packages)
+        # A maker's package has grippers and cameras as well.
+        if not _TOOL.search(macro):
+            yield "\n".join(self._packages)
 
     def _put(self, call: ET.Element, macro: str, names: Sequence[str]) -> bool:
         """Put the first of some robots in the place of a call; not if its links are there."""

@@ -17,7 +17,7 @@ _NOT_SEARCHED = frozenset(
 )
 _ENDINGS = (".srdf", ".urdf", ".xacro")
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
-_INCLUDE = re.compile(rb"<xacro:include\b[^>]*\bfilename\s*=\s*[\"']([^\"']+)[\"']")
+_INCLUDE = re.compile(rb"<(?:xacro:)?include\b[^>]*\bfilename\s*=\s*[\"']([^\"']+)[\"']")
 
 
 @dataclass(frozen=True, slots=True)

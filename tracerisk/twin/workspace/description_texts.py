@@ -19,6 +19,7 @@ _MOST_EXPANDED = 12  # xacro files a controller; each costs up to a second
 _MOST_TRIED = 40  # with those that cannot be expanded: parts of others, which end soon
 _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
 _MOVES = re.compile(rb"<joint\b[^>]*type=[\"'](?:revolute|continuous|prismatic)")
+_OLD = "its xacro tags have no prefix: they are read as up to ROS Melodic"
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
 
 
@@ -68,6 +69,10 @@ class DescriptionTexts:
         """Return the files that were read for one, none where it was not expanded."""
         return self._read_for.get(file.path, ())
 
+    def is_without_parts(self, file: DescriptionFile) -> bool:
+        """Return whether something of absent packages was left out or replaced in a file."""
+        return file.path in self._completed
+
     def completed(self, robot: Robot, file: DescriptionFile) -> Robot:
         """Return the robot of a file with what was assumed to read it."""
         done = self._completed.get(file.path)
@@ -81,7 +86,10 @@ class DescriptionTexts:
 
     def _expand_named(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
         try:
-            return self._expand(file, given)
+            found = self._expand(file, given)
+            if found.is_old:
+                self._completed[file.path] = Completed(found.text, (_OLD,), ())
+            return found
         except LackingError as error:
             # What a launch file gives for another file is given here too; what the robot is
             # called is no matter of which robot it is.
@@ -100,13 +108,15 @@ class DescriptionTexts:
 
         Raises `error` where no joint of an arm is left.
         """
-        done = with_shipped_robots(found.text, found.packages)
+        done = with_shipped_robots(found.text, found.packages, found.includes)
         if not _MOVES.search(done.text):
             raise error
         if found.arguments:
             empty = ", ".join(found.arguments)
             doubt = f"no launch file gives {file.shown} the arguments {empty}: they are left empty"
             done = replace(done, doubts=(*done.doubts, doubt))
+        if found.is_old:
+            done = replace(done, notes=(*done.notes, _OLD))
         self._completed[file.path] = done
         return replace(found, text=done.text)
 

@@ -246,7 +246,7 @@ class _Search:
                 # Another arm of the same joints may stand elsewhere, but it is not this one.
                 self._skip(urdf, error.message, is_meant=self._launched_as(urdf) == 0)
                 continue
-            if has_parts_of(robot, srdf):
+            if has_parts_of(robot, srdf, lacks_parts=self._texts.is_without_parts(urdf)):
                 return self._texts.completed(completed_as_ours(robot), urdf), urdf
         return None
 

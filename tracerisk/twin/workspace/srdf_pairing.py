@@ -113,13 +113,16 @@ class UrdfChoice:
         )
 
 
-def has_parts_of(robot: Robot, srdf: Srdf) -> bool:
-    """Return whether a robot has most joints and links of an SRDF's groups, and a whole group."""
+def has_parts_of(robot: Robot, srdf: Srdf, *, lacks_parts: bool = False) -> bool:
+    """Return whether a robot has most joints and links of an SRDF's groups, and a whole group.
+
+    Of a robot that `lacks_parts` of absent packages, such as its gripper, a group is enough.
+    """
     names: set[str] = set()
     for group in srdf.groups:
         names.update(group.joints, group.links, *group.chains)
     has = {*robot.link_names, *(one.name for one in robot.attachments)}
-    if names and len(names & has) < _FITS * len(names):
+    if not lacks_parts and len(names & has) < _FITS * len(names):
         return False
     return any(group.name in robot.groups for group in srdf.groups)
 
