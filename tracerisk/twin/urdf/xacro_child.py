@@ -98,7 +98,7 @@ def _has_old_tags(file: str) -> bool:
 
 
 def _take_old_tags() -> None:
-    """Let xacro take its tags and macros without their prefix."""
+    """Make xacro take its tags and macros without their prefix."""
     from xacrodoc.xacrodoc import xacro
 
     evaluate = xacro.eval_all
