@@ -328,3 +328,35 @@ def test_arms_of_one_family_are_told_apart_by_what_names_the_model(
     found = of_source(tmp_path, source).robot
     assert found.name == robot
     assert bool(found.doubt) is not is_sure
+
+
+WX = ["waist", "shoulder", "elbow", "wrist_angle", "wrist_rotate"]
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "robot"),
+    [
+        (
+            "README_DOT_md",
+            "Start `roslaunch arm arm.launch robot_name:=wx200 use_sim:=true`.",
+            "wx200",
+        ),
+        ("docs__start_DOT_rst", "    ros2 launch arm arm.launch.py robot_model:=rx150\n", "rx150"),
+        ("Commands_DOT_md", "$ ros2 launch arm a.launch.py \\\n   robot_model:=wx250\n", "wx250"),
+        ("readme", "rosrun arm go.py _model:=vx300", "vx300"),
+        # The arms that it lists elsewhere are those that it could be.
+        (
+            "README_DOT_md",
+            "For px150, rx200, vx250.\n\n    roslaunch arm arm.launch robot_name:=rx200\n",
+            "rx200",
+        ),
+    ],
+)
+def test_the_command_of_a_readme_says_which_arm_of_a_family_it_is(tmp_path, file, text, robot):
+    files = {"go_DOT_py": f"joints = {WX}\n", "package_DOT_xml": PACKAGE.format("arm")}
+    choice = chosen(tmp_path, **files, **{file: text})
+    assert choice.robot.name == robot
+    assert not choice.robot.doubt
+    assert "a command of a readme" in choice.robot.weighed or any(
+        "a command of a readme" in each.words for each in choice.evidence
+    )

@@ -47,6 +47,7 @@ NAMES: Mapping[str, float] = {
     "its file's name": 22.0,
     "its folder's name": 20.0,
     "its comments": 15.0,
+    "a command of a readme": 12.0,
     "a module's comments": 10.0,
     "a program beside it": 8.0,
     "the package's manifest": 6.0,

@@ -29,6 +29,8 @@ _KINDS = (
     ("a parameter file", re.compile(r".*\.ya?ml")),
     ("a readme", re.compile(r"readme(\..*)?", re.IGNORECASE)),
 )
+_TEXT = re.compile(r"readme(\..*)?|.*\.(md|rst)", re.IGNORECASE)
+_STARTS = re.compile(r"\b(?:roslaunch|rosrun|ros2\s+(?:launch|run))\s")
 _OF_A_ROBOT = re.compile(r"_(moveit_?config|description|support|bringup|gazebo)$")
 _DEPENDS = re.compile(r"<\w*depend\b[^<]*</\w*depend>")
 _MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git", "src")
@@ -131,10 +133,27 @@ def _project(controller: Controller) -> Iterator[Hint]:
     seen = set(near)
     beyond = [file for file in _files(top) if file not in seen] if top != root else []
     for files in (near, beyond):
+        read = [each for each in files if _TEXT.fullmatch(each.name)][:_MOST_FILES]
+        commands = {name: _commands(text) for name, text in _texts(read, top)}
+        yield Hint("a command of a readme", commands, has_lines=True)
         for what, pattern in _KINDS:
             chosen = [each for each in files if pattern.fullmatch(each.name)][:_MOST_FILES]
             if chosen:
                 yield Hint(what, dict(_texts(chosen, top)), has_lines=True)
+
+
+def _commands(text: str) -> str:
+    """Return the lines that start programs, with those that go on behind a backslash.
+
+    The others are empty, so that the lines keep their numbers.
+    """
+    kept: list[str] = []
+    goes_on = False
+    for line in text.splitlines():
+        is_kept = goes_on or bool(_STARTS.search(line))
+        goes_on = is_kept and line.rstrip().endswith("\\")
+        kept.append(line if is_kept else "")
+    return "\n".join(kept)
 
 
 def _is_project(root: Path) -> bool:
