@@ -12,6 +12,7 @@ import pytest
 
 from tests.installed_ros import MANIFEST, Prefix, write
 from tracerisk.config import Settings, read_settings
+from tracerisk.errors import InputError
 from tracerisk.pipeline.workspace import prefixes
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.prefixes import (
@@ -324,3 +325,80 @@ def test_the_tests_run_in_a_shell_with_a_sourced_ros(tmp_path):
     shown = done.stdout.decode()
     assert shown.startswith("None ")
     assert site not in shown
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "install/lib/python3.10/site-packages/app/move.py",
+        "install/lib/app/move.py",
+        "install/share/app/scripts/move.py",
+    ],
+)
+def test_a_controller_that_is_installed_has_the_packages_beside_it(tmp_path, script):
+    Prefix(tmp_path / "install").install("arm_msgs")
+    write(tmp_path, {script: "import rclpy\n"})
+    found_prefixes = found((tmp_path / script).parent)
+    assert set(installed_packages(found_prefixes)) == {"arm_msgs"}
+    assert found_prefixes[0].found_in == "the prefix in which the controller is installed"
+
+
+def test_one_that_is_installed_apart_has_the_packages_that_are_beside_its_prefix(tmp_path):
+    for name in ("app", "arm_msgs", "arm_lib"):
+        Prefix(tmp_path / "install" / name).install(name)
+    script = "install/app/lib/python3.10/site-packages/app/move.py"
+    write(tmp_path, {script: "import rclpy\n"})
+    found_prefixes = found((tmp_path / script).parent)
+    assert set(installed_packages(found_prefixes)) == {"app", "arm_lib", "arm_msgs"}
+
+
+RELAY = """\
+#!/usr/bin/python3
+# -*- coding: utf-8 -*-
+# generated from catkin/cmake/template/script.py.in
+# creates a relay to a python script source file, acting as that file.
+# The purpose is that of a symlink
+python_script = '/ws/src/app/scripts/move.py'
+with open(python_script, 'r') as fh:
+    exec(compile(fh.read(), python_script, 'exec'), {})
+"""
+ENTRY = """\
+#!/usr/bin/python3
+# EASY-INSTALL-ENTRY-SCRIPT: 'arm-app==0.0.1','console_scripts','move'
+import re
+import sys
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (RELAY, "catkin wrote to start another one; name that one: /ws/src/app/scripts/move.py"),
+        (ENTRY, "for the entry point 'move' of 'arm-app==0.0.1'; name the module"),
+        (
+            ENTRY.replace("ENTRY-SCRIPT", "SCRIPT"),
+            "for the entry point 'move' of 'arm-app==0.0.1'",
+        ),
+    ],
+    ids=["devel", "colcon", "older"],
+)
+def test_a_script_that_a_build_wrote_is_not_run_and_the_one_that_it_starts_is_named(
+    tmp_path, text, says
+):
+    write(tmp_path, {"devel/lib/app/move.py": text})
+    with pytest.raises(InputError, match=r"move\.py") as caught:
+        load_controller(tmp_path / "devel/lib/app/move.py")
+    assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import rospy\n",
+        "# like generated from catkin/cmake/template/script.py.in\npython_script = 'a.py'\n",
+        RELAY.replace("python_script =", "script ="),
+    ],
+)
+def test_other_scripts_are_controllers(tmp_path, text):
+    write(tmp_path, {"lib/app/move.py": text})
+    assert load_controller(tmp_path / "lib/app/move.py").source == text.encode()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -14,6 +15,17 @@ from tracerisk.source.language import is_c
 from tracerisk.source.named_literals import counted_names
 from tracerisk.text.patterns import pattern
 
+# What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
+_RELAY = pattern(
+    rb"^# generated from catkin/cmake/template/script\.py\.in$[^\0]*?"
+    rb"^python_script = '([^'\n]+)'$",
+    re.MULTILINE,
+)
+# What setuptools writes for an entry point of a package that colcon builds:
+# pypa/setuptools setuptools/command/easy_install.py (`ScriptWriter.template`).
+_ENTRY = pattern(
+    rb"^# EASY-INSTALL-(?:ENTRY-)?SCRIPT: '([^'\n]+)','console_scripts','([^'\n]+)'$", re.MULTILINE
+)
 _PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
@@ -116,9 +128,28 @@ def load_controller(path: Path | str) -> Controller:
             ".c, .cpp and the like, or begins with a line such as `#!/usr/bin/env python3`",
             Location(str(path)),
         )
+    _forbid_made(source, str(path))
     root = controller_root(script)
     file = script.resolve().relative_to(root.resolve()).as_posix()
     return Controller(script, root, file, source)
+
+
+def _forbid_made(source: bytes, shown: str) -> None:
+    """Raise InputError for a script that a build wrote to start another one."""
+    relay, entry = _RELAY.search(source), _ENTRY.search(source)
+    if relay is not None:
+        raise InputError(
+            "is a script that catkin wrote to start another one; name that one: "
+            f"{relay[1].decode(errors='replace')}",
+            Location(shown),
+        )
+    if entry is not None:
+        package, name = (each.decode(errors="replace") for each in entry.groups())
+        raise InputError(
+            f"is a script that setuptools wrote for the entry point '{name}' of '{package}'; name "
+            f"the module that entry_points in its setup.py gives '{name}'",
+            Location(shown),
+        )
 
 
 def string_literals(controller: Controller) -> tuple[str, ...]:

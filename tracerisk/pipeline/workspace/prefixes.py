@@ -102,7 +102,20 @@ def find_prefixes(
 
 
 def _beside(root: Path, top: Path) -> Iterator[Prefix]:
-    """Yield the `install` and `devel` of the workspace in whose `src` a controller lies."""
+    """Yield the `install` and `devel` of the workspace in whose `src` a controller lies.
+
+    One that lies in a prefix itself, as it is installed, has that prefix and those beside it.
+    """
+    for folder in (root, *root.parents[:_UPWARDS]):
+        if is_prefix(folder):
+            # Each package has a prefix of its own in an isolated `install`.
+            is_one_of_many = folder.parent.name in _SPACES
+            at = folder.parent if is_one_of_many else folder
+            found_in = "the prefix in which the controller is installed"
+            yield Prefix(str(folder), found_in, within=str(at.parent))
+            if is_one_of_many:
+                yield Prefix(str(at), found_in, within=str(at.parent))
+            break
     sources = (each for each in (root, *root.parents[:_UPWARDS]) if each.name == _SOURCES)
     workspaces = dict.fromkeys((*(each.parent for each in sources), top))
     for workspace in workspaces:
