@@ -1,0 +1,42 @@
+"""The tests run in a shell that has sourced a ROS."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.installed_ros import write
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.mark.parametrize(
+    "plugin", ["launch_testing", "launch_testing_ros_pytest_entrypoint", "launch_pytest"]
+)
+def test_a_plugin_of_ros_that_cannot_be_imported_stops_no_test(tmp_path, plugin):
+    """The names are those of `pytest11` in setup.py of ros2/launch and ros2/launch_ros."""
+    site = tmp_path / "lib/python3/dist-packages"
+    metadata = f"{plugin}-1.0.dist-info"
+    write(
+        site,
+        {
+            f"{metadata}/METADATA": f"Metadata-Version: 2.1\nName: {plugin}\nVersion: 1.0\n",
+            f"{metadata}/entry_points.txt": f"[pytest11]\n{plugin} = {plugin}_absent\n",
+        },
+    )
+    write(tmp_path, {"test_one.py": "def test_one():\n    assert True\n"})
+    options = ["-c", str(ROOT / "pyproject.toml"), "-q", "-p", "no:cacheprovider"]
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, str(tmp_path / "test_one.py")],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "1 passed" in ended.stdout
