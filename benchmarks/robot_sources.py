@@ -112,6 +112,10 @@ def _interbotix(name: str) -> tuple[Source, ...]:
     )
 
 
+def _motoman(name: str) -> tuple[Source, ...]:
+    return (Source(f"motoman_{name}_support/urdf/{name}.xacro"),)
+
+
 def _iiwa(name: str) -> tuple[Source, ...]:
     return (
         Source(f"lbr_description/urdf/{name}/{name}.xacro", {"mode": "mock"}),
@@ -166,6 +170,36 @@ SOURCES: dict[str, tuple[Source, ...]] = {
         Source("franka_description/robots/fr3/fr3.urdf.xacro", {"hand": "true"}),
         Source("franka_ros/franka_description/robots/fr3/fr3.urdf.xacro", {"hand": "true"}),
     ),
+    **{
+        name: (Source(f"DOBOT_6Axis_ROS2_V4/cra_description/urdf/{name}_robot.xacro"),)
+        for name in ("cr10", "cr3", "nova5")
+    },
+    "crx10ia": (Source("fanuc_crx_description/robot/crx10ia.urdf.xacro"),),
+    "gen3_6dof": (
+        Source(
+            "ros2_kortex/kortex_description/robots/gen3.xacro",
+            {"arm": "gen3", "dof": "6", "gripper": "", "use_fake_hardware": "true"},
+        ),
+        Source("kinova_gen3_6dof_robotiq_2f_85_moveit_config/config/joint_limits.yaml"),
+    ),
+    **{name: _motoman(name) for name in ("gp7", "gp8", "hc10")},
+    "irb120": (
+        Source("abb_irb120_support/urdf/irb120_3_58.xacro"),
+        Source("abb_irb120_moveit_config/config/joint_limits.yaml"),
+    ),
+    "lrmate200id": (
+        Source("fanuc_lrmate200id_support/urdf/lrmate200id.xacro"),
+        Source("fanuc_lrmate200id_moveit_config/config/joint_limits.yaml"),
+    ),
+    "mycobot_320": (
+        Source("mycobot_320_m5_2022/new_mycobot_pro_320_m5_2022.urdf"),
+    ),
+    **{
+        name: (Source(f"tmr_ros2/tm_description/urdf/{name.replace('_', '-')}-nominal.urdf"),)
+        for name in ("tm12", "tm5_700", "tm5_900")
+    },
+    "tm5_900_tmr": (Source("tmr_ros1/tm_description/urdf/tm5-900-nominal.urdf"),),
+    "widowx": (Source("widowx_arm_description/robots/widowx_arm.urdf.xacro"),),
     "gen3": (
         Source("kortex_description/robots/gen3_2f85.urdf", prefix=("gen3_", "")),
         Source(
