@@ -289,6 +289,11 @@ OLD = {
     "macro": '<macro name="leg" params="to"><link name="${to}"/></macro><leg to="foot"/>',
     "condition": '<if value="1"><link name="foot"/></if>',
     "include": '<include filename="$(find desc)/legs.xacro"/>',
+    "underscores": (
+        '<xacro:property name="__up" value="0.3"/>'
+        '<xacro:macro name="leg" params="to"><link name="${to}"/></xacro:macro>'
+        "<xacro:leg to=\"${'foot' if __up else 1}\"/>"
+    ),
     "block": (
         '<macro name="leg" params="*at"><link name="foot"/><joint name="f" type="fixed">'
         '<insert_block name="at"/><parent link="b"/><child link="foot"/></joint></macro>'
@@ -309,7 +314,7 @@ def test_tags_of_xacro_without_their_prefix_are_read_as_up_to_melodic(tmp_path, 
     robot = cell(tmp_path, body, **files)
     assert [each.name for each in robot.arm_joints] == ["j1", "j2"]
     assert ("foot" in robot.link_names) is (form != "property")
-    assert any("have no prefix" in each for each in robot.assumed_figures)
+    assert any("forms of older releases" in each for each in robot.assumed_figures)
 
 
 def test_an_srdf_goes_with_a_urdf_whose_gripper_is_of_an_absent_package(tmp_path):

@@ -3,10 +3,10 @@
 On standard input comes JSON: `path`, `packages` (names and folders), `arguments`, `within`, the
 folders whose files may be read (`null`: any), and `lacking`, whether packages and arguments may be
 absent. JSON goes to standard output: the expanded `text`, the `files` that were read, and what was
-absent: `packages`, the `includes` of their files and `arguments`, and `is_old`, whether tags have
-no prefix; or, with the exit code REFUSED, which file was `asked` for outside the folders, and `by`
-which file. A macro may never end, may print, and may read
-what it names: so the process has limits.
+absent: `packages`, the `includes` of their files and `arguments`, and `is_old`, whether it has
+forms that xacro no longer takes; or, with the exit code REFUSED, which file was `asked` for outside
+the folders, and `by` which file. A macro may never end, may print, and may read what it names: so
+the process has limits.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ MACRO_NAME = "of_macro"
 """The attribute with the name of the macro."""
 _OLD_TAGS = frozenset({"arg", "if", "include", "insert_block", "macro", "property", "unless"})
 """The tags that xacro took without its prefix up to ROS Melodic: ros/xacro CHANGELOG.rst."""
+_OLD_NAME = re.compile(r"(?<![\w.])__(?=[A-Za-z]\w*\b(?!__))")
+"""How a property began that xacro refuses today: ros/xacro src/xacro/__init__.py grab_property."""
 _OLD = re.compile(rf"<(?:{'|'.join(sorted(_OLD_TAGS - {'arg'}))})\b")
 
 
@@ -67,11 +69,11 @@ def main() -> int:
             except MemoryError:
                 raise
             except Exception:
-                is_old = reading.refused is None and any(map(_has_old_tags, reading.files))
+                is_old = reading.refused is None and any(map(_has_old_forms, reading.files))
                 if not is_old:
                     raise
             if is_old:
-                _take_old_tags()
+                _take_old_forms()
                 text = expanded()
         except MemoryError:
             raise
@@ -93,22 +95,26 @@ def main() -> int:
     return 0
 
 
-def _has_old_tags(file: str) -> bool:
-    return bool(_OLD.search(Path(file).read_text(encoding="utf-8", errors="replace")))
+def _has_old_forms(file: str) -> bool:
+    text = Path(file).read_text(encoding="utf-8", errors="replace")
+    return bool(_OLD.search(text) or re.search(r"<xacro:property\s+name=[\"']__", text))
 
 
-def _take_old_tags() -> None:
-    """Make xacro take its tags and macros without their prefix."""
+def _take_old_forms() -> None:
+    """Make xacro take tags and macros without prefix, and names that begin with underscores."""
     from xacrodoc.xacrodoc import xacro
 
     evaluate = xacro.eval_all
 
     def evaluated(node: Any, macros: Any, symbols: Any) -> Any:
         # The tags of each level are looked at when it is, for a macro may stand in the one above.
-        for child in list(node.childNodes):
+        for child in (node, *node.childNodes):
             tag = getattr(child, "tagName", "")
             if tag in _OLD_TAGS:
                 child.nodeName = child.tagName = f"xacro:{tag}"
+            for name, value in list(child.attributes.items()) if tag else ():
+                if (renamed := _OLD_NAME.sub("old_", value)) != value:
+                    child.setAttribute(name, renamed)
         return evaluate(node, macros, symbols)
 
     call = xacro.handle_macro_call

@@ -37,7 +37,7 @@ class Expanded:
     includes: tuple[str, ...] = ()
     """The files of absent packages that it includes, the package's name first."""
     is_old: bool = False
-    """Whether tags have no prefix, as xacro took them up to ROS Melodic."""
+    """Whether it has forms that xacro no longer takes: tags without prefix, `__name`."""
 
 
 class LackingError(RobotError):

@@ -19,7 +19,7 @@ _MOST_EXPANDED = 12  # xacro files a controller; each costs up to a second
 _MOST_TRIED = 40  # with those that cannot be expanded: parts of others, which end soon
 _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
 _MOVES = re.compile(rb"<joint\b[^>]*type=[\"'](?:revolute|continuous|prismatic)")
-_OLD = "its xacro tags have no prefix: they are read as up to ROS Melodic"
+_OLD = "its xacro has forms of older releases (tags without prefix, `__name`), read as then"
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
 
 
