@@ -360,3 +360,29 @@ def test_the_command_of_a_readme_says_which_arm_of_a_family_it_is(tmp_path, file
     assert "a command of a readme" in choice.robot.weighed or any(
         "a command of a readme" in each.words for each in choice.evidence
     )
+
+
+@pytest.mark.parametrize(
+    ("package", "joints", "robot", "is_sure"),
+    [
+        ("mycobot_320_moveit", MYCOBOT, "mycobot_320", True),
+        ("mycobot_280_gripper_moveit", MYCOBOT, "mycobot_280", True),
+        ("motoman_hc10_moveit_config", MOTOMAN, "hc10", True),
+        ("gp8_config", MOTOMAN, "gp8", True),
+        ("arm_moveit", MOTOMAN, "gp7", False),
+    ],
+)
+def test_an_srdf_without_its_urdf_is_of_the_arm_that_its_package_names(
+    tmp_path, package, joints, robot, is_sure
+):
+    parts = "".join(f'<joint name="{joint}"/>' for joint in joints)
+    files = {
+        "go_DOT_py": 'group = MoveGroupCommander("arm_group")\n',
+        f"{package}__package_DOT_xml": PACKAGE.format(package),
+        f"{package}__config__firefighter_DOT_srdf": (
+            f'<robot name="firefighter"><group name="arm_group">{parts}</group></robot>'
+        ),
+    }
+    found = chosen(tmp_path, **files).robot
+    assert found.name == robot
+    assert bool(found.doubt) is not is_sure

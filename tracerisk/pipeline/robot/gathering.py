@@ -229,7 +229,9 @@ class Gathering:
         """Yield, for shipped robots with the joints of an SRDF, what its names say."""
         for one in found.described:
             if one.srdf is not None and len(one.like) > 1:
-                hint = Hint("the SRDF", {one.key: f"{one.srdf.name} {one.key}"})
+                # Makers call many of them alike: the package says which arm it is of.
+                around = " ".join(folder.name for folder in list(one.files[0].parents)[:2])
+                hint = Hint("the SRDF", {one.key: f"{one.srdf.name} {one.key} {around}"})
                 yield from evidence_of_names(hint, self.shipped, one.like)
 
 
