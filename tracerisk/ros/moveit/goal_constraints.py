@@ -88,7 +88,7 @@ class Goal:
 class GoalReader:
     """Reads goals by what a server knows of groups, links and frames.
 
-    `read_poses` is told which poses are asked for in which frames.
+    `read_poses` gets the poses that are asked for, with their frames.
     """
 
     def __init__(self, server: MoveGroupServer, read_poses: ReadPoses) -> None:

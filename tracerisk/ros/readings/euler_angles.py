@@ -9,7 +9,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import Runtime, current
 
-_STEP = 0.5  # what a person gives degrees in whole numbers of
+_STEP = 0.5  # users give degrees in whole numbers of this
 
 
 class EulerAngles:

@@ -29,8 +29,8 @@ from tracerisk.twin.physics.motion import Pose
 _KEPT = 50  # readings that a pose is compared with: a loop reads again and again
 _SAME = 1e-7  # numbers that were copied [m]
 _APART_M, _APART_RAD = 0.005, 0.02  # frames that differ by less are one for a program
-_ROUND_M = 0.005  # what a person adds to a pose is a whole number of these [m]
-_TYPED_M = 0.001  # what a person types is a whole number of these [m]
+_ROUND_M = 0.005  # what a user adds to a pose is a whole number of these [m]
+_TYPED_M = 0.001  # what a user types is a whole number of these [m]
 
 
 _PLANNING = "the planning frame"

@@ -1,6 +1,6 @@
 """Messages that a callback handles late, and moves the robot by, while newer ones wait behind them.
 
-What is told of a stream alone: of orders that wait for their turn each is meant to be carried out.
+Only streams are looked at: each of several orders that wait is meant to be carried out.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _OLD_NS = 1_000_000_000
 _NEWER = 3
 """Only where so many newer ones wait has the callback fallen behind for good."""
 _STREAM_NS = 500_000_000
-"""Messages that come no further apart than this are a stream, and no orders, which a person or
+"""Messages that come no further apart than this are a stream, and no orders, which a user or
 a planner of the shift sends."""
 
 Waiting = Sequence[tuple[Any, int]]

@@ -95,7 +95,7 @@ class TrajectoryController:
     def _look_at_speeds(self, made: JointTrajectory, stack: tuple[Frame, ...] | None) -> None:
         """Note a way between two points that a joint cannot follow in its time.
 
-        Of a short trajectory, as a stream has them, nothing is told: the next one leads on.
+        A short trajectory, as a stream has them, is left out: the next one leads on.
         """
         robot = self._twin.robot
         if robot.approximate or made.duration_s < _STREAMED_S:
