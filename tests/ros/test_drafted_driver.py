@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
+from tracerisk.errors import Location
 from tracerisk.ros.drafts.drafted_driver import Asked, guessed_driver
+from tracerisk.ros.drafts.said_around import ranges_said
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.source.filled_messages import listed_names
 from tracerisk.text.yaml_reader import read_large_yaml
 from tracerisk.vendors.description_reader import driver_of
 from tracerisk.vendors.interface_checks import check_interface
@@ -16,7 +21,9 @@ from tracerisk.vendors.interface_checks import check_interface
 def guess(request, tmp_path):
     """Return the guess of a service by the fields of its request and response."""
 
-    def guessed(name, fields, answer="bool success", *, type_name="Move", reply=None, **more):
+    def guessed(
+        name, fields, answer="bool success", *, type_name="Move", reply=None, said=None, **more
+    ):
         folder = tmp_path / "acme_msgs" / "srv"
         folder.mkdir(parents=True)
         (folder / f"{type_name}.srv").write_text(f"{fields}\n---\n{answer}\n")
@@ -25,7 +32,11 @@ def guess(request, tmp_path):
         full = f"acme_msgs/{type_name}"
         service = interfaces.service(full)
         asked = Asked(
-            "services", name, full, getattr(service, "_request_class", None) or service.Request
+            "services",
+            name,
+            full,
+            getattr(service, "_request_class", None) or service.Request,
+            **(said or {}),
         )
         comments = interfaces.comments(full, "srv")
         reply = {"success": True} if reply is None else reply
@@ -89,6 +100,28 @@ MOTIONS = {
         "/move_l", "\n".join(f"float64 {n}" for n in ("x", "y", "z", "rx", "ry", "rz")),
         {"pose": ["x", "y", "z", "rx", "ry", "rz"], "line": True}, {},
     ),
+    "six numbers called positions and turns": (
+        "/MoveXYZW",
+        "\n".join(
+            f"float64 {n}" for n in ("positionx", "positiony", "positionz", "roll", "pitch", "yaw")
+        ),
+        {"pose": ["positionx", "positiony", "positionz", "roll", "pitch", "yaw"]},
+        {},
+    ),
+    "six numbers of a goal": (
+        "/move_arm",
+        "\n".join(f"float64 goal_{n}" for n in ("x", "y", "z", "roll", "pitch", "yaw")),
+        {"pose": [f"goal_{n}" for n in ("x", "y", "z", "roll", "pitch", "yaw")]},
+        {},
+    ),
+    "three numbers with their unit": (
+        "/move_to", "float64 x_mm\nfloat64 y_mm\nfloat64 z_mm",
+        {"position": ["x_mm", "y_mm", "z_mm"]}, {"length": "mm"},
+    ),
+    "three numbers within another message's name": (
+        "/goto", "int32 id\nfloat32 pos_x\nfloat32 pos_y\nfloat32 pos_z",
+        {"position": ["pos_x", "pos_y", "pos_z"]}, {},
+    ),
     "a place in mm": (
         "/move_to", "float64[3] xyz_mm", {"position": "xyz_mm"}, {"length": "mm"},
     ),
@@ -142,6 +175,9 @@ def test_a_gripper_is_what_its_name_says(guess, name, fields, roles):
         ("/camera/move_to", "float64[3] position"),
         ("/move", "string program"),
         ("/move", "float64[6] velocities"),
+        ("/move", "float64 delta_x\nfloat64 delta_y\nfloat64 delta_z"),
+        ("/move", "float64 movex\nfloat64 movey\nfloat64 movez"),
+        ("/move", "float64 vel_x\nfloat64 vel_y\nfloat64 vel_z"),
         ("/move", "float64[5] joints"),
         ("/ready", ""),
         ("/detect", "float64[] positions"),
@@ -180,3 +216,64 @@ def test_an_answer_has_the_code_of_success_and_another_of_failure(guess):
     )
     assert entry["codes"] == {"succeeded": 1, "failed": 0}
     assert interface["response"] == {"ret": "$code", "message": "$message", "took": 0.1}
+
+
+@pytest.mark.parametrize("word", ["Move:SUCCESS", "done", "OK"])
+def test_a_word_of_success_is_answered_where_the_motion_succeeds_alone(guess, word):
+    _, interface, _ = guess("/move", "float64[6] joints", "string result", reply={"result": word})
+    translated = {"value": "$success", "map": {"true": word, "else": ""}}
+    assert interface["response"] == {"result": translated}
+
+
+LISTS = {
+    "a pair of force and position": (
+        {"angle": ("force", "position")}, {"position": (1000.0, False)},
+        "angle[1]", {"closed": 0.0, "open": 1000.0},
+    ),
+    "the other way round": (
+        {"angle": ("pos", "speed")}, {"pos": (255.0, True)},
+        "angle[0]", {"closed": 255.0, "open": 0.0},
+    ),
+    "of no known range": ({"angle": ("width_target",)}, {}, "angle[0]", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("elements", "largest", "path", "ends"), LISTS.values(), ids=LISTS)
+def test_a_list_of_numbers_is_read_by_what_the_source_puts_into_it(
+    guess, elements, largest, path, ends
+):
+    entry, interface, _ = guess(
+        "/gripper/set",
+        "string status\nint32[] angle",
+        type_name="Setangle",
+        said={"elements": elements, "largest": largest},
+    )
+    assert interface["grip"] == {"position": path}
+    assert entry.get("gripper") == ends
+
+
+def test_a_list_whose_numbers_nobody_names_is_left_alone(guess):
+    assert (
+        guess("/gripper/set", "int32[] angle", said={"elements": {"angle": ("a", "b")}})[0] is None
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("self.position = position #(0-1000)", (1000.0, False)),
+        ("position = 3  # 0 to 255, 0 is open", (255.0, True)),
+        ("send(position)  # 0.0 .. 0.8", (0.8, False)),
+        ("position = 10  # from 3-10", None),
+        ("position = 10", None),
+    ],
+)
+def test_the_range_of_a_number_is_what_a_comment_says(tmp_path, line, expected):
+    source = tmp_path / "cell.py"
+    source.write_text(f"{line}\n")
+    assert ranges_said(Location(str(source), 1, None)).get("position") == expected
+
+
+def test_what_a_source_puts_into_lists_is_known_by_its_names():
+    tree = ast.parse("request.angle = [cmd.force, position]\nsend(data=[1, self.grip_pos])")
+    assert listed_names(tree) == {"angle": ("force", "position"), "data": ("", "grip_pos")}

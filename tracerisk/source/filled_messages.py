@@ -6,6 +6,7 @@ import ast
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.source.dotted_names import last_name
 from tracerisk.source.python_source import parsed
 
 
@@ -47,6 +48,25 @@ def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], in
                 _put(fields, path, value)
                 first = first or node.lineno
     return fields, first
+
+
+def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
+    """Return the names of what a source puts into lists, by the field that each list is given to.
+
+    `request.angle = [command.force, command.position]` gives `angle: (force, position)`.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for node in () if tree is None else ast.walk(tree):
+        given: list[tuple[str, ast.expr]] = []
+        if isinstance(node, ast.Assign):
+            fields = (each for each in node.targets if isinstance(each, ast.Attribute))
+            given = [(each.attr, node.value) for each in fields]
+        elif isinstance(node, ast.Call):
+            given = [(each.arg, each.value) for each in node.keywords if each.arg]
+        for name, value in given:
+            if isinstance(value, ast.List | ast.Tuple) and value.elts:
+                found.setdefault(name, tuple(last_name(each) for each in value.elts))
+    return found
 
 
 def _literal(node: ast.expr) -> Any:

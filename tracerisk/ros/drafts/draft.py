@@ -14,7 +14,7 @@ from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
-from tracerisk.ros.drafts.said_around import said_at, said_in_callback
+from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
 from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
 from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import BOX, UsableValues
@@ -31,8 +31,10 @@ from tracerisk.source.compared_values import (
     compared_in_file,
     compared_results,
     ordered_answers,
+    source_tree,
     used_as,
 )
+from tracerisk.source.filled_messages import listed_names
 from tracerisk.source.known_keys import known_keys
 from tracerisk.text.near_names import likely_meant
 from tracerisk.twin.physics.motion import Pose
@@ -311,7 +313,8 @@ def _service(lack: _Lack) -> _Made:
 def _action(lack: _Lack) -> _Made:
     need, interfaces, values = lack.need, lack.interfaces, lack.values
     goal = goal_class(interfaces, need.type_name)
-    result = values.fields(action_parts(interfaces, need.type_name)[0])
+    compared = compared_in_file(lack.place)
+    result = values.fields(action_parts(interfaces, need.type_name)[0], compared)
     guess = _guess(Asked("actions", need.name, need.type_name, goal), result, lack)
     if guess is not None:
         return guess.entry, guess.words
@@ -337,8 +340,9 @@ def _guess(asked: Asked, reply: Mapping[str, Any], lack: _Lack) -> Guess | None:
     if package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
         return None
     group = None if values.group is None else values.group[0]
+    elements, largest = listed_names(source_tree(lack.place)), ranges_said(lack.place)
     return guessed_driver(
-        asked,
+        replace(asked, elements=elements, largest=largest),
         reply,
         joints=len(values.joints),
         states=values.robot.named_states.get(group or "", {}),

@@ -6,8 +6,9 @@ gripper. What they leave open, often a unit, is assumed: whoever confirms the en
 
 from __future__ import annotations
 
+import dataclasses
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -55,6 +56,11 @@ _NO_PLACE = re.compile(
     r"|(^|_)(ref|seed|init(ial)?|cur(rent)?|near)(_|$)"
 )
 _NUMBERED = re.compile(r"^(?:j|q|a|joint|axis|theta|angle|servo)_?(\d)(?:_\w+)?$")
+_AXIS = re.compile(
+    r"((?:\w*_)?(?:pos(?:ition)?|target|goal|point|coord|p)?_?)([xyz])"
+    r"(_?(?:pos(?:ition)?|target|goal|coord\w*|mm|cm|m))?"
+)
+_NO_AXIS = re.compile(r"(^|_)(rel\w*|delta|d|offset|shift|r|rot|rx|q)(_|$)|move|orient")
 _TURNS = (("rx", "ry", "rz"), ("roll", "pitch", "yaw"), ("a", "b", "c"), ("qx", "qy", "qz", "qw"))
 _SPEED = re.compile(r"vel|speed|override")
 _SPEED_UNITS = ("percent", "deg/s", "rad/s", "mm/s", "cm/s", "m/s")
@@ -96,6 +102,10 @@ class Asked:
     name: str
     type_name: str
     request: Any
+    elements: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
+    """What the source puts into lists, by the name of the field: `angle: (force, position)`."""
+    largest: Mapping[str, tuple[float, bool]] = dataclasses.field(default_factory=dict)
+    """The largest number that the source gives what is so called, and whether 0 is then open."""
 
     @property
     def called(self) -> str:
@@ -167,6 +177,9 @@ def guessed_driver(
         entry["units"] = units
     if codes:
         entry["codes"] = codes
+    ends = _ends(asked, roles) if effect == "grip" else {}
+    if ends:
+        entry["gripper"] = ends
     entry[asked.kind] = {name: interface}
     return Guess(entry, f"{what}{assumed}{left_out}")
 
@@ -216,9 +229,35 @@ def _grip(asked: Asked, parts: tuple[_Part, ...]) -> _Found | None:
     for part in parts:
         if part.is_number and _GRIP_PLACE.search(part.name):
             role = {"field": part.path, "unit": "percent"} if _is_percent(part) else part.path
-            words = "in percent" if _is_percent(part) else "from 0, closed, to 1"
+            words = "in percent" if _is_percent(part) else _ends_words(asked, part.name)
             return "grip", {"position": role}, f"`{part.path}` is the gripper's opening, {words}"
+    for part in parts:
+        names = asked.elements.get(part.field.name, ()) if part.field.is_array else ()
+        for index, name in enumerate(names):
+            if _GRIP_PLACE.search(name) or _WIDTH.search(name):
+                path, words = f"{part.path}[{index}]", _ends_words(asked, name)
+                return "grip", {"position": path}, f"`{path}` is the gripper's opening, {words}"
     return None
+
+
+def _ends_words(asked: Asked, name: str) -> str:
+    largest, opens_at_0 = asked.largest.get(name, (1.0, False))
+    if opens_at_0:
+        return f"from 0, open, to {largest:g}"
+    return f"from 0, closed, to {largest:g}"
+
+
+def _ends(asked: Asked, roles: Mapping[str, Any]) -> dict[str, float]:
+    """Return the numbers of a gripper's ends where the source says them; {} for 0 and 1."""
+    path = roles.get("position")
+    if not isinstance(path, str):
+        return {}
+    list_name, _, index = path.rpartition(".")[2].partition("[")
+    name = asked.elements[list_name][int(index[:-1])] if index else list_name
+    if name not in asked.largest:
+        return {}
+    largest, opens_at_0 = asked.largest[name]
+    return {"closed": largest, "open": 0.0} if opens_at_0 else {"closed": 0.0, "open": largest}
 
 
 def _named(asked: Asked, parts: tuple[_Part, ...], states: Collection[str]) -> _Found | None:
@@ -293,20 +332,41 @@ def _of_joints(
 
 
 def _of_pose(parts: tuple[_Part, ...]) -> tuple[dict[str, Any], str] | None:
-    numbers = {part.name: part.path for part in parts if part.is_number}
-    if all(axis in numbers for axis in "xyz"):
-        place = [numbers[axis] for axis in "xyz"]
+    place = _axes(parts)
+    if place:
+        numbers = {part.name: part.path for part in parts if part.is_number}
         for names in _TURNS:
-            if all(name in numbers for name in names):
-                turn = [numbers[name] for name in names]
-                return {"pose": [*place, *turn]}, f"`x` to `{names[-1]}` are a pose of the tool"
-        return {"position": place}, "`x`, `y`, `z` are a place of the tool"
+            found = [_ending(numbers, name) for name in names]
+            if all(found):
+                words = f"`{place[0]}` to `{found[-1]}` are a pose of the tool"
+                return {"pose": [*place, *found]}, words
+        shown = ", ".join(f"`{path}`" for path in place)
+        return {"position": place}, f"{shown} are a place of the tool"
     for part in _lists(parts, _POSE_LIST):
         if part.field.length == 3:
             return {"position": part.path}, f"`{part.path}` is a place of the tool"
         if part.field.length in (None, 6, 7):
             return {"pose": part.path}, f"`{part.path}` is a pose of the tool"
     return None
+
+
+def _axes(parts: tuple[_Part, ...]) -> list[str]:
+    """Return the paths of x, y and z of a place: `x`, `position_x` or `goal_x_mm`; [] for none."""
+    places: dict[tuple[str, str], dict[str, str]] = {}
+    for part in parts:
+        match = _AXIS.fullmatch(part.name) if part.is_number else None
+        if match is None or _NO_PLACE.search(part.name) or _NO_AXIS.search(match[1]):
+            continue
+        owner = part.path.rpartition(".")[0]
+        places.setdefault((f"{owner}.{match[1]}", match[3] or ""), {})[match[2]] = part.path
+    found = next((each for each in places.values() if len(each) == len("xyz")), {})
+    return [found[axis] for axis in sorted(found)]
+
+
+def _ending(numbers: Mapping[str, str], name: str) -> str:
+    """Return the path of the number of that name, or of one such as `target_NAME`."""
+    behind = (path for other, path in numbers.items() if other.endswith(f"_{name}"))
+    return numbers.get(name) or next(behind, "")
 
 
 def _lists(parts: tuple[_Part, ...], names: re.Pattern[str]) -> list[_Part]:
@@ -383,7 +443,10 @@ def _answer(reply: Mapping[str, Any], codes: dict[str, Any]) -> dict[str, Any]:
         elif isinstance(value, int) and not codes and _CODE.search(called):
             found[name] = "$code"
             codes |= {"succeeded": value, "failed": value - 1 if value > 0 else value + 1}
-        elif isinstance(value, str) and not value and _TEXT.search(called):
+        elif isinstance(value, str) and value:
+            # The word of success that the code knows is no answer of a motion that failed.
+            found[name] = {"value": "$success", "map": {"true": value, "else": ""}}
+        elif isinstance(value, str) and _TEXT.search(called):
             found[name] = "$message"
         elif isinstance(value, int | float):
             found[name] = value

@@ -11,6 +11,8 @@ from tracerisk.errors import Location
 from tracerisk.source.compared_values import calls_at, source_tree
 from tracerisk.source.dotted_names import last_name
 
+_RANGE = re.compile(r"(?<![\w.])0(?:\.0*)?\s*(?:-|~|\.\.|,|to)\s*(\d+(?:\.\d*)?)(?![\w.]*\d)")
+_OPEN_AT_0 = re.compile(r"(?<![\w.])0(?:\.0*)?\s*[:=(]?\s*(?:is|means)?\s*(?:fully )?open")
 _FURTHER = 3  # lines on which an answer is taken apart
 
 
@@ -23,6 +25,24 @@ def lines_with(text: str, name: str) -> str:
 def said_of_name(place: Location | None, name: str) -> str:
     """Return the lines that name something in the source of a place."""
     return lines_with("\n".join(_lines(place)), name)
+
+
+def ranges_said(place: Location | None) -> dict[str, tuple[float, bool]]:
+    """Return the largest number of what has a range from 0 in a comment of the source, by name.
+
+    `self.position = position  # 0-1000` gives `position: (1000.0, False)`; the truth value is
+    whether the same line says that 0 is open.
+    """
+    found: dict[str, tuple[float, bool]] = {}
+    for line in _lines(place):
+        code, _, comment = line.partition("#")
+        match = _RANGE.search(comment)
+        if match is None or float(match[1]) <= 0.0:
+            continue
+        is_open = _OPEN_AT_0.search(comment.lower()) is not None
+        for name in re.findall(r"[A-Za-z_]\w*", code):
+            found.setdefault(name, (float(match[1]), is_open))
+    return found
 
 
 def said_at(place: Location | None) -> str:

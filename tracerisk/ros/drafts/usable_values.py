@@ -57,6 +57,7 @@ _JOINTS = re.compile(r"^(joint_?names?|joints|names?)$")
 _DESCRIPTION = re.compile(r"(^|[/_])robot_description$|(^|[/_])urdf(_(xml|string|text))?$")
 _NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
 _GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
+_FAILED = re.compile(r"fail|err|abort|reject|refus|invalid|timeout|cancel")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
 _NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
@@ -397,7 +398,8 @@ class UsableValues:
     def text(self, name: str, texts: Sequence[str]) -> str:
         """Return the text of a field or parameter called `name`: one of `texts`, if any."""
         if texts:
-            return texts[0]
+            # A word of failure is the branch beside the one that goes on.
+            return min(texts, key=lambda text: _FAILED.search(text.lower()) is not None)
         if _DESCRIPTION.search(name):
             return urdf_text(self.robot)
         if _FRAME.search(name):
