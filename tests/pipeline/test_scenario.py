@@ -495,3 +495,29 @@ def test_a_controller_that_waits_to_be_called_is_reported_how(example):
     example.write("s.yaml", error["scenario"])
     trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
     assert [each["function"]["name"] for each in trace["visits"]] == ["Listener.turn"]
+
+
+ENDLESS_MENU = """\
+rospy.init_node("menu")
+group = moveit_commander.MoveGroupCommander("panda_arm")
+
+
+def go():
+    group.set_named_target("ready")
+    group.go()
+
+
+while True:
+    if input("Which? ") == "go":
+        go()
+"""
+
+
+def test_a_menu_without_an_end_that_has_moved_the_arm_is_over_with_its_answers(example):
+    example.write("c.py", "import moveit_commander\nimport rospy\n\n" + ENDLESS_MENU)
+    outcome = example.run("trace", "c.py", "--json", "--answer", "go", "--no-draft")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "idle"
+    assert outcome.json["verdict"]["kind"] == "partial"
+    reasons = {each["code"]: each["words"] for each in outcome.json["verdict"]["reasons"]}
+    assert reasons["unmet-need"] == "nothing provides an answer to 'Which?'"

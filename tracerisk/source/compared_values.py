@@ -7,7 +7,7 @@ it is handed to a function of the same file.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
@@ -24,21 +24,6 @@ _CASTS = frozenset({"str", "int", "float", "bool", "round"})
 _ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"})
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
-_NAMED = frozenset(
-    {
-        "MoveGroupCommander",
-        "MoveGroup",
-        "Subscriber",
-        "Publisher",
-        "ServiceProxy",
-        "lookup_transform",
-        "wait_for_service",
-        "wait_for_message",
-        "SimpleActionClient",
-        "open",
-        "get_planning_component",
-    }
-)
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
 _OF_GOAL = frozenset({"request", "goal"})
 
@@ -79,7 +64,7 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
     tree = source_tree(place)
     if tree is None or place is None:
         return Compared()
-    functions = _functions(tree)
+    functions = functions_of(tree)
     calls = list(calls_at(tree, place.line))
     for call in (*calls, *_made_before(tree, calls)):
         for value in (*call.args, *(each.value for each in call.keywords)):
@@ -88,7 +73,7 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
                 function: _Function | None = functions.get(last_name(node))
                 if isinstance(node, ast.Lambda):
                     function = node
-                name = None if function is None else _parameter(function, argument)
+                name = None if function is None else parameter_name(function, argument)
                 if function is not None and name is not None:
                     found = _flow(function, {name: ()}, functions, tree)
                     return Compared(_frozen({**_words_of_fields(tree, found), **found}))
@@ -113,100 +98,9 @@ def compared_in_file(place: Location | None) -> Compared:
     return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
 
 
-def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
-    """Return the literals with which the result of the `call` at `place` is compared.
-
-    Numbers come where the result is made one and nothing is compared with it.
-    """
-    for tree, node in _calls_of(place, call):
-        names, casts = held_by(tree, node)
-        refused = _refused(tree)
-        found = [
-            value
-            for each in ast.walk(tree)
-            if isinstance(each, ast.Compare | ast.Match)
-            for subject, value in _comparisons(refused.get(id(each), each))
-            if subject is not None
-            and (_bare(subject) is node or dotted_name(_bare(subject)) in names)
-        ]
-        if found:
-            return tuple(dict.fromkeys(found))
-        if "int" in casts or "float" in casts:
-            return (1,) if "int" in casts else (0.5,)
-    return ()
-
-
-_OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
-    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
-}  # fmt: skip
-
-
-def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
-    """Return what holds instead of each comparison (by `id`) that turns a number away.
-
-    That is the test of an `if` that raises, or goes on to the next round of a loop.
-    """
-    return {
-        id(test): ast.Compare(test.left, [_OTHER_SIDE[type(test.ops[0])]()], test.comparators)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise)
-        for test in [node.test]
-        if isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _OTHER_SIDE
-    }
-
-
-def used_as(place: Location | None, call: str) -> str:
-    """Return as what the result of the `call` at `place` is used: `int`, `bool`, ..., or empty.
-
-    By the conversions around it, and by what it is joined, reckoned or counted with.
-    """
-    for tree, node in _calls_of(place, call):
-        names, casts = held_by(tree, node)
-        for kind in ("int", "float", "str"):
-            if kind in casts:
-                return kind
-        is_it = lambda each: each is node or dotted_name(each) in names  # noqa: B023, E731
-        for each in ast.walk(tree):
-            found = _use(each, is_it)
-            if found:
-                return found
-    return ""
-
-
-def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
-    if isinstance(node, ast.If | ast.While | ast.IfExp) and is_it(_asserted(node.test)):
-        return "bool"
-    if isinstance(node, ast.BinOp) and (is_it(node.left) or is_it(node.right)):
-        other = node.right if is_it(node.left) else node.left
-        if isinstance(other, ast.JoinedStr) or (
-            isinstance(other, ast.Constant) and isinstance(other.value, str)
-        ):
-            return "str"
-        return "float" if isinstance(node.op, ast.Mult | ast.Div | ast.Sub) else ""
-    if isinstance(node, ast.FormattedValue) and is_it(node.value):
-        return "str"
-    if isinstance(node, ast.Call) and any(is_it(each) for each in node.args):
-        name = last_name(node.func)
-        if name == "range":
-            return "int"
-        if name in ("Rate", "Duration", "sleep"):
-            return "float"
-        if name in _NAMED:
-            return "str"
-    return ""
-
-
-def _asserted(test: ast.expr) -> ast.expr:
+def asserted(test: ast.expr) -> ast.expr:
+    """Return what a test asks, without a `not` before it."""
     return test.operand if isinstance(test, ast.UnaryOp) else test
-
-
-def written_name(place: Location | None, call: str) -> str:
-    """Return the text that the `call` at `place` has as its first argument; empty for none."""
-    for _, node in _calls_of(place, call):
-        first = node.args[0] if node.args else None
-        if isinstance(first, ast.Constant):
-            return str(first.value) if isinstance(first.value, str) else ""
-    return ""
 
 
 def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
@@ -245,14 +139,6 @@ def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
     return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
 
 
-def _calls_of(place: Location | None, name: str) -> Iterator[tuple[ast.Module, ast.Call]]:
-    """Yield the calls of a name that stand at a place, each with the tree of its source."""
-    tree = source_tree(place)
-    for call in () if tree is None or place is None else calls_at(tree, place.line):
-        if tree is not None and last_name(call.func) == name:
-            yield tree, call
-
-
 def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
     """Yield the calls of a tree that stand, or go on, at a line."""
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
@@ -264,7 +150,8 @@ def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 
 
-def _functions(tree: ast.AST) -> dict[str, _Function]:
+def functions_of(tree: ast.AST) -> dict[str, _Function]:
+    """Return the functions of a source by name."""
     return {
         node.name: node
         for node in ast.walk(tree)
@@ -272,7 +159,8 @@ def _functions(tree: ast.AST) -> dict[str, _Function]:
     }
 
 
-def _parameter(function: _Function, number: int) -> str | None:
+def parameter_name(function: _Function, number: int) -> str | None:
+    """Return the name of a parameter, counted from 0 behind `self`; None where there is none."""
     names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
     if names[:1] in (["self"], ["cls"]):
         del names[0]
@@ -313,7 +201,7 @@ def _flow(
                 for index, value in enumerate(node.args)
                 if (path := _path(value, known)) is not None
                 and callee is not None
-                and (name := _parameter(callee, index)) is not None
+                and (name := parameter_name(callee, index)) is not None
             }
             if callee is not None and given and callee is not function:
                 for path, values in _flow(callee, given, functions, tree, depth + 1).items():
@@ -338,7 +226,7 @@ def _item(target: ast.expr, iterated: ast.expr) -> str:
 
 
 def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
-    for subject, value in _comparisons(node):
+    for subject, value in comparisons(node):
         path = None if subject is None else _path(subject, known)
         if path is not None:
             found.setdefault(path, []).append(value)
@@ -358,14 +246,14 @@ def _by_field(tree: ast.AST) -> _Found:
     """Return the literals by the last name of the attribute that is compared with them."""
     found: _Found = {}
     for node in ast.walk(tree):
-        for subject, value in _comparisons(node):
-            bare = None if subject is None else _bare(subject)
+        for subject, value in comparisons(node):
+            bare = None if subject is None else bare_value(subject)
             if isinstance(bare, ast.Attribute):
                 found.setdefault((bare.attr,), []).append(value)
     return found
 
 
-def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
+def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     """Yield what is compared and a literal for which the comparison holds."""
     if isinstance(node, ast.Match):
         for case in node.cases:
@@ -374,7 +262,7 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
                     yield node.subject, pattern.value.value
         return
     if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
-        yield from ((_asserted(node.test), each) for each in (True, False))
+        yield from ((asserted(node.test), each) for each in (True, False))
         return
     if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
         for key in node.value.keys:
@@ -429,7 +317,7 @@ def _literals(node: ast.expr) -> Iterator[Any]:
             yield each
 
 
-def _bare(node: ast.expr) -> ast.expr:
+def bare_value(node: ast.expr) -> ast.expr:
     """Return an expression without the conversions around it: `str(a.b).lower()` is `a.b`."""
     while isinstance(node, ast.Call):
         if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
@@ -443,7 +331,7 @@ def _bare(node: ast.expr) -> ast.expr:
 
 def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
     """Return the path of the field that an expression is; None where it is none."""
-    bare = _bare(node)
+    bare = bare_value(node)
     names: list[str] = []
     while True:
         dotted = dotted_name(bare)
@@ -460,21 +348,3 @@ def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ..
             return None
         names.append(bare.attr)
         bare = bare.value
-
-
-def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
-    """Return the names that are given what a call returns, and the conversions around it."""
-    names: set[str] = set()
-    casts: set[str] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr):
-            value = node.value
-            if value is None or all(each is not call for each in ast.walk(value)):
-                continue
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names |= {dotted_name(each) for each in targets if dotted_name(each)}
-        if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
-            inner = node.args[0]
-            if any(each is call for each in ast.walk(inner)) or dotted_name(inner) in names:
-                casts.add(last_name(node.func))
-    return names, casts

@@ -65,7 +65,7 @@ from tracerisk.pipeline.workspace.prefixes import python_folders, readable_of, w
 from tracerisk.pipeline.workspace.workspace import Workspace, project_top
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.distributions.in_run import DistroRules
-from tracerisk.ros.drafts.draft import known_answers
+from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameter_files import read_parameters

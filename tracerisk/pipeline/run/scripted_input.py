@@ -45,7 +45,8 @@ class Answers(io.TextIOBase):
     the input finds it there, as behind a pipe.
 
     Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
-    one that is asked again and again ends the run. A controller that reads keys gets each answer as
+    one that is asked again and again ends the run: as a loop that commands nothing any more where
+    it was answered before, and something was commanded. A controller that reads keys gets each answer as
     one; `script` is the file of its own in which the keys are compared.
 
     A question that comes again and again with no `progress` between does not take Enter: it gets
@@ -61,6 +62,7 @@ class Answers(io.TextIOBase):
     prompt: str = field(default="", init=False)
     _assumed: dict[str, list[str]] = field(default_factory=dict, init=False)
     _last_asked: tuple[str, object] = field(default=("", None), init=False)
+    _answered: set[str] = field(default_factory=set, init=False)
     _times: int = field(default=0, init=False)
     _line: str = field(default="", init=False)
 
@@ -118,14 +120,20 @@ class Answers(io.TextIOBase):
 
     def _next_answer(self) -> None:
         answer = self._given()
-        if answer is None:
+        if answer is not None:
+            self._answered.add(self._asked)
+        else:
             answer = self._unscripted()
             self.recorder.note("input", answer=answer)
         self._line = f"{answer}\n"
 
+    @property
+    def _asked(self) -> str:
+        return repr(self.prompt) if self.prompt else "a read of the standard input"
+
     def _unscripted(self) -> str:
         """Return Enter, or an answer that the code knows where Enter leads nowhere."""
-        asked = repr(self.prompt) if self.prompt else "a read of the standard input"
+        asked = self._asked
         now = asked, self.progress()
         self._times = self._times + 1 if now == self._last_asked else 1
         self._last_asked = now
@@ -133,6 +141,7 @@ class Answers(io.TextIOBase):
             self._assumed[asked] = list(self.assume())
         self.scheduler.touch()
         if self._assumed.get(asked):
+            self._answered.add(asked)
             answer = self._assumed[asked].pop(0)
             self.recorder.finding(
                 "answer_assumed",
@@ -144,8 +153,10 @@ class Answers(io.TextIOBase):
             return answer
         self.scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
+            # A menu that has moved the arm waits for a user who has said all.
+            is_over = asked in self._answered and self.progress() is not None
             self.scheduler.end(
-                "deadlock",
+                "idle" if is_over else "deadlock",
                 f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "
                 "Enter each time",
             )

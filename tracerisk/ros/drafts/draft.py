@@ -9,14 +9,15 @@ from typing import Any
 
 from tracerisk.errors import InputError, Location
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
+from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter, parameter_key
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
+from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
 from tracerisk.ros.drafts.seen_in_pictures import seen_in_pictures
-from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import BOX, UsableValues
 from tracerisk.ros.messages.fields import (
     action_parts,
@@ -29,10 +30,8 @@ from tracerisk.ros.messages.pictures import PICTURE
 from tracerisk.source.compared_values import (
     compared_in_callback,
     compared_in_file,
-    compared_results,
     ordered_answers,
     source_tree,
-    used_as,
 )
 from tracerisk.source.filled_messages import listed_names
 from tracerisk.source.known_keys import known_keys
@@ -146,14 +145,6 @@ def move_aside(entry: dict[str, Any], places: int) -> None:
     """Move an object by some places, each wider than a drafted object."""
     entry["xyz"] = list(entry["xyz"])
     entry["xyz"][1] = round(entry["xyz"][1] + places * _BESIDE, 3)
-
-
-def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:
-    """Return the answers that the code knows to its question at `place`, in turn; () for none."""
-    numbers = numbers_answer(place, values)
-    if numbers is not None:
-        return (numbers,)
-    return ordered_answers(compared_results(place, "input"))
 
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:

@@ -8,11 +8,11 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.drafts.asked_results import compared_results, used_as, written_name
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.drafts.said_around import said_of_name
 from tracerisk.ros.drafts.usable_values import UsableValues, is_on
-from tracerisk.source.compared_values import compared_results, used_as, written_name
 
 _TYPED: Mapping[str, Any] = {
     "integer": 1,

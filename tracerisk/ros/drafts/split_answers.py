@@ -7,10 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
+from tracerisk.ros.drafts.asked_results import held_by
 from tracerisk.ros.drafts.named_numbers import Units, numbers_in_place, units_of
 from tracerisk.ros.drafts.said_around import said_at
 from tracerisk.ros.drafts.usable_values import UsableValues
-from tracerisk.source.compared_values import calls_at, held_by, source_tree
+from tracerisk.source.compared_values import calls_at, source_tree
 from tracerisk.source.dotted_names import last_name
 
 _NUMBERS = ("float", "int")

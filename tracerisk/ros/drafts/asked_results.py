@@ -1,0 +1,199 @@
+"""What a source does with what a call gives it, such as `input` or `get_param`.
+
+Read from the source alone, by the names that hold the result.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.source.compared_values import (
+    asserted,
+    bare_value,
+    calls_at,
+    comparisons,
+    functions_of,
+    parameter_name,
+    source_tree,
+)
+from tracerisk.source.dotted_names import dotted_name, last_name
+
+_FURTHEST = 3  # functions through which a result is followed
+_CASTS = frozenset({"str", "int", "float", "bool", "round"})
+_NAMED = frozenset(
+    {
+        "MoveGroupCommander",
+        "MoveGroup",
+        "Subscriber",
+        "Publisher",
+        "ServiceProxy",
+        "lookup_transform",
+        "wait_for_service",
+        "wait_for_message",
+        "SimpleActionClient",
+        "open",
+        "get_planning_component",
+    }
+)
+_OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
+    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
+}  # fmt: skip
+
+
+def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
+    """Return the literals with which the result of the `call` at `place` is compared.
+
+    Numbers come where the result is made one and nothing is compared with it.
+    """
+    for tree, node in calls_of(place, call):
+        names, casts = held_by(tree, node)
+        refused = _refused(tree)
+        found = [
+            value
+            for each in ast.walk(tree)
+            if isinstance(each, ast.Compare | ast.Match)
+            for subject, value in comparisons(refused.get(id(each), each))
+            if subject is not None and is_held(subject, node, names)
+        ]
+        if found:
+            return tuple(dict.fromkeys(found))
+        if "int" in casts or "float" in casts:
+            return (1,) if "int" in casts else (0.5,)
+    return ()
+
+
+def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
+    """Return what holds instead of each comparison (by `id`) that turns a number away.
+
+    That is the test of an `if` that raises, or goes on to the next round of a loop.
+    """
+    return {
+        id(test): ast.Compare(test.left, [_OTHER_SIDE[type(test.ops[0])]()], test.comparators)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise)
+        for test in [node.test]
+        if isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _OTHER_SIDE
+    }
+
+
+def used_as(place: Location | None, call: str) -> str:
+    """Return as what the result of the `call` at `place` is used: `int`, `bool`, ..., or empty.
+
+    By the conversions around it, and by what it is joined, reckoned or counted with.
+    """
+    for tree, node in calls_of(place, call):
+        names, casts = held_by(tree, node)
+        for kind in ("int", "float", "str"):
+            if kind in casts:
+                return kind
+        is_it = lambda each: each is node or dotted_name(each) in names  # noqa: B023, E731
+        for each in ast.walk(tree):
+            found = _use(each, is_it)
+            if found:
+                return found
+    return ""
+
+
+def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
+    if isinstance(node, ast.If | ast.While | ast.IfExp) and is_it(asserted(node.test)):
+        return "bool"
+    if isinstance(node, ast.BinOp) and (is_it(node.left) or is_it(node.right)):
+        other = node.right if is_it(node.left) else node.left
+        if isinstance(other, ast.JoinedStr) or (
+            isinstance(other, ast.Constant) and isinstance(other.value, str)
+        ):
+            return "str"
+        return "float" if isinstance(node.op, ast.Mult | ast.Div | ast.Sub) else ""
+    if isinstance(node, ast.FormattedValue) and is_it(node.value):
+        return "str"
+    if isinstance(node, ast.Call) and any(is_it(each) for each in node.args):
+        name = last_name(node.func)
+        if name == "range":
+            return "int"
+        if name in ("Rate", "Duration", "sleep"):
+            return "float"
+        if name in _NAMED:
+            return "str"
+    return ""
+
+
+def written_name(place: Location | None, call: str) -> str:
+    """Return the text that the `call` at `place` has as its first argument; empty for none."""
+    for _, node in calls_of(place, call):
+        first = node.args[0] if node.args else None
+        if isinstance(first, ast.Constant):
+            return str(first.value) if isinstance(first.value, str) else ""
+    return ""
+
+
+def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
+    """Return the names that are given what a call returns, and the conversions around it.
+
+    Also where a function of the same source returns it, or is handed it.
+    """
+    names: set[str] = set()
+    casts: set[str] = set()
+    functions = functions_of(tree)
+    returning: set[str] = set()
+
+    def holds(value: ast.expr) -> bool:
+        inside = any(each is call for each in ast.walk(value))
+        stem = _stem(value)
+        is_returned = isinstance(stem, ast.Call) and last_name(stem.func) in returning
+        return inside or is_returned or dotted_name(stem) in names
+
+    for _ in range(_FURTHEST):
+        before = len(names), len(returning)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr):
+                if node.value is None or not holds(node.value):
+                    continue
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names |= {dotted_name(each) for each in targets if dotted_name(each)}
+            elif isinstance(node, ast.FunctionDef):
+                returns = (each.value for each in ast.walk(node) if isinstance(each, ast.Return))
+                if any(value is not None and holds(value) for value in returns):
+                    returning.add(node.name)
+            elif isinstance(node, ast.Call) and last_name(node.func) in functions:
+                callee = functions[last_name(node.func)]
+                given = enumerate(node.args)
+                taken = (parameter_name(callee, index) for index, value in given if holds(value))
+                names |= {name for name in taken if name is not None}
+        if (len(names), len(returning)) == before:
+            break
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
+            inner = node.args[0]
+            if any(each is call for each in ast.walk(inner)) or dotted_name(inner) in names:
+                casts.add(last_name(node.func))
+    return names, casts
+
+
+def is_held(node: ast.expr, call: ast.Call, names: set[str]) -> bool:
+    """Return whether an expression is what a call returns, or a part of it: `names` hold that."""
+    stem = _stem(node)
+    return stem is call or dotted_name(stem) in names
+
+
+def _stem(node: ast.expr) -> ast.expr:
+    """Return an expression without what takes a part of it: `answer.split()[0]` is `answer`."""
+    while True:
+        bare = bare_value(node)
+        is_split = isinstance(bare, ast.Call) and last_name(bare.func) in ("split", "splitlines")
+        if isinstance(bare, ast.Subscript):
+            node = bare.value
+        elif is_split and isinstance(bare.func, ast.Attribute):  # type: ignore[attr-defined]
+            node = bare.func.value  # type: ignore[attr-defined]
+        else:
+            return bare
+
+
+def calls_of(place: Location | None, name: str) -> Iterator[tuple[ast.Module, ast.Call]]:
+    """Yield the calls of a name that stand at a place, each with the tree of its source."""
+    tree = source_tree(place)
+    for call in () if tree is None or place is None else calls_at(tree, place.line):
+        if tree is not None and last_name(call.func) == name:
+            yield tree, call

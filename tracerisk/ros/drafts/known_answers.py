@@ -1,0 +1,122 @@
+"""The answers that a source knows to its own question, in the order in which a user gives them."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from tracerisk.errors import Location
+from tracerisk.ros.drafts.asked_results import (
+    calls_of,
+    compared_results,
+    held_by,
+    is_held,
+)
+from tracerisk.ros.drafts.split_answers import numbers_answer
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.source.compared_values import comparisons, ordered_answers
+from tracerisk.source.dotted_names import dotted_name, last_name
+
+_OPTION = re.compile(r"^\s*[\[(]?(\w{1,2})(?:[\])]|[.:]\s|\s+[-=:]\s)\s*(\S.*)$", re.MULTILINE)
+_LEAVES = re.compile(r"\b(quit|exit|leave|end|stop|back|cancel)\b", re.IGNORECASE)
+_EXITS = frozenset({"exit", "_exit", "quit", "shutdown", "signal_shutdown"})
+
+
+def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:
+    """Return the answers that the code knows to its question at `place`, in turn; () for none.
+
+    Numbers into which the code takes the answer apart, else what it compares the answer with, the
+    keys of a table in which it looks it up, or the options that it prints. What ends the program
+    comes last.
+    """
+    numbers = numbers_answer(place, values)
+    found = ordered_answers((*compared_results(place, "input"), *_keys(place)))
+    leaving = tuple(answer for answer in found if answer in _leaving(place))
+    if numbers is not None:
+        return (numbers, *leaving)
+    if not found or set(found) <= set(leaving):
+        found = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
+    return (*(answer for answer in found if answer not in leaving), *leaving)
+
+
+def _leaving(place: Location | None) -> frozenset[str]:
+    """Return the answers with which a loop or a function is left."""
+    return frozenset(
+        str(value)
+        for tree, call in calls_of(place, "input")
+        for names in (held_by(tree, call)[0],)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and _leaves(node.body)
+        for test in ast.walk(node.test)
+        if isinstance(test, ast.Compare)
+        for subject, value in comparisons(test)
+        if subject is not None and is_held(subject, call, names)
+        and isinstance(test.ops[0], ast.Eq | ast.In)
+    )  # fmt: skip
+
+
+def _leaves(body: list[ast.stmt]) -> bool:
+    last = body[-1]
+    if isinstance(last, ast.Break | ast.Return):
+        # A function that returns something has made an answer of it.
+        return not (isinstance(last, ast.Return) and last.value is not None)
+    if isinstance(last, ast.Assign):
+        return isinstance(last.value, ast.Constant) and last.value.value is False
+    is_call = isinstance(last, ast.Expr) and isinstance(last.value, ast.Call)
+    return is_call and last_name(last.value.func) in _EXITS  # type: ignore[attr-defined]
+
+
+def _keys(place: Location | None) -> Iterator[str]:
+    """Yield the keys of the tables in which the answer is looked up."""
+    for tree, call in calls_of(place, "input"):
+        names, _ = held_by(tree, call)
+        tables = {
+            dotted_name(target): node.value
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict)
+            for target in node.targets
+        }
+        for node in ast.walk(tree):
+            table, key = _looked_up(node)
+            if table is None or key is None or not is_held(key, call, names):
+                continue
+            found = table if isinstance(table, ast.Dict) else tables.get(dotted_name(table))
+            for each in () if found is None else found.keys:
+                if isinstance(each, ast.Constant) and isinstance(each.value, str | int):
+                    yield str(each.value)
+
+
+def _looked_up(node: ast.AST) -> tuple[ast.AST | None, ast.expr | None]:
+    """Return a table and the key that is looked up in it."""
+    if isinstance(node, ast.Subscript):
+        return node.value, node.slice
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        return (node.func.value, node.args[0]) if node.func.attr == "get" else (None, None)
+    if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+        return node.comparators[0], node.left
+    return None, None
+
+
+def _printed(place: Location | None) -> tuple[str, ...]:
+    """Return the options of the menu that is printed around the question: `1. Home`, `[q] quit`."""
+    found: dict[str, str] = {}
+    for tree, call in calls_of(place, "input"):
+        around = [
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef | ast.While)
+            and any(inner is call for inner in ast.walk(node))
+        ]
+        for node in ast.walk(around[-1] if around else tree):
+            if isinstance(node, ast.Call) and last_name(node.func) in ("print", "input"):
+                for text in _texts(node):
+                    found |= {match[1]: match[2] for match in _OPTION.finditer(text)}
+    options = {option: label for option, label in found.items() if len(found) > 1}
+    return tuple(sorted(options, key=lambda option: _LEAVES.search(options[option]) is not None))
+
+
+def _texts(call: ast.Call) -> Iterator[str]:
+    for argument in call.args:
+        if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+            yield argument.value
