@@ -46,8 +46,8 @@ class Answers(io.TextIOBase):
 
     Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
     one that is asked again and again ends the run: as a loop that commands nothing any more where
-    it was answered before, and something was commanded. A controller that reads keys gets each answer as
-    one; `script` is the file of its own in which the keys are compared.
+    it was answered before, and something was commanded. A controller that reads keys gets each
+    answer as one; `script` is the file of its own in which the keys are compared.
 
     A question that comes again and again with no `progress` between does not take Enter: it gets
     what `assume` returns for it, in turn, and each is an assumption.

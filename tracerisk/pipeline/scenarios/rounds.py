@@ -451,7 +451,9 @@ class Rounds:
         if written is None:
             return self._as_published(draft)
         value = written.value
-        if draft.need.kind != "parameter":
+        if draft.need.kind == "frame":
+            value = {**value, "frame": draft.need.name}
+        elif draft.need.kind != "parameter":
             content = _CONTENT[draft.need.kind]
             if not names_own_joints(draft, value):
                 return self._as_published(draft)

@@ -17,6 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.pipeline.launch.program import Program
+from tracerisk.pipeline.scenarios.written_frames import (
+    COMMAND,
+    PROGRAM,
+    launched_arguments,
+    on_top,
+    static_frame,
+)
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.controller.needs import Need
@@ -70,13 +77,14 @@ class WrittenValues:
     def of(self, need: Need) -> Written | None:
         """Return the value that is written for a need, as its entry holds it; None for none.
 
-        Of messages, requests, replies and goals that is the mapping of their fields.
+        Of messages, requests, replies and goals that is the mapping of their fields, of a frame
+        the whole entry.
         """
         if need.kind == "parameter":
             return self._set_parameter(need) or self._configured(need)
         if need.kind in ("topic", "call", "goal"):
             return self._sent(need) or self._made(need)
-        return None
+        return self._published_frame(need.name) if need.kind == "frame" else None
 
     @cached_property
     def arguments(self) -> tuple[tuple[tuple[str, ...], str], ...]:
@@ -139,6 +147,38 @@ class WrittenValues:
                         words = words if cut == line else _words([cut], 0, match.start())
                     if words:
                         yield _Command(words, self._place(path, number + 1))
+
+    def _published_frame(self, name: str) -> Written | None:
+        """Return where static publishers of the repository put a frame, seen from the frame of
+        theirs that hangs on none of them."""
+        found = self._static_frames.get(name.strip("/"))
+        if found is None:
+            return None
+        entry, climbed = found.value, {name.strip("/")}
+        while (above := entry["parent"].strip("/")) not in climbed:
+            climbed.add(above)
+            if above in self._static_frames:
+                entry = on_top(self._static_frames[above].value, entry)
+        return Written(entry, found.place)
+
+    @cached_property
+    def _static_frames(self) -> dict[str, Written]:
+        """The frames that static publishers of the repository publish, the nearest of each name."""
+        found: dict[str, Written] = {}
+        launched = (
+            (words, self._place(path, line))
+            for path, text in self._texts
+            for words, line in launched_arguments(path, text)
+        )
+        typed = (
+            (command.words[command.words.index(PROGRAM) + 1 :], command.place)
+            for command in self._commands(COMMAND)
+        )
+        for words, place in (*launched, *typed):
+            entry = static_frame(words)
+            if entry is not None:
+                found.setdefault(entry["frame"].strip("/"), Written(entry, place))
+        return found
 
     # Configuration
 
