@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,6 +19,7 @@ from tracerisk.ros.graph.runtime import Runtime
 _MOST_FILES = 200  # that may declare a controller
 _MOST_BYTES = 200_000
 _MOVEIT = "moveit_simple_controller_manager"
+_VARIABLE = re.compile(r"^\$\((?:var|arg) \w+\)")
 _QUANTITIES = ("position", "velocity", "effort")
 
 
@@ -37,6 +39,8 @@ class DeclaredController:
     others: tuple[tuple[str, ...], ...] = ()
     """The joints that other files give a controller of this name: those of a workspace's other
     robots and bring-ups."""
+    is_default: bool = False
+    """Whether a file of MoveIt's says that it takes the goals for its joints by default."""
 
     def of_joints(self, fits: Callable[[frozenset[str]], bool]) -> DeclaredController | None:
         """Return it with the first of its lists of joints that fits, `None` where none does."""
@@ -74,6 +78,7 @@ class DeclaredControllers:
         joints: dict[str, list[tuple[str, ...]]] = {}
         types: dict[str, str] = {}
         grippers: set[str] = set()
+        defaults: set[str] = set()
         settings: dict[str, dict[str, Any]] = {}
         for values in _settings(self._folders, b"joint"):
             for place, value in values.items():
@@ -83,6 +88,8 @@ class DeclaredControllers:
                     # MoveIt's files call it by its action alone.
                     if "/" in value or name not in types:
                         types[name] = value
+                elif last == "default" and value is True and _MOVEIT in above:
+                    defaults.add(name)
                 elif moved := _moved_joints(last, value):
                     joints.setdefault(name, []).append(moved)
                     grippers |= {name} if last == "joint" else set()
@@ -97,6 +104,7 @@ class DeclaredControllers:
                 str(settings.get(name, {}).get("interface_name", "")),
                 settings.get(name, {}),
                 tuple(others),
+                name in defaults,
             )
             for name, (moved, *others) in joints.items()
             # `joint` is said of much else than of grippers.
@@ -133,10 +141,14 @@ def _by_path(parameters: Iterable[Parameter]) -> dict[tuple[str, ...], Any]:
 
 
 def _moved_joints(key: str, value: Any) -> tuple[str, ...]:
-    """Return the joints that a parameter names: `joints`, or `joint` of a gripper."""
+    """Return the joints that a parameter names: `joints`, or `joint` of a gripper.
+
+    A variable of a launch file before a name is a prefix, by default an empty one.
+    """
     if key == "joints" and isinstance(value, list):
-        return tuple(str(joint) for joint in value)
-    return (value,) if key == "joint" and isinstance(value, str) else ()
+        return tuple(_VARIABLE.sub("", str(joint)) for joint in value)
+    is_one = key == "joint" and isinstance(value, str)
+    return (_VARIABLE.sub("", value),) if is_one else ()
 
 
 def _below(

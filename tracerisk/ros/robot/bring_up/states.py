@@ -45,9 +45,9 @@ class ControllerStates:
 
     Where the bring-up of the driver is known, and no file of the workspace starts the robot
     otherwise, it says which do. Else those of the robot and of the workspace's files are loaded,
-    and of those for the same joints one is taken to run: one that files declare, and of these one
-    for trajectories. Nobody knows that, and a controller is known to be inactive once it was
-    switched off.
+    and of those for the same joints one is taken to run: one that files declare, of these MoveIt's
+    default, and else one for trajectories. Nobody knows that, and a controller is known to be
+    inactive once it was switched off.
     """
 
     is_of_world = True
@@ -112,14 +112,16 @@ class ControllerStates:
                 running.append(name)
         return set(running)
 
-    def _rank(self, name: str) -> tuple[bool, bool, bool]:
+    def _rank(self, name: str) -> tuple[bool, bool, bool, bool]:
         """Return how late a controller is started.
 
-        The driver's come first, then those of files, and of trajectories.
+        The driver's come first, then those of files, MoveIt's default, and those of trajectories.
         """
         made, controller = self._bring_up, self.all[name]
         is_drivers = made is not None and name in made.active
-        return not is_drivers, not controller.settings, "Trajectory" not in controller.type
+        is_of_files = bool(controller.settings)
+        is_of_trajectories = "Trajectory" in controller.type
+        return not is_drivers, not is_of_files, not controller.is_default, not is_of_trajectories
 
     def conflicts(self, name: str, running: Iterable[str]) -> list[str]:
         """Return the controllers of some that command joints which another one commands, too."""
