@@ -577,3 +577,26 @@ def test_a_plan_is_no_trajectory_where_the_controller_is_known_to_be_for_noetic(
     )
     expected = "'tuple' object has no attribute 'serialize'" if distro == "noetic" else ""
     assert ran["raised"] == expected
+
+
+def test_a_cartesian_path_of_jazzy_has_the_speed_of_its_request(ros2):
+    ran = ros2(
+        """
+        from moveit_msgs.srv import GetCartesianPath, GetPositionFK
+        def ask(kind, name, **fields):
+            client = node.create_client(kind, name)
+            client.wait_for_service()
+            return wait(client.call_async(kind.Request(**fields)))
+        def seconds(factor):
+            path = ask(
+                GetCartesianPath, "/compute_cartesian_path", group_name="panda_arm", max_step=0.01,
+                waypoints=[there], max_velocity_scaling_factor=factor)
+            last = path.solution.joint_trajectory.points[-1].time_from_start
+            return last.sec + last.nanosec / 1e9
+        there = ask(GetPositionFK, "/compute_fk", fk_link_names=["panda_link8"]).pose_stamped[0].pose
+        there.position.z -= 0.3
+        ratio = seconds(0.1) / seconds(1.0)
+        """,
+        "jazzy",
+    )
+    assert ran["ratio"] > 2.0

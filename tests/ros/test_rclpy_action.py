@@ -93,6 +93,42 @@ def test_a_server_may_refuse_a_goal(run_ros2):
     assert run_ros2(main) is False
 
 
+def test_a_cancel_request_that_waited_for_the_goals_end_finds_it_terminated(run_ros2):
+    def main():
+        import threading
+        import time
+
+        import rclpy
+        from action_msgs.srv import CancelGoal
+        from control_msgs.action import GripperCommand
+        from rclpy.action import ActionClient, ActionServer
+        from rclpy.executors import SingleThreadedExecutor
+
+        rclpy.init()
+        server, node = rclpy.create_node("hand"), rclpy.create_node("arm")
+
+        def execute(handle):
+            time.sleep(2.0)
+            handle.succeed()
+            return GripperCommand.Result()
+
+        ActionServer(server, GripperCommand, "grip", execute)
+        executor = SingleThreadedExecutor()
+        executor.add_node(server)
+        threading.Thread(target=executor.spin, daemon=True).start()
+        client = ActionClient(node, GripperCommand, "grip")
+        client.wait_for_server()
+        sent = client.send_goal_async(GripperCommand.Goal())
+        rclpy.spin_until_future_complete(node, sent)
+        cancel = sent.result().cancel_goal_async()
+        rclpy.spin_until_future_complete(node, cancel)
+        answer = cancel.result()
+        assert answer.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED
+        return len(answer.goals_canceling)
+
+    assert run_ros2(main) == 0
+
+
 @pytest.mark.parametrize("accepts", [True, False])
 def test_a_cancel_request_is_decided_by_the_server(run_ros2, accepts):
     def main():

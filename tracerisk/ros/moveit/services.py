@@ -20,7 +20,13 @@ from tracerisk.ros.moveit.messages import (
     state_message,
     trajectory_message,
 )
-from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, valid_fraction
+from tracerisk.ros.moveit.move_group import (
+    RATED,
+    MoveGroupServer,
+    Plan,
+    PoseGoal,
+    valid_fraction,
+)
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.scene_topics import MONITORED, SceneTopics
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
@@ -278,6 +284,8 @@ class MoveItInterfaces(TwinNode):
                 self._goals.given(request.header.frame_id, message_pose(pose), link)
             if request.max_step <= 0.0:
                 raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
+            # Its message has them since Jazzy: moveit/moveit_msgs srv/GetCartesianPath.srv.
+            is_scaled = hasattr(request, "max_velocity_scaling_factor")
             with self._server.planning_under(request.path_constraints):
                 plan, fraction = self._server.plan_cartesian(
                     request.group_name,
@@ -285,6 +293,7 @@ class MoveItInterfaces(TwinNode):
                     link=link,
                     eef_step=request.max_step,
                     start=self._start(request.start_state) or None,
+                    scaling=_scaling(request) if is_scaled else RATED,
                 )
         except RequestError as error:
             answer.error_code.val = int(error.code)
@@ -369,13 +378,9 @@ class MoveItInterfaces(TwinNode):
             start = self._start(request.start_state) or None
             if start is not None:
                 start = {**self._server.positions(), **start}
-            scaling = Scaling(
-                valid_fraction(request.max_velocity_scaling_factor),
-                valid_fraction(request.max_acceleration_scaling_factor),
-            )
             with self._server.planning_under(request.path_constraints):
                 return self._goals.plan(
-                    request.group_name, request.goal_constraints, scaling, start
+                    request.group_name, request.goal_constraints, _scaling(request), start
                 )
         except RequestError as error:
             self._server.execution.report(
@@ -396,3 +401,11 @@ class MoveItInterfaces(TwinNode):
 
     def _trajectory(self, trajectory: JointTrajectory) -> Any:
         return trajectory_message(self._messages.new, trajectory, self._server.planning_frame)
+
+
+def _scaling(request: Any) -> Scaling:
+    """Return the fractions of the rated speeds and accelerations that a request wants."""
+    return Scaling(
+        valid_fraction(request.max_velocity_scaling_factor),
+        valid_fraction(request.max_acceleration_scaling_factor),
+    )

@@ -312,15 +312,16 @@ class ActionClient(Entity):
 
     def _answer_cancels(self, sent: _Sent, goal: ActionGoal) -> None:
         response = CancelGoal.Response()
-        if goal.state.is_terminal and goal.is_cancel_unread:
-            response.return_code = CancelGoal.Response.ERROR_GOAL_TERMINATED
-        elif goal.state in _CANCELING:
+        by_rclpy = goal.server is not None and goal.server.by_controller
+        # The goal has ended before its server came to the request, as where its thread was busy.
+        is_unread = goal.is_cancel_unread or (by_rclpy and goal.is_cancel_asked)
+        if goal.state in _CANCELING:
             response.goals_canceling.append(GoalInfo(goal_id=sent.goal_id))
-        else:
+        elif goal.state.is_terminal and is_unread:
+            response.return_code = CancelGoal.Response.ERROR_GOAL_TERMINATED
+        elif not by_rclpy:
             # Servers of rclpy name no goal and no error; those in C++ say that they refuse.
-            by_rclpy = goal.server is not None and goal.server.by_controller
-            if not by_rclpy:
-                response.return_code = CancelGoal.Response.ERROR_REJECTED
+            response.return_code = CancelGoal.Response.ERROR_REJECTED
         for future in sent.cancels:
             self._came["cancel"].append((future, response))
         sent.cancels.clear()
