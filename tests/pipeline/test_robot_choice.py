@@ -113,3 +113,20 @@ def test_what_a_readme_alone_speaks_of_is_assumed_and_not_a_generic_arm(tmp_path
     assert found.name == robot
     if robot != "generic":
         assert found.doubt == f"nothing names it but that {robot} is named in a readme (README.md)"
+
+
+@pytest.mark.parametrize(
+    ("script", "assumes"),
+    [
+        ('arm = MoveGroupCommander("arm")\n', False),
+        ("from pymoveit2.robots import panda\n", True),
+        ('from pymoveit2.robots import panda\nGROUP = "panda_arm"\n', False),
+    ],
+)
+def test_a_robot_of_the_settings_assumes_the_groups_that_only_pymoveit2_names(
+    tmp_path, script, assumes
+):
+    (tmp_path / "pick.py").write_text(script)
+    controller = pipeline.load_controller(tmp_path / "pick.py")
+    robot = choose_robot(controller, Settings(robot="panda")).robot
+    assert robot.assumes_names is assumes

@@ -178,7 +178,7 @@ def test_the_same_failure_at_the_same_line_is_reported_once(run):
         FAST
         + """
 pose = geometry_msgs.msg.Pose()
-pose.position.x = 3.0
+pose.position.x, pose.orientation.w = 3.0, 1.0
 for _ in range(3):
     arm.go(pose)
 """

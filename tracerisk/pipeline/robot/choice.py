@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,15 +12,20 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.limits import Limits
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.launch_hints import with_parameters
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
+from tracerisk.source.dotted_names import imports_in
+from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.robot import is_model_file
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.robot.evidence import Evidence
     from tracerisk.twin.model_files.model_file import ModelFile
     from tracerisk.twin.robots.robot import Robot
+
+_GROUP_NAMES = ("pymoveit2", "robots")
+"""The library that has groups of its own for robots: AndrejOrsula/pymoveit2 pymoveit2/robots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +92,20 @@ def choose_robot(
             workspace_of(controller, settings).installed,
         )
         return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
-    robot = replace(load_robot(settings.robot), chosen_by=origin)
-    return RobotChoice(equipped(robot, whole))
+    robot = load_robot(settings.robot)
+    if any(parts[:2] == _GROUP_NAMES for _, parts in imports_in(parsed(whole.source))):
+        robot = with_groups_of(robot, string_literals(whole))
+    return RobotChoice(equipped(replace(robot, chosen_by=origin), whole))
+
+
+def with_groups_of(robot: Robot, strings: Iterable[str]) -> Robot:
+    """Return a shipped robot; it assumes groups where a program's strings name none of its own.
+
+    Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
+    """
+    from tracerisk.twin.robots.robot_names import words_in
+
+    return replace(robot, assumes_names=words_in(strings).isdisjoint(robot.groups))
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import LaunchChoice
-from tracerisk.pipeline.robot.choice import RobotChoice, equipped
+from tracerisk.pipeline.robot.choice import RobotChoice, equipped, with_groups_of
 from tracerisk.pipeline.robot.evidence import (
     DESCRIBED,
     DRIVER,
@@ -26,7 +26,7 @@ from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.robot_names import is_number, mentioned, words_in
+from tracerisk.twin.robots.robot_names import is_number, mentioned
 from tracerisk.twin.workspace.described_robots import (
     DescribedRobot,
 )
@@ -143,15 +143,8 @@ class _Search:
         )
 
     def _shipped_robot(self, name: str, gathered: Gathered) -> Robot:
-        """Return a shipped robot; it assumes groups where the controller names none of its own.
-
-        Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
-        """
-        robot = load_robot(name)
+        robot = with_groups_of(load_robot(name), strings_of(self._speeches))
         reason = _reason(name, gathered)
-        words = words_in(strings_of(self._speeches))
-        if words.isdisjoint(robot.groups):
-            robot = replace(robot, assumes_names=True)
         if gathered.prefix:
             robot = with_prefix(robot, gathered.prefix)
             reason = f"{reason}; its links and joints have the prefix '{gathered.prefix}'"
