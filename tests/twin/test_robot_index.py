@@ -13,6 +13,7 @@ def names_in(robot: Robot) -> RobotNames:
         name=robot.name,
         title=robot.title,
         aliases=robot.aliases,
+        other_models=robot.other_models,
         source=robot.source,
         payload=robot.payload,
         links=robot.link_names,

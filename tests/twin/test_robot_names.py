@@ -25,6 +25,10 @@ ROBOTS = {each.name: each for each in shipped_names()}
         ("my_gen3_lite", {"gen3_lite"}),
         ("gen3_pro, ur5 mini, xarm6-lite", set()),
         ("ur5_1 and panda_2", {"ur5", "panda"}),
+        ("FANUC CRX-10iA", {"crx10ia"}),
+        ("FANUC CRX-10iA/L, crx10ia_l", set()),
+        ("lrmate200id_support", {"lrmate200id"}),
+        ("lrmate200id_7l, LR Mate 200iD/7L", set()),
     ],
 )
 def test_mentions_are_whole_words_in_any_spelling(text: str, names: set[str]):

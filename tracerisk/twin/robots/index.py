@@ -24,6 +24,7 @@ _JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
 class RobotNames:
     """What a shipped robot calls itself and its parts, and what stands at the top of its file.
 
+    `other_models` are words that make another model of it where they stand behind its name.
     `joints` are all that move, `arm_joints` those of them that belong to no gripper; `groups` have
     the joints of each. `payload` is rated, in [kg], `None` where the file gives none.
     """
@@ -31,6 +32,7 @@ class RobotNames:
     name: str
     title: str
     aliases: tuple[str, ...]
+    other_models: tuple[str, ...]
     source: str
     payload: float | None
     links: tuple[str, ...]
@@ -60,6 +62,7 @@ def scan_names(text: str) -> RobotNames:
         name=sections["name"].strip(),
         title=sections["title"].strip(),
         aliases=_list(sections.get("aliases", "")),
+        other_models=_list(sections.get("other_models", "")),
         source=" ".join(sections["source"].split()).removeprefix(">- "),
         payload=float(sections["payload"]) if "payload" in sections else None,
         links=tuple(name for name, _ in _entries(sections, "links")),

@@ -47,7 +47,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
             "default_scaling", "default_scene", "effort_unit", "payload", "sensors", "following",
-            "masses", "disabled_collisions",
+            "masses", "disabled_collisions", "other_models",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -101,6 +101,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         default_scene=top.optional_string("default_scene"),
         file=file,
         aliases=tuple(top.strings("aliases")),
+        other_models=tuple(top.strings("other_models")),
         disabled_collisions=_disabled_collisions(top, link_names),
         payload=_positive(top, "payload") if "payload" in top else None,
         own_sensors=sensors,

@@ -256,6 +256,7 @@ class Robot:
     file: str
     approximate: bool = False
     aliases: tuple[str, ...] = field(default=())
+    other_models: tuple[str, ...] = ()
     disabled_collisions: frozenset[tuple[str, str]] = frozenset()
     assumes_names: bool = False
     chosen_by: str = ""

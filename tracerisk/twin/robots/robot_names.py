@@ -51,8 +51,8 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     """Return the names of the robots that a text names, by their name or an alias.
 
     A name is a word of its own: `ur5e` is no mention of `ur5`; `ur5_moveit_config`, `UR5Node`,
-    `UR-5` and `ur 5` are. What is part of a longer name of another robot is none, and `gen3_pro`
-    is none of `gen3`.
+    `UR-5` and `ur 5` are. What is part of a longer name of another robot is none; nor
+    is `gen3_pro` one of `gen3`, or `crx10ia/l` of `crx10ia`.
     """
     text = _plain(text)
     found: set[str] = set()
@@ -62,7 +62,8 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
         # What was read is not read again as a shorter name; neighbours share a blank.
         while (at := text.find(wanted)) >= 0:
             rest = text[at + len(wanted) :]
-            if rest.partition(" ")[0] not in _MODELS:
+            others = {word for name in names for word in robots[name].other_models}
+            if rest.partition(" ")[0] not in _MODELS | others:
                 if len(names) > 1:
                     shared[phrase] = names
                 else:
