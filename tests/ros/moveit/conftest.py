@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -44,11 +45,35 @@ def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran
 
     That it is for Noetic is assumed, unless `is_known`.
     """
-    robot, scene = cell
+    with _runs(*cell, tmp_path) as run_program:
+        yield run_program
+
+
+@pytest.fixture(scope="module")
+def outcomes_of(
+    panda: Robot, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str, Iterable[str]], dict[str, Any]]:
+    """Run a program that ends with the name `outcome_of` of a function, and ask it of each call.
+
+    All calls are made in one run, one after the other, and what came of each is returned by it.
+    """
+
+    def run_calls(program: str, calls: Iterable[str]) -> dict[str, Any]:
+        asked = "".join(f"outcomes[{each!r}] = outcome_of(lambda: {each})\n" for each in calls)
+        with _runs(panda, "tube_racks", tmp_path_factory.mktemp("calls")) as run_program:
+            ran = run_program(f"{program}\noutcomes = {{}}\n{asked}")
+            found: dict[str, Any] = ran["outcomes"]
+            return found
+
+    return run_calls
+
+
+@contextmanager
+def _runs(robot: Robot, scene: str, folder: Path) -> Iterator[Callable[..., Ran]]:
     twin = Twin.build(robot, load_scene(scene))
     tracer = Tracer()
     scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
-    events = tmp_path / "events.jsonl"
+    events = folder / "events.jsonl"
     with events.open("wb", buffering=0) as stream, StandInFinder():
         recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
         graph = Graph(scheduler, tracer)
@@ -57,7 +82,7 @@ def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran
             rules = DistroRules("noetic", None if is_known else lambda *_: None)
             runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
             source = PREAMBLE + textwrap.dedent(program)
-            code = compile(source, str(tmp_path / "program.py"), "exec")
+            code = compile(source, str(folder / "program.py"), "exec")
             names: dict[str, Any] = {"__name__": "__main__"}
             with activate(runtime):
                 scheduler.run_main(lambda: tracer.run_module(code, names, "program.py"))
