@@ -17,6 +17,8 @@ from types import ModuleType
 
 import pytest
 
+from tests.slow import slow_but
+
 ROOT = Path(__file__).parents[1]
 STARTED = {"upstream_child.py"}
 """Started by another program, with a task that only it can give."""
@@ -25,12 +27,24 @@ PROGRAMS = sorted(
     for path in (ROOT / "benchmarks").glob("*.py")
     if '__name__ == "__main__"' in path.read_text(encoding="utf-8") and path.name not in STARTED
 )
+LONG = {
+    *("branches.py", "broken_controllers.py", "bug_reports.py", "check_speed.py", "corpus.py"),
+    *("editor_times.py", "greenlets.py", "independent_missions.py", "needed.py"),
+    *("run_overhead.py", "sandbox.py", "streams.py", "watch_speed.py", "worlds.py"),
+}
+"""Those whose quick form makes several runs of controllers, or waits for what it measures."""
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
+def test_every_program_says_how_it_is_started_and_has_a_quick_form(program):
+    text = (ROOT / "benchmarks" / program).read_text(encoding="utf-8")
+    assert f"python benchmarks/{program}" in text
+    assert re.search(r"^from quick import .*\bparsed\b|^import quick\b", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("program", slow_but(set(PROGRAMS) - LONG, PROGRAMS))
 def test_every_program_has_a_quick_form_that_works(program, tmp_path):
     path = ROOT / "benchmarks" / program
-    assert f"python benchmarks/{program}" in path.read_text(encoding="utf-8")
     done = subprocess.run(
         [sys.executable, path, "--quick"],
         cwd=tmp_path,
