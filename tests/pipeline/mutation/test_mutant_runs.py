@@ -50,7 +50,7 @@ def turning(tmp_path_factory, example_in):
     folder = example_in(tmp_path_factory.mktemp("turning"))
     folder.write("turning.py", TURNING)
     folder.write("angles.py", ANGLES)
-    folder.write("pyproject.toml", "")
+    folder.write("pyproject.toml", "[tool.tracerisk]\nstall_limit_s = 1\n")
     return folder
 
 
