@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.hybrid.assessment import RENEWED_REDUNDANCY, RENEWED_SPARES
 from tracerisk.prm.hybrid.solve import solve_figures
@@ -76,7 +77,7 @@ def readings(figures):
     return (figures.failure_probability, figures.fixed_cycles, figures.visits_as_run)
 
 
-@pytest.mark.parametrize("p", [1e-9, 1e-6, 1e-2, 0.4, 0.999])
+@pytest.mark.parametrize("p", slow_but((1e-9, 0.4), (1e-9, 1e-6, 1e-2, 0.4, 0.999)))
 @pytest.mark.parametrize(("quantity", "redundancy"), KEPT)
 def test_cutting_a_function_leaves_the_mission(mission, p, quantity, redundancy):
     whole = readings(mission(p, quantity, redundancy))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.prm.bdd import SharedTree
 from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.formats.open_psa import read_open_psa
@@ -61,7 +62,13 @@ def test_a_large_shared_tree_has_the_probability_that_scram_finds():
 
 
 @needs_aralia
-@pytest.mark.parametrize("name", ["chinese", "isp9605", "das9209", "edf9206", "baobab3"])
+@pytest.mark.parametrize(
+    "name",
+    slow_but(
+        ["chinese", "isp9605", "das9209", "edf9206"],
+        ["chinese", "isp9605", "das9209", "edf9206", "baobab3"],
+    ),
+)
 def test_an_aralia_model_has_its_known_probability_by_two_orders(name):
     with (ARALIA / "expected.csv").open(encoding="utf-8", newline="") as file:
         known = {row["model"]: float(row["p_top"] or "nan") for row in csv.DictReader(file)}
@@ -88,6 +95,7 @@ def test_the_sensitivities_of_an_aralia_model_are_its_slopes(name):
         assert slopes[event.name] == pytest.approx(rise, rel=1e-13)
 
 
+@pytest.mark.slow
 @needs_aralia
 def test_the_benchmark_says_seconds_memory_and_errors():
     run = [sys.executable, "benchmarks/fault_trees.py", "--models", str(ARALIA)]

@@ -280,9 +280,20 @@ def test_a_state_may_have_a_tree_that_shares_an_event():
     assert assessment.mission.failure_probability == close(Fraction(3, 8))
 
 
-@settings(max_examples=20, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_many_random_models_equal_exact_rationals(exact, block, component, data):
+    _equals_exact_rationals(exact, block, component, data)
+
+
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_random_models_equal_exact_rationals(exact, block, component, data):
+    _equals_exact_rationals(exact, block, component, data)
+
+
+def _equals_exact_rationals(exact, block, component, data):
     size = data.draw(st.integers(1, 4))
     names = [f"f{i}" for i in range(size)]
     blocks = []

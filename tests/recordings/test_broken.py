@@ -32,7 +32,7 @@ def test_damaged_bytes_never_end_in_another_error(recorder, panda, kind):
     path = recorder.write(SHORT, kind, commanded())
     whole = path.read_bytes()
     dice = random.Random(kind)
-    for _ in range(12):
+    for _ in range(6):
         damaged = bytearray(whole)
         for _ in range(dice.choice((1, 8, 200))):
             damaged[dice.randrange(16, len(damaged))] = dice.randrange(256)

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.bdd import SharedTree, with_bounds
 from tracerisk.prm.bdd.bounds import tree_bounds
@@ -49,8 +50,10 @@ def test_the_least_budget_that_fits_is_enough(tangled):
     assert found.p + found.q == pytest.approx(1.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("p", [0.01, 0.5])
-@pytest.mark.parametrize("bound_nodes", [50, 1_000])
+@pytest.mark.parametrize(
+    ("bound_nodes", "p"),
+    slow_but([(50, 0.01), (50, 0.5)], [(50, 0.01), (50, 0.5), (1_000, 0.01), (1_000, 0.5)]),
+)
 def test_bounds_hold_the_probability_between_them(tangled, p, bound_nodes):
     pairs = {event.name: Probability.of(p) for event in tangled.events}
     exact = SharedTree(tangled).probability(pairs).p
