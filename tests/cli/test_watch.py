@@ -275,7 +275,7 @@ def test_rapid_saves_come_to_the_last(watching, example, quick):
     [
         # The figure that follows is ended so each time, while nothing runs.
         pytest.param(False, False, signal.SIGINT, 130, marks=pytest.mark.slow),
-        (False, True, signal.SIGINT, 130),
+        pytest.param(False, True, signal.SIGINT, 130, marks=pytest.mark.slow),
         (False, True, signal.SIGTERM, 143),
         # A controller ends with the process that runs it: test_process has it killed each time.
         pytest.param(True, True, signal.SIGKILL, -9, marks=pytest.mark.slow),

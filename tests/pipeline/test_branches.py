@@ -226,7 +226,9 @@ def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
         ),
         # Refused as in `test_forking.py`.
         pytest.param("global pair; pair = os.pipe()", "has a pipe or event queue open", marks=SLOW),
-        ("global file; file = tempfile.NamedTemporaryFile()", "has temporary files"),
+        pytest.param(
+            "global file; file = tempfile.NamedTemporaryFile()", "has temporary files", marks=SLOW
+        ),
         (
             "C = ctypes.CDLL(None); C.pthread_create(ctypes.byref(ctypes.c_ulong()), None, C.sleep, 98)",
             "threads of its own",

@@ -212,6 +212,7 @@ ROS2_SPINS = {
 
 
 # With `rclpy.spin`, the timer that only beats after the work is seen below, and a loop with a rate.
+@pytest.mark.slow
 @pytest.mark.parametrize("spin", slow_but(["several threads"], [*ROS2_SPINS]))
 def test_timers_of_ros_2_that_repeat_end_a_spin_too(example, spin):
     program = "import rclpy.executors\n" + ROS2_TIMER.replace("LAST", "1000") + ROS2_SPINS[spin]

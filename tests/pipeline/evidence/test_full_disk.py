@@ -73,6 +73,7 @@ def test_without_room_for_a_recording_nothing_is_said_of_the_controller(
     assert not list(disk.iterdir())
 
 
+@pytest.mark.slow
 def test_what_was_tried_before_the_disk_was_full_is_kept(small_disk, whole, example_in, quick):
     folder = settled(example_in(small_disk(120 * 1024) / "controller"), quick)
     done = subprocess.run(

@@ -128,6 +128,7 @@ def test_it_goes_on_and_leaves_nothing(moment, number, workers, whole, tmp_path,
     assert not list(folder.folder.glob(".*.tmp"))
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_loses_no_more_than_its_batch(whole, tmp_path, example_in, quick):
     folder = settled(example_in(tmp_path / "controller"), quick)
     temporary = tmp_path / "temporary"

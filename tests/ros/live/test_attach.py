@@ -154,6 +154,7 @@ def test_a_robot_is_heard_by_a_node_that_only_subscribes(real_ros, tmp_path, exa
     assert any(each.startswith("lost: contacts") for each in trace["assumptions"])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("master")
 def test_the_functions_of_a_controller_with_the_probe_are_heard(real_ros, tmp_path, example_in):
     example = example_in(tmp_path)
