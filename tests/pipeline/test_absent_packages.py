@@ -206,11 +206,12 @@ def generate_launch_description():
             "left_j1",
             "",
         ),
-        (
+        pytest.param(
             "import rclpy\n",
             {"app__launch__a_DOT_launch_DOT_py": ROS2.format("cell.urdf.xacro")},
             "left_j1",
             "",
+            marks=pytest.mark.slow,
         ),
         # What a launch file gives another file of the robot.
         (

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.slow import slow_but
+
 CELL = """\
 import atexit, functools
 from contextlib import contextmanager
@@ -50,7 +52,7 @@ SAME = {
 }
 
 
-@pytest.mark.parametrize("way", SAME)
+@pytest.mark.parametrize("way", slow_but(("generator", "wrapper", "timer", "retry"), [*SAME]))
 def test_the_same_motions_are_complete_however_they_are_called(example, way):
     example.write("cell.py", CELL + SAME[way])
     outcome = example.run("run", "cell.py")

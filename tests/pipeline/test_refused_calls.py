@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.slow import slow_but
+
 BEGIN = """\
 import contextlib
 import moveit_commander, rospy
@@ -81,7 +83,10 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("way", REFUSED)
+@pytest.mark.parametrize(
+    "way",
+    slow_but(("joint", "another name after one that is known", "type of a message"), [*REFUSED]),
+)
 def test_a_refused_call_is_reported_with_its_line_although_it_was_caught(example, way):
     source, words, line = REFUSED[way]
     example.write("cell.py", BEGIN + source + END)

@@ -10,7 +10,7 @@ from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_distance
 from tracerisk.twin.robots.robot import Gripper, Robot, load_robot, robot_names
 
 WITH_GRIPPER = [name for name in robot_names() if load_robot(name).grippers]
-QUICK = ("panda", "gen3", "px100")
+QUICK = [("panda", 1), ("panda", 2), ("gen3", 2), ("px100", 1)]
 """One that opens by growing, one that closes by growing, one whose fingers have two signs."""
 
 NEARLY_CLOSED = 0.31
@@ -221,8 +221,9 @@ def steps_of(robot: Robot, gripper: Gripper, *, ros: int) -> list[tuple[str, str
     return pairs
 
 
-@pytest.mark.parametrize("ros", [1, 2])
-@pytest.mark.parametrize("name", slow_but(QUICK, WITH_GRIPPER))
+@pytest.mark.parametrize(
+    ("name", "ros"), slow_but(QUICK, [(name, ros) for name in WITH_GRIPPER for ros in (1, 2)])
+)
 def test_the_pads_part_when_it_is_opened_and_meet_when_it_is_closed(run_on, name, ros):
     robot = load_robot(name)
     pairs = {each: steps_of(robot, each, ros=ros) for each in robot.grippers}

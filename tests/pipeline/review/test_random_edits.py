@@ -55,7 +55,7 @@ def edited(annotated, repository, monkeypatch):
     return make
 
 
-@pytest.mark.parametrize("seed", slow_but((0, 1, 6), range(30)))
+@pytest.mark.parametrize("seed", slow_but((0,), range(30)))
 def test_ten_edits(edited, seed) -> None:
     controller = edited(seed)
     for _ in range(EDITS):
