@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+from tests.slow import slow_but
+
 
 @pytest.fixture
 def steps(annotated_source):
@@ -201,7 +203,7 @@ def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
         ({}, "0", False),
     ],
 )
-@pytest.mark.parametrize("form", ["text", "markdown"])
+@pytest.mark.parametrize("form", slow_but(("text",), ("text", "markdown")))
 def test_a_small_change_is_reported_only_where_a_reviewer_must_see_it(
     repository, steps, change, threshold, is_reported, form
 ):

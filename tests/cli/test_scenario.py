@@ -310,6 +310,7 @@ def test_a_search_that_takes_too_long_gives_the_best_so_far(example):
     assert b"# assumed" in example.read("c.scenario.yaml")
 
 
+@pytest.mark.slow
 def test_the_exit_code_of_a_search_cut_short_is_that_of_a_run_with_its_scenario(example):
     example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nturn(0.1)\n")
     outcome = example.run("scenario", "c.py", "--write", "--search-limit", "0.01", "--json")

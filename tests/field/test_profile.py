@@ -28,7 +28,7 @@ def test_the_share_of_what_follows_is_exact():
 def test_intervals_of_what_follows_hold_the_truth_in_at_least_nine_of_ten_fields():
     chance = random.Random(1)
     held = 0
-    fields = 600
+    fields = 300
     for _ in range(fields):
         count = sum(chance.random() < 0.9 for _ in range(40))
         found = following({"init": count, "done": 40 - count})["init"]
@@ -39,7 +39,7 @@ def test_intervals_of_what_follows_hold_the_truth_in_at_least_nine_of_ten_fields
 def test_intervals_of_times_hold_the_truth_in_nine_of_ten_fields():
     chance = random.Random(2)
     held = 0
-    fields = 1000
+    fields = 500
     for _ in range(fields):
         visits = [chance.randint(5, 15) for _ in range(20)]
         # Visits of one mission are alike, as those with one payload are.

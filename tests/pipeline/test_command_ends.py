@@ -166,16 +166,21 @@ def test_a_message_that_another_place_overtakes_is_replaced(run):
     [
         # A loop that tracks something leads on from goal to goal.
         "for step in range(12):\n    topic.publish(way(0.05 * step, 1.0))\n    wait(0.1)\nwait(3.0)\n",
-        "for step in range(8):\n    send(0.08 * step)\n    wait(0.3)\nwait(4.0)\n",
+        pytest.param(
+            "for step in range(8):\n    send(0.08 * step)\n    wait(0.3)\nwait(4.0)\n",
+            marks=pytest.mark.slow,
+        ),
         # Who publishes a message three times is to be heard.
-        "for _ in range(3):\n    topic.publish(way(0.5))\nwait(4.0)\n",
+        pytest.param(
+            "for _ in range(3):\n    topic.publish(way(0.5))\nwait(4.0)\n", marks=pytest.mark.slow
+        ),
         # It had practically arrived.
         "send(0.5)\nwait(1.95)\nsend(0.0)\nwait(4.0)\n",
         # The controller stopped it.
         "goal = send(0.8)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
         "goal.result().cancel_goal_async()\nwait(2.0)\nsend(0.0)\nwait(4.0)\n",
         # What was left was less than a cell can tell.
-        "send(0.03)\nwait(1.5)\nsend(0.4)\nwait(4.0)\n",
+        pytest.param("send(0.03)\nwait(1.5)\nsend(0.4)\nwait(4.0)\n", marks=pytest.mark.slow),
         # What was cut was sent again.
         "send(0.5)\nwait(0.5)\nsend(0.0)\nwait(4.0)\nsend(0.5)\nwait(4.0)\n",
     ],
@@ -271,10 +276,11 @@ def test_a_loop_of_velocities_that_the_duration_cuts_was_not_left_on(run):
             "grasp.send_goal_and_wait(GraspGoal(width=0.0, speed=0.05, force=10.0))\n",
             "the fingers stopped at a width of 0.0399 m; width and epsilon allow 0.0000 to 0.0000",
         ),
-        (
+        pytest.param(
             "goal = GraspGoal(width=0.02, speed=0.05, force=0.0)\n"
             "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n",
             "width and epsilon allow 0.0150 to 0.0250 m",
+            marks=pytest.mark.slow,
         ),
         # A move is no grasp: it is to get there.
         ("move.send_goal_and_wait(MoveGoal(width=0.01, speed=0.05))\n", "stalled at"),

@@ -538,7 +538,7 @@ def bringup(top, names, ways):
     return folder
 
 
-@pytest.mark.parametrize("ways", ["launch", "yaml"])
+@pytest.mark.parametrize("ways", slow_but(("launch",), ("launch", "yaml")))
 def test_a_controller_run_alone_finds_the_parameters_of_the_controllers(tmp_path, ways):
     described(tmp_path)
     bringup(tmp_path, joints(), ways)

@@ -141,11 +141,13 @@ def test_trace_and_field_read_recordings(example, recorder):
     ("words", "expected"),
     [
         ((), "mission.mcap: the robot is not known; name it with --robot"),
-        (("--robot", "pandas"), "unknown robot 'pandas'"),
+        pytest.param(("--robot", "pandas"), "unknown robot 'pandas'", marks=pytest.mark.slow),
         (("--robot", "ur5e"), "of another robot than ur5e"),
         (("--robot", "panda", "--effort-unit", "mA"), "lacks the torque constant"),
         (("--robot", "panda", "--encoder-step", "7"), "--encoder-step: 7 is not allowed"),
-        (("--robot", "panda", "--names", "/x"), "no text on /x"),
+        pytest.param(
+            ("--robot", "panda", "--names", "/x"), "no text on /x", marks=pytest.mark.slow
+        ),
         (("--robot", "panda", "--record", "x.mcap"), "--record does not go with --from"),
     ],
 )

@@ -305,8 +305,8 @@ def test_a_file_of_times_says_the_functions(recorder, panda, tmp_path, offset):
     [
         ("one,pick", ":1: 'one,pick' is not time_s,function"),
         ("1.0,pick it", "is not time_s,function"),
-        ("1.0,pick,start", "is not time_s,function"),
-        ("nan,pick", "is not time_s,function"),
+        pytest.param("1.0,pick,start", "is not time_s,function", marks=pytest.mark.slow),
+        pytest.param("nan,pick", "is not time_s,function", marks=pytest.mark.slow),
         ("2,pick\n1,place", ":2: 1 s is before the row above it"),
         ("1,pick,end", "pick ends and never began"),
         ("", "has no row"),
@@ -401,9 +401,9 @@ def test_what_moves_a_robot_is_reported_by_its_type(kind, type_, expected):
     [
         {"stack": []},
         {"stack": ["no colon"] * 3},
-        {"at": [[1, 2, 3]]},
+        pytest.param({"at": [[1, 2, 3]]}, marks=pytest.mark.slow),
         {"at": [[1, 2, 3, 4]] * 2 + [[1, 2, "x", 4]]},
-        {"t": "soon"},
+        pytest.param({"t": "soon"}, marks=pytest.mark.slow),
         {"id": None},
         {"type": None, "kind": 3, "stack": 5},
     ],

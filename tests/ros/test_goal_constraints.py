@@ -6,6 +6,8 @@ import math
 
 import pytest
 
+from tests.slow import slow_but
+
 PREAMBLE = """\
 import actionlib, rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
@@ -83,7 +85,7 @@ def test_a_position_is_come_to_although_a_joint_is_constrained_as_well(ran):
     assert (command.end, command.way_done) == ("arrived", pytest.approx(1.0, abs=0.01))
 
 
-@pytest.mark.parametrize("first", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("first", slow_but((0.2,), (0.2, 0.5, 0.9)))
 def test_a_narrow_joint_and_a_position_hold_both(ran, first):
     result = ran(f"ended = go(constraints(at(0.4, 0.3, 0.4), joint(1, {first})))")
     assert result["ended"] == DONE

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tests.traced_run import quiet_end, run_traced
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -130,7 +131,11 @@ def test_a_stop_after_the_end_of_a_motion_names_both_lines(run, what):
 
 @pytest.mark.parametrize("what", CELLS)
 @pytest.mark.parametrize(
-    "steps", ["go(wait=False)\nSOON\nstop()\n", "go()\nstop()\n", "go()\nSOON\nstop()\n"]
+    "steps",
+    slow_but(
+        ("go(wait=False)\nSOON\nstop()\n", "go()\nSOON\nstop()\n"),
+        ("go(wait=False)\nSOON\nstop()\n", "go()\nstop()\n", "go()\nSOON\nstop()\n"),
+    ),
 )
 def test_a_stop_of_a_motion_or_right_after_it_is_no_finding(run, what, steps):
     assert run(what, steps)[0] == []
