@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.cli import main
 
 STEPS = "def home(arm):\n    arm.go()\n\n\ndef place(arm):\n    arm.go()\n"
@@ -182,8 +183,14 @@ def files() -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in Path().iterdir() if path.is_file()}
 
 
-@pytest.mark.parametrize("known", [True, False], ids=["known to the lock", "without a lock"])
-@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize(
+    ("verb", "known"),
+    slow_but(
+        [*((verb, True) for verb in VERBS), ("check", False)],
+        [(verb, known) for verb in VERBS for known in (True, False)],
+    ),
+    ids=[f"{verb}, {lock}" for verb in VERBS for lock in ("known to the lock", "without a lock")],
+)
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_block(name, verb, known, annotated, tmp_path, monkeypatch, capfd) -> None:
     if (verb, name) in BUT:

@@ -139,7 +139,7 @@ def test_that_the_cut_counts_for_renewed_groups_is_said(block, component, quanti
     assert all("how the code is cut" in each for each in assumptions)
 
 
-@pytest.mark.parametrize("p", [1e-6, 1e-2, 0.5])
+@pytest.mark.parametrize("p", slow_but((1e-6,), (1e-6, 1e-2, 0.5)))
 @pytest.mark.parametrize(("quantity", "required"), [(2, 1), (3, 2), (4, 2)])
 def test_there_is_no_jump_as_spares_become_hot(mission, p, quantity, required):
     for count in (1, 50):

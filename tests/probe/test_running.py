@@ -13,6 +13,7 @@ import pytest
 from tracerisk_probe import importing
 
 from tests.probe.conftest import PROBE, Probed
+from tests.slow import slow_but
 
 SOURCES = sorted((PROBE / "tracerisk_probe").glob("*.py"))
 ACT = """
@@ -171,7 +172,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("end", ENDS)
+@pytest.mark.parametrize("end", slow_but([*ENDS][:3], [*ENDS]))
 def test_nothing_is_lost_however_it_ends(probed, end):
     probed.write("act.py", ACT)
     probed.write(

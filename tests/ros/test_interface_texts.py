@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.errors import InputError
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.imports.finder import StandInFinder
@@ -76,7 +77,7 @@ def test_definitions_have_no_comments(distro):
                     assert "#" not in line or line.startswith("string "), (definition, line)
 
 
-@pytest.mark.parametrize("distro", DISTROS)
+@pytest.mark.parametrize("distro", slow_but(("noetic", "jazzy"), DISTROS))
 def test_each_interface_is_imported_made_sent_and_received(distro):
     interfaces = interfaces_of(distro)
     count = 0
