@@ -132,9 +132,9 @@ def take(position, effort=20.0):
     ("calls", "states", "words"),
     [
         ("take(0.0)", [3], []),
-        pytest.param("take(0.04); take(0.002)", [3, 3], [], marks=pytest.mark.slow),
+        ("take(0.04); take(0.002)", [3, 3], []),
         ("take(0.04); take(0.01)", [3, 4], ["0.0150 to 0.0250 m"]),
-        pytest.param("take(0.04); take(0.01, 0.0)", [3, 3], [], marks=pytest.mark.slow),
+        ("take(0.04); take(0.01, 0.0)", [3, 3], []),
         ("take(0.08)", [4], ["position 0.08 is out of range"]),
         (
             "rospy.set_param('/franka_gripper/default_grasp_epsilon/inner', 0.03)\n"
