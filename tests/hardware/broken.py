@@ -581,7 +581,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "twin: {joints: [j1], optional: true}"),
-        "h.yaml:4:26: components.a.twin.optional: only a component of the gripper or of sensors can be optional",
+        "h.yaml:4:26: components.a.twin.optional: only a component of the gripper, of sensors or of all joints can be optional",
         True,
     ),
     Broken(

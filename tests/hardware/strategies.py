@@ -68,7 +68,7 @@ def bindings(draw) -> TwinBinding:
     contacts = draw(st.just(()) | PLACES)
     if not (joints or gripper or sensors or actuators or contacts):
         joints = "*"
-    optional = bool(gripper or sensors) and draw(st.booleans())
+    optional = bool(gripper or sensors or joints == "*") and draw(st.booleans())
     return TwinBinding(joints, gripper, optional, actuators, sensors, contacts)
 
 

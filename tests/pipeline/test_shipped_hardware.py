@@ -6,6 +6,7 @@ from tracerisk.config import Settings
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import GENERIC, hardware_of, shipped_names
 from tracerisk.pipeline.trace.sensors import elements_of
+from tracerisk.trace import Element
 from tracerisk.twin.robots.robot import load_robot
 
 
@@ -18,3 +19,20 @@ def test_an_arm_without_its_gripper_and_sensors_but_encoders_is_described(name):
     bound = {each.component.name for each in bind(hardware_of(name), plain)}
     assert "electric_motor" in bound
     assert "wrist_force_sensor" not in bound
+
+
+@pytest.mark.parametrize(
+    ("elements", "described"),
+    [
+        ((Element("gripper", "gripper"),), {"gripper"}),
+        ((Element("left", "gripper"), Element("right", "gripper")), {"gripper"}),
+        (
+            (Element("gripper", "gripper"), Element("f/encoder", "sensor", "encoder")),
+            {"gripper", "joint_encoder"},
+        ),
+        ((), set()),
+    ],
+)
+def test_a_robot_without_joints_has_the_generic_description(elements, described):
+    bound = {each.component.name for each in bind(hardware_of("some_gripper"), elements)}
+    assert bound == {"power_system", "control_system", *described}

@@ -121,8 +121,12 @@ def _kinds(twin: TwinBinding) -> list[str]:
 def _joints(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
     joints = [element.name for element in elements if element.kind == "joint"]
     if twin.joints == "*":
-        if not joints:
-            _fail(component, "is bound to the joints, but the robot has none")
+        if not joints and not twin.optional:
+            _fail(
+                component,
+                "is bound to the joints, but the robot has none; leave it out, or write "
+                "'optional: true' in its 'twin' for robots that may have none",
+            )
         return joints
     for name in twin.joints:
         if name not in joints:

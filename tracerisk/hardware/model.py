@@ -111,6 +111,10 @@ class FailureMode:
     fault: FaultMode | None = None
 
 
+NOT_OPTIONAL = "only a component of the gripper, of sensors or of all joints can be optional"
+"""What is wrong with a binding that is optional and may not be."""
+
+
 @dataclass(frozen=True, slots=True)
 class TwinBinding:
     """Where the twin sees a component; each field that is given adds elements.
@@ -127,6 +131,11 @@ class TwinBinding:
     actuators: tuple[str, ...] = ()
     sensors: tuple[str, ...] | SensorKind = ()
     contacts: tuple[str, ...] = ()
+
+    @property
+    def can_be_optional(self) -> bool:
+        """Whether it names what a robot may lack: a gripper, sensors, or joints at all."""
+        return self.gripper or bool(self.sensors) or self.joints == "*"
 
     @property
     def moves(self) -> bool:

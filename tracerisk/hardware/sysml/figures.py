@@ -7,6 +7,7 @@ from typing import Any, get_args
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.load import unmeasured_exponent
 from tracerisk.hardware.model import (
+    NOT_OPTIONAL,
     Basis,
     Demand,
     FailureFigure,
@@ -258,8 +259,8 @@ def read_twin(fields: Fields) -> tuple[TwinBinding | None, bool]:
             "sensors, sensorKind or contacts, or 'always = true'",
             fields.location,
         )
-    if binding.optional and not (binding.gripper or binding.sensors):
-        fields.fail("optional", "only a component of the gripper or of sensors can be optional")
+    if binding.optional and not binding.can_be_optional:
+        fields.fail("optional", NOT_OPTIONAL)
     return binding, False
 
 

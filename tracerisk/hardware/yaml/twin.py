@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.hardware.model import TwinBinding
+from tracerisk.hardware.model import NOT_OPTIONAL, TwinBinding
 from tracerisk.hardware.yaml.figures import words
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.trace import SensorKind
@@ -38,8 +38,8 @@ def read_twin(entry: YamlMap) -> TwinBinding | None:
     )
     if binding.named_units == 0:
         twin.fail("gripper", "is false and nothing else is named: the twin sees nothing")
-    if binding.optional and not (gripper or binding.sensors):
-        twin.fail("optional", "only a component of the gripper or of sensors can be optional")
+    if binding.optional and not binding.can_be_optional:
+        twin.fail("optional", NOT_OPTIONAL)
     return binding
 
 
