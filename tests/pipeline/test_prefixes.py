@@ -402,3 +402,70 @@ def test_a_script_that_a_build_wrote_is_not_run_and_the_one_that_it_starts_is_na
 def test_other_scripts_are_controllers(tmp_path, text):
     write(tmp_path, {"lib/app/move.py": text})
     assert load_controller(tmp_path / "lib/app/move.py").source == text.encode()
+
+
+def _workspace(top, **more):
+    """Write a workspace of two repositories, and return the package of the controller's."""
+    own = "src/mine/pick"
+    write(
+        top,
+        {
+            "src/mine/.git/HEAD": "ref: refs/heads/main\n",
+            f"{own}/package.xml": MANIFEST.format(name="pick", needs=""),
+            f"{own}/pick/__init__.py": "",
+            f"{own}/pick/go.py": "import rclpy\n",
+            "src/maker/.git/HEAD": "ref: refs/heads/main\n",
+            "src/maker/arm_description/package.xml": MANIFEST.format(
+                name="arm_description", needs=""
+            ),
+            "src/maker/deep/arm_msgs/package.xml": MANIFEST.format(name="arm_msgs", needs=""),
+            "src/maker/deep/arm_msgs/msg/Grip.msg": "float64 width\n",
+            "src/single/package.xml": MANIFEST.format(name="arm_helpers", needs=""),
+            "src/single/arm_helpers/__init__.py": "",
+            "src/single/setup.py": "",
+            "src/single/launch/arm.launch.py": "",
+            **more,
+        },
+    )
+    return top / own
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_packages_of_other_repositories_in_the_same_src_fill_in_what_is_absent(tmp_path, ros):
+    own = _workspace(tmp_path)
+    top = tmp_path / "src/mine"
+    installed = Prefix(tmp_path / "prefix", ros=ros)
+    installed.install("arm_description")
+    path = {"CMAKE_PREFIX_PATH": str(installed.path)}
+    found_prefixes = find_prefixes(own, top, ros, environment=path)
+    packages = installed_packages(found_prefixes)
+    assert packages == {
+        "arm_description": installed.path / "share/arm_description",
+        "arm_helpers": tmp_path / "src/single",
+        "arm_msgs": tmp_path / "src/maker/deep/arm_msgs",
+    }
+    assert list(with_interfaces(packages)) == ["arm_msgs"]
+    assert python_folders(found_prefixes) == (tmp_path / "src/single",)
+
+
+@pytest.mark.parametrize("top", ["elsewhere/mine", "src/a/b/mine", "mine"])
+def test_what_lies_beside_a_project_in_no_src_is_none_of_its_own(tmp_path, top):
+    write(
+        tmp_path,
+        {
+            f"{top}/package.xml": MANIFEST.format(name="pick", needs=""),
+            f"{top}/../other/package.xml": MANIFEST.format(name="other", needs=""),
+        },
+    )
+    assert find_prefixes(tmp_path / top, tmp_path / top, 2, environment={}) == ()
+
+
+def test_a_group_of_repositories_in_src_has_what_is_beside_it_too(tmp_path):
+    names_there = ("group/mine", "group/near", "far", "build/made", ".hidden")
+    files = {}
+    for each in names_there:
+        manifest = MANIFEST.format(name=each.rpartition("/")[2].strip("."), needs="")
+        files[f"src/{each}/package.xml"] = manifest
+    write(tmp_path, files)
+    mine = tmp_path / "src/group/mine"
+    assert list(installed_packages(find_prefixes(mine, mine, 2, environment={}))) == ["far", "near"]

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tracerisk.pipeline.workspace.package_folders import declared_needs
-from tracerisk.pipeline.workspace.prefixes import Prefix
-from tracerisk.pipeline.workspace.workspace import Workspace, named_packages
+from tracerisk.pipeline.workspace.prefixes import Prefix, installed_packages
+from tracerisk.pipeline.workspace.workspace import Workspace, named_packages, packages_in
 from tracerisk.twin.workspace.srdf_pairing import noted_package
 
 _FOLDERS = ("urdf", "robots", "robot", "xacro", "srdf", "description")
@@ -23,14 +23,17 @@ def installed_descriptions(
     """Return the installed packages with robots that a controller names, and those behind them.
 
     It names them in its `strings`, its launch files or its manifest, and a package
-    `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Behind them are the
-    packages on which they depend, as far as these describe robots.
+    `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Those that only lie
+    beside its project it must name in its strings. Behind them are the packages on which they
+    depend, as far as these describe robots.
     """
     installed = workspace.installed
     if not installed:
         return {}
     strings = tuple(strings)
-    named = named_packages(root, installed, strings)
+    is_installed = installed_packages(each for each in workspace.prefixes if not each.fills_in)
+    named = named_packages(root, is_installed, strings) & installed.keys()
+    named |= packages_in(strings) & installed.keys()
     of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & installed.keys()
     waiting = sorted(named | of_moveit)
     seen = set(waiting)

@@ -272,8 +272,13 @@ def _run(
     replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
-    installed = InstalledLibraries(
-        python_folders(workspace.prefixes), libraries, interfaces.packages
+    installed, beside = (
+        InstalledLibraries(
+            python_folders(prefix for prefix in workspace.prefixes if prefix.fills_in == fills_in),
+            libraries | (VENDOR_LIBRARIES if fills_in else set()),
+            interfaces.packages,
+        )
+        for fills_in in (False, True)
     )
     imports = ControllerFinder(
         tracer,
@@ -291,6 +296,7 @@ def _run(
         moved_files(root, workspace, recorder).active(),
         activate(runtime),
         stand_ins,
+        beside.active(),
         installed.active(),
         removed_numpy_names(),
         served_opencv_names(),

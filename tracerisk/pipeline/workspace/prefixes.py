@@ -4,6 +4,8 @@ A prefix is a folder into which packages are installed: `share/PACKAGE`, `lib/py
 count behind the controller's own workspace, the first that has a package wins: those of the setting
 `ros_prefixes`, the `install` or `devel` of the controller's own workspace, those that the shell has
 sourced, and the ROS in `/opt/ros`. A folder of ROS_PACKAGE_PATH holds packages in sources.
+Last come the sources beside the controller's project in the same `src`: they fill in what is
+absent.
 
 Folders are listed, and of installed packages no file is read: there may be thousands.
 """
@@ -19,6 +21,8 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.workspace.package_folders import (
+    MOST_ENTRIES,
+    NOT_SEARCHED,
     PACKAGE_FILE,
     head_of,
     name_of,
@@ -48,6 +52,10 @@ _SETTING = "the setting ros_prefixes"
 _SPACES = ("install", "devel")
 _SOURCES = "src"
 _UPWARDS = 6
+_ABOVE_TOP = 2
+_MOST_BESIDE = 100
+_DEEPEST_BESIDE = 4
+_MOST_SEEN_BESIDE = 20_000
 _MOST_PREFIXES = 5000
 _MOST_PACKAGES = 20_000
 _MOST_BYTES = 64 * 1024
@@ -68,6 +76,8 @@ class Prefix:
     """The folder in which all that is taken of it must lie; empty where it may lie anywhere."""
     is_sources: bool = False
     """Whether packages are anywhere below it, and not in its `share`."""
+    fills_in: bool = False
+    """Whether nothing of it goes before what is provided without it."""
 
 
 def find_prefixes(
@@ -90,6 +100,7 @@ def find_prefixes(
         _beside(root.resolve(), top.resolve()),
         _of_environment(environment, ros),
         _of_system(environment, ros, distro),
+        _sources_beside(top.resolve()),
     )
     for candidate in candidates:
         for prefix in _parts(candidate):
@@ -124,6 +135,25 @@ def _beside(root: Path, top: Path) -> Iterator[Prefix]:
         for name in _SPACES:
             found_in = f"the folder {name} of the workspace"
             yield Prefix(str(workspace / name), found_in, within=str(workspace))
+
+
+def _sources_beside(top: Path) -> Iterator[Prefix]:
+    """Yield what lies beside the folder of a project in the `src` of its workspace.
+
+    A workspace keeps each repository there. Unrelated ones may be collected in such a folder too.
+    """
+    above = top.parents[:_ABOVE_TOP]
+    height = next((number for number, folder in enumerate(above) if folder.name == _SOURCES), None)
+    if height is None:
+        return
+    own = {top, *above[:height]}
+    beside = (
+        folder / name for folder in above[: height + 1] for name in sorted(_folders_in(folder))
+    )
+    for folder in itertools.islice(beside, _MOST_BESIDE):
+        if folder not in own and folder.name not in NOT_SEARCHED:
+            found_in = "beside the project in the folder src of the workspace"
+            yield Prefix(str(folder), found_in, within=str(folder), is_sources=True, fills_in=True)
 
 
 def _of_environment(environment: Mapping[str, str], ros: RosVersion) -> Iterator[Prefix]:
@@ -176,7 +206,7 @@ def _parts(prefix: Prefix) -> Iterator[Prefix]:
 def _ros_of(prefix: Prefix) -> RosVersion | None:
     """Return of which ROS a prefix is; `None` where nothing says it."""
     folder = Path(prefix.path)
-    if (folder / CATKIN_MARK).exists() or prefix.is_sources:
+    if (folder / CATKIN_MARK).exists() or (prefix.is_sources and not prefix.fills_in):
         return 1
     return 2 if (folder / AMENT_INDEX).is_dir() else None
 
@@ -210,7 +240,9 @@ def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
 
 def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     if _is_within(Path(prefix.path), prefix):
-        for folder in packages_below(Path(prefix.path)):
+        deepest = _DEEPEST_BESIDE if prefix.fills_in else None
+        most = _MOST_SEEN_BESIDE if prefix.fills_in else MOST_ENTRIES
+        for folder in packages_below(Path(prefix.path), deepest, most=most):
             yield name_of(folder), folder
 
 
@@ -253,9 +285,11 @@ def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
 
 def _modules_of(prefix: Prefix) -> Iterator[Path]:
     if prefix.is_sources:
-        for _, package in _in_sources(prefix):
+        for name, package in _in_sources(prefix):
             if (package / "setup.py").is_file() and (package / _SOURCES).is_dir():
                 yield package / _SOURCES
+            elif prefix.fills_in and (package / name / "__init__.py").is_file():
+                yield package
         return
     for lib in ("lib", "local/lib"):
         top = Path(prefix.path, lib)

@@ -217,6 +217,11 @@ def _apart(one: Path, other: Path) -> int:
     return len(one.parts) + len(other.parts) - 2 * shared
 
 
+def packages_in(strings: Iterable[str]) -> frozenset[str]:
+    """Return the words of strings that may be names of packages."""
+    return frozenset(word for string in strings for word in _WORD.findall(string))
+
+
 def named_packages(
     root: Path, packages: Mapping[str, Path], strings: Iterable[str]
 ) -> frozenset[str]:
@@ -224,7 +229,7 @@ def named_packages(
 
     The package of `root` is one of them.
     """
-    words = {word for string in strings for word in _WORD.findall(string)}
+    words = set(packages_in(strings))
     for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES):
         if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
             words.update(_WORD.findall(file.read_text(encoding="utf-8", errors="replace")))

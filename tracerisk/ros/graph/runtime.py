@@ -60,7 +60,9 @@ class Runtime:
         """In words where packages are looked for, for the message that one is not there."""
         known = ", ".join(self.packages) or "none"
         count = len(self.installed)
-        there = f"; {count} are installed besides" if count else "; no ROS is installed here"
+        there = (
+            f"; {count} more are installed or beside it" if count else "; no ROS is installed here"
+        )
         return f"the workspace of the controller, which has {known}{there}"
 
     def client(self, kind: Callable[[Runtime], State]) -> State:

@@ -18,17 +18,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
 
-from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_installed
+from tracerisk.ros.imports.vendor_libraries import is_installed
 
 _GENERATED = frozenset({"msg", "srv", "action"})
 _COMPILED = (*EXTENSION_SUFFIXES, ".so")
+_PACKAGE_FILE = "package.xml"
 _MODULE = re.compile(r"([A-Za-z_]\w*)(\.py)?")
 
 
 class InstalledLibraries(MetaPathFinder):
     """Finds modules in the `folders` of prefixes that nothing on Python's own path has.
 
-    `reserved` are the top names of stand-ins; those of robot makers' libraries give way.
+    `reserved` are the top names of stand-ins that do not give way.
     `interfaces` are the packages whose messages are made from texts: of these only those are
     found that hold other modules besides.
     """
@@ -40,7 +41,7 @@ class InstalledLibraries(MetaPathFinder):
         interfaces: Collection[str] = (),
     ) -> None:
         self._folders = tuple(map(str, folders))
-        self._reserved = frozenset(reserved) - VENDOR_LIBRARIES
+        self._reserved = frozenset(reserved)
         self._interfaces = frozenset(interfaces)
 
     @contextmanager
@@ -82,12 +83,16 @@ class InstalledLibraries(MetaPathFinder):
 
     @cached_property
     def _tops(self) -> dict[str, list[str]]:
-        """The top names of modules, each with the folders that have it."""
+        """The top names of modules, each with the folders that have it.
+
+        Where a package has its sources, only its Python packages would be installed.
+        """
         found: dict[str, list[str]] = {}
         for folder in self._folders:
+            is_source = Path(folder, _PACKAGE_FILE).is_file()
             for name in _names_in(folder):
                 match = _MODULE.fullmatch(name)
-                if match is None:
+                if match is None or (is_source and not Path(folder, name, "__init__.py").is_file()):
                     continue
                 is_messages = match[1] in self._interfaces and not _has_code(folder, match[1])
                 if not is_messages:
