@@ -386,3 +386,26 @@ def test_an_srdf_without_its_urdf_is_of_the_arm_that_its_package_names(
     found = chosen(tmp_path, **files).robot
     assert found.name == robot
     assert bool(found.doubt) is not is_sure
+
+
+@pytest.mark.parametrize(
+    ("source", "robot"),
+    [
+        ('bot = InterbotixLocobotXS("locobot_wx200", "mobile_wx200")\nf = "rover/arm"\n', "wx200"),
+        ('bot = Manipulator("locobot_wx250s")\nframe = "rover/arm"\n', "wx250s"),
+        ('class LocobotWx200Node:\n    frame = "rover/arm"\n', "wx200"),
+        ('bot = Manipulator()\nframe = "rover/arm"\n', "px100"),
+        ('bot = Manipulator("locobot_px100")\nframe = "rover/arm"\n', "px100"),
+    ],
+)
+def test_a_description_of_another_robot_than_the_source_names_is_not_meant(tmp_path, source, robot):
+    joints = ("waist", "shoulder", "elbow", "wrist_angle")
+    parts = "".join(f'<joint name="{joint}"/>' for joint in joints)
+    files = {
+        "go_DOT_py": source,
+        "rover_moveit__package_DOT_xml": PACKAGE.format("rover_moveit"),
+        "rover_moveit__config__locobot_px100_DOT_srdf": (
+            f'<robot name="rover"><group name="interbotix_arm">{parts}</group></robot>'
+        ),
+    }
+    assert chosen(tmp_path, **files).robot.name.removeprefix("locobot_") == robot

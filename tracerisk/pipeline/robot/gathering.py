@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 
 from tracerisk.config import Settings
@@ -39,7 +40,7 @@ from tracerisk.pipeline.workspace.workspace import imported_names, named_package
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken
 from tracerisk.twin.robots.prefix import prefix_in
-from tracerisk.twin.robots.robot_names import Hint
+from tracerisk.twin.robots.robot_names import Hint, mentioned
 from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
 from tracerisk.twin.workspace.robot_of_workspace import find_workspace_robots
 from tracerisk.vendors.driver_search import read_drivers, shipped_drivers
@@ -164,7 +165,10 @@ class Gathering:
             points = LAUNCHED[found.launched_by]
             yield Evidence(key, words, found.launch_file, None, points)
         is_named = any(one.robot == key and one.points > 0 for one in named)
-        if is_named or found.is_called or found.launched_by == "controller":
+        is_meant = is_named or found.launched_by == "controller"
+        if not is_meant and self._is_of_another(key):
+            return
+        if is_meant or found.is_called:
             yield Evidence(key, "the workspace describes what is named", key, None, DESCRIBED)
         if found.is_called:
             words = "the robot is named by its own name"
@@ -174,6 +178,19 @@ class Gathering:
             yield Evidence(key, words, key, None, NEAR)
         if found.is_only and is_only:
             yield Evidence(key, "the workspace describes no other robot", key, None, ONLY)
+
+    def _is_of_another(self, key: str) -> bool:
+        """Return whether a file is of a shipped robot by its name, and the source names another."""
+        called = mentioned(key, self.shipped)
+        own = self._named_in_source
+        return bool(called and own) and called.isdisjoint(own)
+
+    @cached_property
+    def _named_in_source(self) -> frozenset[str]:
+        """The shipped robots that the controller's imports and own source name."""
+        hints = islice(robot_hints(self._controller), 2)
+        texts = (text for hint in hints for text in hint.texts.values())
+        return frozenset[str]().union(*(mentioned(text, self.shipped) for text in texts))
 
     def _with_theirs(
         self, found: WorkspaceRobots, evidence: Sequence[Evidence]
