@@ -1,4 +1,4 @@
-"""A path of the author's machine leads to the same file of the workspace here, and is reported."""
+"""A path of the author's machine or start leads to the same file here, and is reported."""
 
 from __future__ import annotations
 
@@ -102,3 +102,57 @@ def test_a_run_with_such_a_path_is_partial_and_says_so(example, mode):
     assert reason["object"] == path
     assert "config/angle.txt of the workspace is taken for it" in reason["words"]
     assert reason["location"]["file"] == "turn.py"
+
+
+@pytest.fixture
+def started_elsewhere(tmp_path, monkeypatch):
+    """Return the starts of a program, and what was found in them in place of another path."""
+    starts = [tmp_path / "clone/arm/scripts", tmp_path / "clone/arm", tmp_path / "clone"]
+    for folder in starts:
+        folder.mkdir(parents=True, exist_ok=True)
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    found: dict[str, str] = {}
+    with MovedFiles({}, tmp_path, found.__setitem__, starts).active():
+        yield starts, found
+
+
+@pytest.mark.parametrize("start", [0, 1, 2])
+@pytest.mark.parametrize("path", ["gains.txt", "data/gains.txt", "./data/../gains.txt"])
+def test_a_relative_file_is_found_where_its_author_starts(started_elsewhere, start, path):
+    starts, found = started_elsewhere
+    (starts[start] / "data").mkdir()
+    (starts[start] / path).write_text("1.5\n")
+    assert os.path.exists(path)  # noqa: PTH110 - as controllers ask
+    assert Path(path).read_text() == "1.5\n"
+    assert Path.cwd().joinpath(path).read_text() == "1.5\n"
+    assert found[path] == f"{starts[start]}/{path}"
+
+
+def test_the_file_beside_the_program_goes_before_the_one_at_the_top(started_elsewhere):
+    starts, _ = started_elsewhere
+    for number, folder in enumerate(starts):
+        (folder / "gains.txt").write_text(str(number))
+    assert Path("gains.txt").read_text() == "0"
+    Path("gains.txt").write_text("here")
+    assert (Path("gains.txt").read_text(), (starts[0] / "gains.txt").read_text()) == ("here", "0")
+
+
+@pytest.mark.parametrize("path", ["none.txt", "scripts", "../beside.txt", ""])
+def test_no_folder_and_nothing_outside_is_found_by_a_relative_path(started_elsewhere, path):
+    starts, found = started_elsewhere
+    (starts[0] / "beside.txt").write_text("1\n")
+    assert not os.path.exists(path)  # noqa: PTH110 - as controllers ask
+    assert not found
+
+
+def test_a_run_with_a_file_beside_its_script_is_partial_and_says_so(example):
+    example.write("cell/scripts/angle.txt", "0.05\n")
+    lines = ('joints[0] += float(open("angle.txt").read())', "arm.go(joints, wait=True)")
+    example.write("cell/scripts/turn.py", quick_controller(*lines))
+    outcome = example.run("trace", "cell/scripts/turn.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["verdict"]["kind"] == "partial"
+    reasons = outcome.json["verdict"]["reasons"]
+    (reason,) = (each for each in reasons if each["code"] == "input-assumed")
+    assert (reason["object"], reason["location"]["file"]) == ("angle.txt", "scripts/turn.py")

@@ -1,8 +1,12 @@
 """Files that a controller names by a path of its author's machine, found in the workspace here.
 
 Such a path ends with a package and what lies in it: `/home/ann/ws/src/arm_description/arm.urdf`.
-Where it leads to nothing, the package of that name in the workspace is looked into. Folders stay
-as they are: who finds one lacking makes it, or looks elsewhere.
+Where it leads to nothing, the package of that name in the workspace is looked into.
+
+A relative path, or one below the working directory, that leads to nothing is looked for where
+authors start a program: beside it, and at the top of its package and project.
+
+Folders stay as they are: who finds one lacking makes it, or looks elsewhere.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ import io
 import os
 import stat
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -28,16 +32,21 @@ class MovedFiles:
     """The folders of a workspace by the names that they have on every machine.
 
     What lies below `top`, the folder around all of them, or in this Python's own folders is of
-    this machine. `on_found` is called once for each path that was found elsewhere, with both
-    places.
+    this machine. In `starts` its author may start the program, the likeliest first. `on_found` is
+    called once for each path that was found elsewhere, with both places.
     """
 
     def __init__(
-        self, folders: Mapping[str, Path], top: Path, on_found: Callable[[str, str], None]
+        self,
+        folders: Mapping[str, Path],
+        top: Path,
+        on_found: Callable[[str, str], None],
+        starts: Sequence[Path] = (),
     ) -> None:
         self._folders = {name: str(folder) for name, folder in folders.items()}
         own = (f"{top}/", f"{sys.prefix}/", f"{sys.base_prefix}/")
         self._of_here = (*_SYSTEM, *own)
+        self._starts = tuple(map(str, starts))
         self._on_found = on_found
         self._found: dict[str, str] = {}
         self._stat, self._lstat = os.stat, os.lstat
@@ -54,17 +63,36 @@ class MovedFiles:
         if not isinstance(path, str | os.PathLike):
             return path
         text = os.fspath(path)
-        if not isinstance(text, str) or not text.startswith("/") or text.startswith(self._of_here):
+        if not isinstance(text, str) or not text:
+            return path
+        relative = self._from_start(text)
+        if not relative and text.startswith(self._of_here):
             return path
         if self._is_there(text):
             return path
         if text not in self._found:
-            here = self._here(text)
+            here = self._beside(relative) if relative else self._here(text)
             if here is None:
                 return path
             self._found[text] = here
             self._on_found(text, here)
         return self._found[text]
+
+    def _from_start(self, text: str) -> str:
+        """Return a path from the working directory, if it is one below it; else empty."""
+        if not self._starts:
+            return ""
+        if not text.startswith("/"):
+            return text
+        try:
+            here = f"{os.getcwd()}/"  # noqa: PTH109 - the text of a path is compared
+        except OSError:  # the directory is no more
+            return ""
+        return text[len(here) :] if text.startswith(here) else ""
+
+    def _beside(self, relative: str) -> str | None:
+        places = (f"{folder}/{relative}" for folder in self._starts)
+        return next((each for each in places if self._is_there(each, as_file=True)), None)
 
     def _here(self, text: str) -> str | None:
         parts = [each for each in text.split("/") if each]

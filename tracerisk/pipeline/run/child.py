@@ -293,7 +293,7 @@ def _run(
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
         _files(request, recorder) as overlay,
-        moved_files(root, workspace, recorder).active(),
+        moved_files(script, root, workspace, recorder).active(),
         activate(runtime),
         stand_ins,
         beside.active(),
@@ -500,8 +500,11 @@ def _found_elsewhere(
     return folder
 
 
-def moved_files(root: Path, workspace: Workspace, recorder: Recorder) -> MovedFiles:
-    """Return where files are that the author names by another machine's paths; these are noted."""
+def moved_files(script: Path, root: Path, workspace: Workspace, recorder: Recorder) -> MovedFiles:
+    """Return where files are that the author names by another machine's paths, or from elsewhere.
+
+    Those that are found are noted.
+    """
 
     def found(path: str, here: str) -> None:
         place = os.path.relpath(here, root)
@@ -513,7 +516,8 @@ def moved_files(root: Path, workspace: Workspace, recorder: Recorder) -> MovedFi
         )
 
     top = project_top(root)
-    return MovedFiles({**workspace.installed, root.name: root, **workspace.packages}, top, found)
+    folders = {**workspace.installed, root.name: root, **workspace.packages}
+    return MovedFiles(folders, top, found, (script.parent, root, top))
 
 
 @contextlib.contextmanager

@@ -31,12 +31,13 @@ def packages_below(
     top: Path,
     deepest: int | None = None,
     first: Path | None = None,
-    most: int = MOST_ENTRIES,
+    most: int | None = None,
 ) -> Iterator[Path]:
     """Yield the folders with a `package.xml`, none inside another.
 
     Those in and beside `first`, a folder below `top`, come before others, then the nearer to the
-    top. The search ends after `most` entries or `LONGEST_SEARCH_S`.
+    top. The search ends after `most` entries, `MOST_ENTRIES` if not given, or
+    `LONGEST_SEARCH_S`.
     """
     waiting = deque([(top, 0)])
     if first is not None and first != top and first.is_relative_to(top):
@@ -44,7 +45,8 @@ def packages_below(
         around = [first, *first.parents[: depth - 1]]
         waiting.extendleft((folder, len(folder.parts) - len(top.parts)) for folder in around[::-1])
     seen: set[Path] = set()
-    entries_left, ends_at = most, time.monotonic() + LONGEST_SEARCH_S
+    entries_left = MOST_ENTRIES if most is None else most
+    ends_at = time.monotonic() + LONGEST_SEARCH_S
     while waiting and entries_left > 0 and time.monotonic() < ends_at:
         folder, depth = waiting.popleft()
         if folder in seen:

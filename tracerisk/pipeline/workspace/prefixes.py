@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.workspace.package_folders import (
-    MOST_ENTRIES,
     NOT_SEARCHED,
     PACKAGE_FILE,
     head_of,
@@ -241,7 +240,7 @@ def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
 def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     if _is_within(Path(prefix.path), prefix):
         deepest = _DEEPEST_BESIDE if prefix.fills_in else None
-        most = _MOST_SEEN_BESIDE if prefix.fills_in else MOST_ENTRIES
+        most = _MOST_SEEN_BESIDE if prefix.fills_in else None
         for folder in packages_below(Path(prefix.path), deepest, most=most):
             yield name_of(folder), folder
 
