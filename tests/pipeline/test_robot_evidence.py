@@ -409,3 +409,31 @@ def test_a_description_of_another_robot_than_the_source_names_is_not_meant(tmp_p
         ),
     }
     assert chosen(tmp_path, **files).robot.name.removeprefix("locobot_") == robot
+
+
+@pytest.mark.parametrize(
+    ("source", "doubt"),
+    [
+        ('arm = "ur10"\n', "grip.srdf is a gripper alone, which may be on an arm: ur10"),
+        ('arm = "gen3"\n', "grip.srdf is a gripper alone, which may be on an arm: gen3"),
+        ("", ""),
+    ],
+)
+def test_a_gripper_alone_is_doubted_where_an_arm_is_named(tmp_path, source, doubt):
+    lines = 'group = MoveGroupCommander("grip_hand")\njoint = "grip_left_finger_joint"\n'
+    text = '<robot name="grip"><link name="base"/><link name="finger"/>{}</robot>'
+    joint = (
+        '<joint name="grip_left_finger_joint" type="prismatic"><parent link="base"/>'
+        '<child link="finger"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" effort="9"'
+        ' velocity="1"/></joint>'
+    )
+    group = '<group name="grip_hand"><joint name="grip_left_finger_joint"/></group>'
+    files = {
+        "go_DOT_py": lines + source,
+        "package_DOT_xml": PACKAGE.format("grip"),
+        "grip_DOT_urdf": text.format(joint),
+        "grip_DOT_srdf": f'<robot name="grip">{group}</robot>',
+    }
+    robot = chosen(tmp_path, **files).robot
+    assert (robot.name, robot.arm_joints) == ("grip", ())
+    assert robot.doubt == doubt

@@ -155,4 +155,4 @@ def test_a_run_with_a_file_beside_its_script_is_partial_and_says_so(example):
     assert outcome.json["verdict"]["kind"] == "partial"
     reasons = outcome.json["verdict"]["reasons"]
     (reason,) = (each for each in reasons if each["code"] == "input-assumed")
-    assert (reason["object"], reason["location"]["file"]) == ("angle.txt", "scripts/turn.py")
+    assert (reason["object"], reason["location"]["file"]) == ("angle.txt", "turn.py")

@@ -11,6 +11,7 @@ from tracerisk.pipeline.robot.choice import RobotChoice, equipped, with_groups_o
 from tracerisk.pipeline.robot.evidence import (
     DESCRIBED,
     DRIVER,
+    LEAST,
     Ranking,
     ranked,
     shown,
@@ -176,6 +177,10 @@ class _Search:
                 doubts.append(f"{found.key} has the joints of {others} as well as of {best}")
         if robot.doubt:
             doubts.append(robot.doubt)
+        arms = {one.robot for one in gathered.evidence if one.points > LEAST} & self._shipped.keys()
+        if arms and not robot.arm_joints:
+            named = ", ".join(sorted(arms)[:_MOST_SHOWN])
+            doubts.append(f"{found.key} is a gripper alone, which may be on an arm: {named}")
         reason = f"{reason}{installed_in(found.files, self._gathering.workspace.prefixes)}"
         robot = _doubted(replace(robot, chosen_by=reason), doubts)
         return RobotChoice(equipped(robot, self._whole), files=found.files)
