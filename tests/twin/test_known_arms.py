@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from tracerisk.twin.model_files.model_file import read_model_file
 from tracerisk.twin.model_files.paths import ModelFolder
-from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.robot import Robot, load_robot
+
+import mujoco  # isort: skip
 
 # The bodies and ranges of the Panda as public models of it have them, whose joints are `joint1`...
 RANGES = ("-2.8973 2.8973", "-1.7628 1.7628", "-2.8973 2.8973", "-3.0718 -0.0698",
@@ -35,10 +40,10 @@ def mjcf(frames=FRAMES, ranges=RANGES):
     )  # fmt: skip
 
 
-def urdf(robot, *, velocity=None, effort=None, reach=None):
-    """Return the URDF of a shipped robot's arm, with the same limits for each joint where given."""
+def urdf(robot, *, velocity=None, effort=None, reach=None, mass=None):
+    """Return the URDF of a shipped robot's arm, with the same figures for each part where given."""
     parts = [
-        f'<link name="{link.name}"><inertial><mass value="{max(link.mass, 0.01)}"/><inertia '
+        f'<link name="{link.name}"><inertial><mass value="{mass or max(link.mass, 0.01)}"/><inertia '
         'ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
         for link in robot.links
     ]
@@ -116,3 +121,38 @@ def test_limits_that_a_cell_narrows_are_kept(read):
     robot = read(urdf(ours, reach=1.5))
     assert {joint.upper for joint in robot.arm_joints} == {1.5}
     assert robot.assumed_figures == ()
+
+
+def weights(robot: Robot, postures: int = 40) -> dict[str, float]:
+    """Return the most that gravity asks of each joint of an arm in random postures [N m or N]."""
+    model = compile_model(robot)
+    data = mujoco.MjData(model)
+    random = np.random.default_rng(0)
+    most = dict.fromkeys((joint.name for joint in robot.arm_joints), 0.0)
+    for _ in range(postures):
+        for joint in robot.arm_joints:
+            angle = random.uniform(max(joint.lower, -np.pi), min(joint.upper, np.pi))
+            data.qpos[model.joint(joint.name).qposadr[0]] = angle
+        mujoco.mj_inverse(model, data)
+        for name in most:
+            most[name] = max(most[name], abs(data.qfrc_inverse[model.joint(name).dofadr[0]]))
+    return most
+
+
+def test_every_shipped_arm_holds_itself_in_any_posture():
+    robots = [load_robot(each.name) for each in shipped_names()]
+    weak = {
+        (robot.name, name): (weight, robot.joint(name).torque_limit)
+        for robot in robots
+        for name, weight in weights(robot).items()
+        if weight > robot.joint(name).torque_limit
+    }
+    assert not weak
+
+
+@pytest.mark.parametrize("name", ["widowx", "px100", "mycobot_280", "irb120"])
+def test_an_arm_with_heavy_placeholders_for_masses_keeps_a_torque_that_holds_them(read, name):
+    robot = read(urdf(load_robot(name), effort=6.0, mass=3.0))
+    asked = weights(robot)
+    assert max(asked.values()) > 6.0
+    assert all(robot.joint(joint).torque_limit > weight for joint, weight in asked.items())

@@ -11,6 +11,7 @@ import numpy as np
 
 from tracerisk.geometry.frames import rotation
 from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.outline import weight_behind
 from tracerisk.twin.robots.prefix import prefix_in, with_prefix
 from tracerisk.twin.robots.robot import Joint, Robot, load_robot
 from tracerisk.twin.robots.robot_names import is_number
@@ -162,8 +163,16 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
     ours = {mine: like.joint(name) for mine, name in found.names.items()}
     arm = [joint for joint in robot.arm_joints if joint.name in ours]
     takes_all = not knows_motors and _is_placeholder(robot, arm, ours)
+    children = {each.name: each.child for each in robot.attachments}
     joints = tuple(
-        _rated(joint, ours[joint.name], robot.approximate, knows_motors, takes_all)
+        _rated(
+            joint,
+            ours[joint.name],
+            robot.approximate,
+            knows_motors,
+            takes_all,
+            weight_behind(children[joint.name], joint.type, robot.links, robot.attachments),
+        )
         if joint in arm and ours[joint.name].type == joint.type
         else joint
         for joint in robot.joints
@@ -208,8 +217,18 @@ def _is_placeholder(robot: Robot, arm: Sequence[Joint], ours: Mapping[str, Joint
     return len(speeds) == 1 < len(rated) and (robot.approximate or len(torques) == 1)
 
 
-def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool, takes_all: bool) -> Joint:
-    """Return a joint with what a URDF does not say, and our figures where its own are assumed."""
+def _rated(
+    joint: Joint,
+    ours: Joint,
+    assumed: bool,
+    knows_motors: bool,
+    takes_all: bool,
+    weight: float,
+) -> Joint:
+    """Return a joint with what a URDF does not say, and our figures where its own are assumed.
+
+    It keeps its torque where ours could not lift the `weight` of its own links.
+    """
     joint = replace(
         joint,
         acceleration_limit=ours.acceleration_limit,
@@ -221,7 +240,7 @@ def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool, takes_a
     if not assumed and not takes_all:
         return joint
     joint = replace(joint, velocity_limit=ours.velocity_limit)
-    if knows_motors:
+    if knows_motors or ours.torque_limit < weight:
         return joint
     return replace(joint, torque_limit=ours.torque_limit, servo=ours.servo)
 

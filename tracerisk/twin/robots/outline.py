@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +23,7 @@ _ARMATURE = 0.012  # by rated torque [s^2], at most that of a large strain-wave 
 _LARGEST_ARMATURE = 0.4  # [kg m^2]
 _FRICTION = 0.05  # the share of the rated torque that goes into friction at the rated speed
 _LARGEST_FRICTION = 1.0  # [N m s/rad]
+_GRAVITY = 9.81  # [m/s^2]
 
 
 def outlined(link: Link, radius: float | None, attachments: Iterable[Attachment]) -> Link:
@@ -83,3 +85,39 @@ def _capsule(begin: Triple, end: Triple, radius: float) -> Shape:
         xyz=(begin[0] + x / 2, begin[1] + y / 2, begin[2] + z / 2),
         rpy=(0.0, math.acos(z / length), math.atan2(y, x)),
     )
+
+
+class Hung(Protocol):
+    """A link and how it hangs on another, as robots and trees of URDF have it."""
+
+    @property
+    def parent(self) -> str:
+        """The link on which it hangs."""
+
+    @property
+    def child(self) -> str:
+        """The link."""
+
+    @property
+    def xyz(self) -> tuple[float, float, float]:
+        """Where it hangs there [m]."""
+
+
+def weight_behind(child: str, kind: str, links: Iterable[Link], hung: Iterable[Hung]) -> float:
+    """Return the most that the weight of a link and of those behind it can ask of its joint.
+
+    They are stretched, and the axis is level. In [N m], for a joint that slides in [N].
+    """
+    by_name = {link.name: link for link in links}
+    below: dict[str, list[Hung]] = {}
+    for one in hung:
+        below.setdefault(one.parent, []).append(one)
+    total = 0.0
+    waiting = [(child, 0.0)]
+    while waiting:
+        link, away = waiting.pop()
+        body = by_name[link]
+        lever = 1.0 if kind == "prismatic" else away + math.hypot(*body.centre_of_mass)
+        total += body.mass * _GRAVITY * lever
+        waiting += [(one.child, away + math.hypot(*one.xyz)) for one in below.get(link, ())]
+    return total

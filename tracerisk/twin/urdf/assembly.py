@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from tracerisk.errors import Location
 from tracerisk.twin.robots.gripper_ends import gripper_ends
-from tracerisk.twin.robots.outline import derived_servo
+from tracerisk.twin.robots.outline import derived_servo, weight_behind
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
     Attachment,
@@ -39,7 +39,6 @@ ASSUMED_MASS = 0.3  # of a link that moves [kg]
 LIGHTEST = 1e-3  # what moves and weighs less cannot be simulated with steps of 2 ms [kg]
 _LEAST_TORQUE = 1.0  # of a joint whose file gives none [N m or N]
 _MARGIN = 2.0  # how much more than its own weight an arm is assumed to hold
-_GRAVITY = 9.81
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +177,7 @@ def _joint(
     velocity, torque = each.velocity, each.effort
     if velocity <= 0.0:
         velocity, assumed = ASSUMED_VELOCITY[kind], True
-    weight = _weight(each, tree, links)
+    weight = weight_behind(each.child, kind, links, tree.joints)
     if torque <= 0.0:
         torque, assumed = max(_MARGIN * weight, _LEAST_TORQUE), True
     elif torque < weight and each.mimic is None:
@@ -195,23 +194,6 @@ def _joint(
         servo=servo or derived_servo(torque, velocity),
     )
     return joint, assumed
-
-
-def _weight(each: UrdfJoint, tree: Tree, links: Iterable[Link]) -> float:
-    """Return the most that the weight behind a joint can ask of it: stretched, axis level.
-
-    In [N m], for a joint that slides in [N].
-    """
-    by_name = {link.name: link for link in links}
-    total = 0.0
-    waiting = [(each.child, 0.0)]
-    while waiting:
-        link, away = waiting.pop()
-        body = by_name[link]
-        lever = 1.0 if each.type == "prismatic" else away + math.hypot(*body.centre_of_mass)
-        total += body.mass * _GRAVITY * lever
-        waiting += [(one.child, away + math.hypot(*one.xyz)) for one in tree.below(link)]
-    return total
 
 
 def _with_grippers(
