@@ -437,3 +437,25 @@ def test_a_gripper_alone_is_doubted_where_an_arm_is_named(tmp_path, source, doub
     robot = chosen(tmp_path, **files).robot
     assert (robot.name, robot.arm_joints) == ("grip", ())
     assert robot.doubt == doubt
+
+
+@pytest.mark.parametrize(
+    ("name", "joints", "renamed"),
+    [
+        ("mycobot_280", SIX, True),
+        ("ur5e", SIX, True),
+        ("panda", [f"joint_{number}" for number in range(7)], True),
+        ("mycobot_280", SIX[:5], False),
+        ("mycobot_280", SIX[::-1], False),
+        ("ur5e", UR, False),
+    ],
+)
+def test_joints_that_only_count_are_those_of_the_arm_that_is_named(tmp_path, name, joints, renamed):
+    source = f'from arm_names import JOINTS\nROBOT = "{name}"\nTOPIC = "/{name}/commands"\n'
+    robot = chosen(tmp_path, go_DOT_py=source, arm_names_DOT_py=f"JOINTS = {joints}\n").robot
+    assert robot.name == name
+    called = [joint.name for joint in robot.arm_joints]
+    own = [joint.name for joint in load_robot(name).arm_joints]
+    assert called == (joints if renamed else own)
+    words = f"its joints are called {joints[0]} to {joints[-1]}, as the controller lists them"
+    assert (words in robot.doubt) is renamed

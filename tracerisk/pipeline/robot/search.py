@@ -25,7 +25,7 @@ from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import find_workspace
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.names_in_source import Spoken
-from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.prefix import with_numbered, with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.robots.robot_names import is_number, mentioned
 from tracerisk.twin.workspace.described_robots import (
@@ -149,6 +149,13 @@ class _Search:
         if gathered.prefix:
             robot = with_prefix(robot, gathered.prefix)
             reason = f"{reason}; its links and joints have the prefix '{gathered.prefix}'"
+        listed = tuple(dict.fromkeys(each for one in self._speeches for each in one.listed))
+        numbered = with_numbered(robot, listed)
+        if numbered is not None:
+            words = (
+                f"its joints are called {listed[0]} to {listed[-1]}, as the controller lists them"
+            )
+            robot = _doubted(numbered, [*([robot.doubt] if robot.doubt else []), words])
         return replace(robot, chosen_by=reason)
 
     def _is_any_arm(self, found: DescribedRobot, gathered: Gathered) -> bool:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 from tracerisk.twin.robots.index import RobotNames
 from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_names import is_number
 
 _FEWEST = 4  # joints, which a prefix must stand before
 _ENDS = ("_", "/", "-")
@@ -79,6 +81,24 @@ def without_prefix(robot: Robot, prefix: str) -> Robot:
         robot,
         lambda name: name if name.removeprefix(prefix) in parts else name.removeprefix(prefix),
     )
+
+
+def with_numbered(robot: Robot, listed: Sequence[str]) -> Robot | None:
+    """Return the robot with the joints of its arm called as they are listed: `joint1` and so on.
+
+    `None` where the names do not count its joints, or the robot has one of that name.
+    """
+    own = [joint.name for joint in robot.arm_joints]
+    numbers = [re.search(r"\d+$", name) for name in listed]
+    counted = [int(found[0]) for found in numbers if found is not None]
+    if len(own) < _FEWEST or len(listed) != len(own) or not all(map(is_number, listed)):
+        return None
+    if counted not in (list(range(len(own))), list(range(1, len(own) + 1))):
+        return None
+    if not {joint.name for joint in robot.joints}.isdisjoint(listed):
+        return None
+    names = dict(zip(own, listed, strict=True))
+    return _renamed(robot, lambda name: names.get(name, name))
 
 
 def _renamed(robot: Robot, named: Callable[[str], str]) -> Robot:
