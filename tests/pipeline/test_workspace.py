@@ -111,6 +111,43 @@ def test_what_a_package_needs_of_another_repository_in_the_same_src_is_found(tmp
     assert find_workspace(own).packages == {"arm_msgs": needed, "pick": own}
 
 
+def repository(folder: Path, *packages: str) -> None:
+    (folder / ".git").mkdir(parents=True)
+    for name in packages:
+        package(folder / name)
+
+
+@pytest.mark.parametrize(
+    ("own", "needed"),
+    [
+        ("src/demo_control", "arm_driver"),  # a repository that is a workspace itself
+        ("demo/control", "stack/arms/arm_driver"),
+        ("demos/a/control", "stack/a/arm_driver"),
+    ],
+)
+def test_a_package_is_found_deep_in_the_src_around_a_repository(tmp_path, own, needed):
+    sources = tmp_path / "ws" / "src"
+    repository(sources / "own_repo", own)
+    repository(sources / "other_repo", needed, "unasked")
+    root = sources / "own_repo" / own
+    (root / "move.py").write_text("import arm_driver\n")
+    found = find_workspace(root).packages
+    assert found == {root.name: root, "arm_driver": sources / "other_repo" / needed}
+
+
+@pytest.mark.parametrize("place", ["examples/python_demos", "scripts", "."])
+def test_a_script_in_no_package_has_what_it_imports_of_the_repositories_beside_it(tmp_path, place):
+    sources = tmp_path / "ws" / "src"
+    repository(sources / "demos", "arm_control")
+    repository(sources / "toolboxes", "xs_toolbox/arm_modules", "unasked")
+    root = sources / "demos" / place
+    root.mkdir(parents=True, exist_ok=True)
+    (root / "bartender.py").write_text("from arm_modules.arm import Arm\n")
+    found = find_workspace(root).packages
+    assert found["arm_modules"] == sources / "toolboxes" / "xs_toolbox" / "arm_modules"
+    assert "unasked" not in found
+
+
 def test_files_are_listed_in_order_and_a_pipe_is_none(tmp_path):
     for name in ("b/z.py", "b/a.py", "a/c.py", ".hidden/d.py", "venv/pyvenv.cfg", "venv/e.py"):
         path = tmp_path / name

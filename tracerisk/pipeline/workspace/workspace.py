@@ -38,6 +38,7 @@ _MOST_MODULES = 300
 _IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
 _BESIDE = 2
+_IN_SOURCES = 4  # repository, stack, family, package
 _WORD = pattern(r"[\w.-]+")
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
 
@@ -203,12 +204,23 @@ def find_workspace(root: Path) -> Workspace:
         known = packages.setdefault(name_of(folder), folder)
         if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
             packages[name_of(folder)] = folder
-    if (root / PACKAGE_FILE).is_file():
-        in_sources = any(each.name == _SOURCES for each in top.parents[:_BESIDE])
-        if in_sources or (top == root.resolve() and not (top / _REPOSITORY).exists()):
-            packages = {**_needed_beside(root.resolve()), **packages}
+    is_package = (root / PACKAGE_FILE).is_file()
+    sources = _sources_around(root.resolve(), top)
+    is_alone = is_package and top == root.resolve() and not (top / _REPOSITORY).exists()
+    if sources is not None or is_alone:
+        packages = {**_needed_beside(root.resolve(), sources), **packages}
+    if is_package:
         packages[name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
+
+
+def _sources_around(root: Path, top: Path) -> Path | None:
+    """Return the folder `src` in which the repository of `root`, or its project, was laid."""
+    above = itertools.takewhile(
+        lambda folder: folder not in (Path.home(), Path("/")), (root, *root.parents)
+    )
+    whole = next((folder for folder in above if (folder / _REPOSITORY).exists()), top)
+    return next((each for each in whole.parents[:_BESIDE] if each.name == _SOURCES), None)
 
 
 def _apart(one: Path, other: Path) -> int:
@@ -287,12 +299,17 @@ def _is_marked(folder: Path) -> bool:
     return bool(names & _TOP_MARKS) or any(name.startswith(_TOP_FILES) for name in names)
 
 
-def _needed_beside(root: Path) -> dict[str, Path]:
-    """Return the packages beside `root` that it needs, and those that these need."""
+def _needed_beside(root: Path, sources: Path | None) -> dict[str, Path]:
+    """Return the packages beside `root` that it needs, and those that these need.
+
+    `sources` is the folder `src` of the workspace, where packages lie deeper in repositories.
+    """
     beside: dict[str, Path] = {}
-    for folder in root.parents[:_BESIDE]:
+    around = root.parents[:_BESIDE] if sources is None else (*root.parents[:_BESIDE], sources)
+    for folder in dict.fromkeys(around):
         if folder not in (Path.home(), Path("/")):
-            for package in packages_below(folder, deepest=_BESIDE):
+            deepest = _IN_SOURCES if folder == sources else _BESIDE
+            for package in packages_below(folder, deepest=deepest):
                 beside.setdefault(name_of(package), package)
     found: dict[str, Path] = {}
     waiting = [root]
