@@ -120,3 +120,45 @@ rospy.sleep(2.0)
 """,
     )
     assert ran.position("left_finger") > 0.034
+
+
+def test_its_configuration_is_read_and_set_by_key_and_by_attribute(run_on):
+    ran = run_on(
+        "locobot_wx200",
+        f"""{HEAD}
+from geometry_msgs.msg import Twist
+heard = []
+rospy.init_node('drive')
+rospy.Subscriber('/navigation_velocity_smoother/raw_cmd_vel', Twist, heard.append)
+robot = Robot('locobot')
+robot.base.configs['BASE']['MAX_ABS_FWD_SPEED'] = 3.0
+robot.base.set_vel(5.0, 5.0, exe_time=0.5)
+rospy.sleep(0.2)
+fastest = [heard[-1].linear.x, heard[-1].angular.z]
+rate = robot.configs.BASE.BASE_CONTROL_RATE
+robot.configs.BASE.MAX_ABS_TURN_SPEED = 1.0
+turns = robot.base.configs.BASE.MAX_ABS_TURN_SPEED
+tilt = robot.camera.configs.CAMERA.MAX_TILT
+names = robot.arm.configs.ARM.JOINT_NAMES == robot.arm.arm_joint_names
+base = robot.arm.configs.ARM.ARM_BASE_FRAME == robot.arm.base_frame
+""",
+    )
+    assert ran["fastest"] == [3.0, 0.5]
+    assert (ran["rate"], ran["turns"], ran["tilt"]) == (10, 1.0, 1.75)
+    assert (ran["names"], ran["base"]) == (True, True)
+
+
+@pytest.mark.parametrize("kind", ["sawyer", "ur5"])
+def test_arms_of_others_have_no_base_in_their_configuration(run_on, kind):
+    ran = run_on(
+        "sawyer" if kind == "sawyer" else "ur5e",
+        f"""{HEAD}
+robot = Robot('{kind}')
+had = [robot.configs.HAS_BASE, robot.configs.ARM.IK_POSITION_TOLERANCE]
+try:
+    robot.configs.BASE.BASE_CONTROL_RATE
+except AttributeError:
+    had.append('none')
+""",
+    )
+    assert ran["had"] == [False, 0.005, "none"]

@@ -32,7 +32,6 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_xs_modules",
         "moveit_python",
         "pymoveit2",
-        "pyrobot",
         "ros2_numpy",
         "ros_numpy",
         "smach",

@@ -14,6 +14,7 @@ from moveit_msgs.srv import GetPositionFK, GetPositionFKRequest, GetPositionIK, 
 
 from tracerisk.ros.graph.runtime import current
 
+from ._configs import Config
 from .utils.util import quat_to_rot_mat, quaternion_of
 
 _TOLERANCE = 0.01, 0.1  # IK_POSITION_TOLERANCE [m], IK_ORIENTATION_TOLERANCE [rad]
@@ -29,7 +30,8 @@ _NEUTRAL = {
 class Arm:
     """Moves the twin's arm; positions of joints are in the order of its group."""
 
-    def __init__(self, is_locobot: bool, **config: Any) -> None:
+    def __init__(self, configs: Config, **config: Any) -> None:
+        self.configs = configs
         robot = current().twin.robot
         held = {joint for gripper in robot.grippers for joint in gripper.joints}
         kept = {joint.name for joint in robot.arm_joints} - {*held, *_CAMERA}
@@ -46,8 +48,14 @@ class Arm:
         mounts = ("locobot/arm_base_link", "arm_base_link")
         self._mount = _first(mounts, links, self.base_frame)
         self._home = np.zeros(self.arm_dof)
-        if not is_locobot:
+        if not configs.HAS_BASE:
             self._home = np.array(_NEUTRAL["ur5" if robot.name.startswith("ur") else "sawyer"])
+        configs.ARM.update(
+            MOVEGROUP_NAME=name,
+            ARM_BASE_FRAME=self.base_frame,
+            EE_FRAME=self.ee_frame,
+            JOINT_NAMES=self.arm_joint_names,
+        )
         self.moveit_group.set_pose_reference_frame(self.base_frame)
         self.tf_listener = tf.TransformListener()
         self._ik_service = rospy.ServiceProxy("/compute_ik", GetPositionIK)

@@ -16,15 +16,16 @@ from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import current
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 
-_BASE_HZ = 10  # BASE_CONTROL_RATE
-_FASTEST = 0.2, 0.5  # MAX_ABS_FWD_SPEED [m/s], MAX_ABS_TURN_SPEED [rad/s]
+from ._configs import Config
+
 _NEARLY = 0.02  # of a camera's joint [rad]
 
 
 class Gripper:
     """Opens and closes the twin's gripper."""
 
-    def __init__(self, **_: Any) -> None:
+    def __init__(self, configs: Config, **_: Any) -> None:
+        self.configs = configs
         robot = current().twin.robot
         if not robot.grippers:
             raise RuntimeError(f"robot '{robot.name}' has no gripper; name another with --robot")
@@ -55,7 +56,8 @@ class Gripper:
 class TopicGripper(Gripper):
     """A LoCoBot's gripper, which its driver moves for a message."""
 
-    def __init__(self, wait_time: float = 3, **_: Any) -> None:
+    def __init__(self, configs: Config, wait_time: float = 3, **_: Any) -> None:
+        super().__init__(configs)
         self.wait_time = wait_time
         self._is_closed = False
         self.pub_gripper_open = rospy.Publisher("/gripper/open", Empty, queue_size=1)
@@ -89,7 +91,8 @@ class TopicGripper(Gripper):
 class Camera:
     """Pans and tilts a camera, which sees nothing on the twin."""
 
-    def __init__(self) -> None:
+    def __init__(self, configs: Config) -> None:
+        self.configs = configs
         self.set_pan_pub = rospy.Publisher("/pan/command", Float64, queue_size=1)
         self.set_tilt_pub = rospy.Publisher("/tilt/command", Float64, queue_size=1)
 
@@ -181,7 +184,8 @@ class Camera:
 class Base:
     """Commands a base, which stands still on the twin."""
 
-    def __init__(self) -> None:
+    def __init__(self, configs: Config) -> None:
+        self.configs = configs
         topic = "/navigation_velocity_smoother/raw_cmd_vel"
         self.ctrl_pub = rospy.Publisher(topic, Twist, queue_size=1)
         self._odometry: Any = None
@@ -196,14 +200,16 @@ class Base:
 
     def set_vel(self, fwd_speed: float, turn_speed: float, exe_time: float = 1) -> None:
         """Command speeds [m/s, rad/s] for a time [s]."""
+        limits = self.configs.BASE
+        ahead, around = limits.MAX_ABS_FWD_SPEED, limits.MAX_ABS_TURN_SPEED
         twist = Twist()
-        twist.linear.x = min(max(fwd_speed, -_FASTEST[0]), _FASTEST[0])
-        twist.angular.z = min(max(turn_speed, -_FASTEST[1]), _FASTEST[1])
+        twist.linear.x = min(max(fwd_speed, -ahead), ahead)
+        twist.angular.z = min(max(turn_speed, -around), around)
         end = rospy.get_time() + exe_time
         self.ctrl_pub.publish(twist)
         while rospy.get_time() < end:
             self.ctrl_pub.publish(twist)
-            rospy.sleep(1.0 / _BASE_HZ)
+            rospy.sleep(1.0 / limits.BASE_CONTROL_RATE)
 
     def go_to_relative(self, xyt_position: Any, *_: Any, **__: Any) -> bool:
         """Leave the base where it is; the run says so."""

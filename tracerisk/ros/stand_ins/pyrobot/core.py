@@ -8,6 +8,7 @@ from typing import Any
 import rospy
 
 from ._arm import Arm
+from ._configs import config_of
 from ._parts import Base, Camera, Gripper, TopicGripper
 
 __all__ = ["Arm", "Base", "Camera", "Gripper", "Robot"]
@@ -47,12 +48,14 @@ class Robot:
         except rospy.exceptions.ROSException:
             rospy.logwarn("ROS node [pyrobot] has already been initialized")
         is_locobot = kind == "locobot"
+        self.configs = config_of(kind)
         if use_arm:
-            self.arm = Arm(is_locobot, **(arm_config or {}))
+            self.arm = Arm(self.configs, **(arm_config or {}))
         if is_locobot and use_base:
-            self.base = Base()
+            self.base = Base(self.configs)
         if is_locobot and use_camera:
-            self.camera = Camera()
+            self.camera = Camera(self.configs)
         if use_arm and use_gripper and kind != "ur5":
-            self.gripper = (TopicGripper if is_locobot else Gripper)(**(gripper_config or {}))
+            gripper = TopicGripper if is_locobot else Gripper
+            self.gripper = gripper(self.configs, **(gripper_config or {}))
         rospy.sleep(2)
