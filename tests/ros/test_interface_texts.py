@@ -249,3 +249,15 @@ def test_a_default_text_of_ros_2_needs_no_quotes(tmp_path, default, value):
 def test_fields_have_the_defaults_that_their_definition_gives():
     request = interfaces_of("humble").service("xarm_msgs/MoveJoint").Request()
     assert (request.wait, request.timeout, request.radius) == (False, -1.0, -1.0)
+
+
+@pytest.mark.parametrize("line", ["---", "-----", "---  # the answer", "  --- "])
+def test_a_line_that_begins_with_three_dashes_parts_a_definition(tmp_path, line):
+    """xArm-Developer/xarm_ros xarm_msgs/srv/PlayTraj.srv has five."""
+    service = tmp_path / "srv" / "PlayTraj.srv"
+    service.parent.mkdir()
+    service.write_text(f"string traj_file\n\n{line}\n\nint16 ret\nstring message")
+    interfaces = Interfaces(workspace={"xarm_msgs": tmp_path})
+    kind = interfaces.interface("xarm_msgs", "srv", "PlayTraj")
+    assert kind._request_class().__slots__ == ["traj_file"]
+    assert kind._response_class().__slots__ == ["ret", "message"]

@@ -159,13 +159,19 @@ def field_comments(definition: Definition) -> dict[str, str]:
     above: list[str] = []
     for line in interface_text(definition).splitlines():
         code, _, comment = line.partition("#")
-        if code.strip() == _SEPARATOR:
+        if _is_separator(line):
             break
         words = code.split()
         if len(words) > 1 and "=" not in code:
             found[words[1]] = comment.strip() or " ".join(above)
         above = [*above, comment.strip()] if not words and comment else []
     return found
+
+
+def _is_separator(line: str) -> bool:
+    # Longer ones are taken too: ros/genmsg src/genmsg/msg_loader.py, load_srv_from_string, and
+    # ros/common_msgs actionlib_msgs/scripts/genaction.py.
+    return line.partition("#")[0].strip().startswith(_SEPARATOR)
 
 
 def interface_parts(text: str, count: int, definition: Definition) -> list[str]:
@@ -176,7 +182,7 @@ def interface_parts(text: str, count: int, definition: Definition) -> list[str]:
     """
     parts: list[list[str]] = [[]]
     for line in text.splitlines():
-        if line.strip() == _SEPARATOR:
+        if _is_separator(line):
             parts.append([])
         else:
             parts[-1].append(line)
