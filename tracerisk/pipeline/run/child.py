@@ -75,7 +75,8 @@ from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
-from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
+from tracerisk.ros.imports.python_names import removed_python_names
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_of_python_2
 from tracerisk.ros.messages.interface_texts import ENDINGS as INTERFACE_ENDINGS
 from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -256,7 +257,16 @@ def _run(
         if fate is not None:
             fate.note_end()
 
-    stand_ins = StandInFinder(interfaces)
+    old = {
+        name: folder / name
+        for name, folder in workspace.python_packages.items()
+        if name in VENDOR_LIBRARIES and is_of_python_2(folder / name)
+    }
+    for name, folder in old.items():
+        words = f"{name} of the workspace is for Python 2; tracerisk's stand-in for it runs instead"
+        recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
+    giving_way = VENDOR_LIBRARIES - old.keys()
+    stand_ins = StandInFinder(interfaces, giving_way)
     missing = MissingModules(script, root, stand_ins.provides)
     end = ControllerEnd(
         recorder,
@@ -271,7 +281,7 @@ def _run(
     scheduler.on_abort = end.abort
     replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
-    libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
+    libraries = {name for name, kind in kinds if kind.startswith("library")} - giving_way
     installed, beside = (
         InstalledLibraries(
             python_folders(prefix for prefix in workspace.prefixes if prefix.fills_in == fills_in),
@@ -285,7 +295,7 @@ def _run(
         root,
         packages=workspace.python_packages,
         reserved=libraries,
-        shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
+        shared=set(stand_ins.provides) - libraries - giving_way,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
         is_library=Libraries(script, root, request.states).holds,
         replaced=replaced,
@@ -299,6 +309,7 @@ def _run(
         beside.active(),
         installed.active(),
         removed_numpy_names(),
+        removed_python_names(request.distro.name),
         served_opencv_names(),
         virtual_time(scheduler, seed=request.seed, note=partial(recorder.finding, "not_simulated")),
         scripted_input(

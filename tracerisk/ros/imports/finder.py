@@ -51,12 +51,18 @@ def _is_from_import() -> bool:
 class StandInFinder(MetaPathFinder):
     """Serve the stand-in libraries and the message packages of `interfaces`.
 
-    As a context manager it is installed within the block; leaving it takes every module that it
-    served out of `sys.modules` and puts back what stood there before.
+    Those of `giving_way` are served where neither the workspace nor the environment has a library
+    of that name. As a context manager it is installed within the block; leaving it takes every
+    module that it served out of `sys.modules` and puts back what stood there before.
     """
 
-    def __init__(self, interfaces: Interfaces | Interfaces2 | None = None) -> None:
+    def __init__(
+        self,
+        interfaces: Interfaces | Interfaces2 | None = None,
+        giving_way: Collection[str] = VENDOR_LIBRARIES,
+    ) -> None:
         self.interfaces = interfaces if interfaces is not None else Interfaces()
+        self._giving_way = frozenset(giving_way)
         self._missing = _MissingRosFinder(self)
         self._shadowed: dict[str, ModuleType] = {}
 
@@ -112,7 +118,7 @@ class StandInFinder(MetaPathFinder):
         top, _, rest = fullname.partition(".")
         if top not in self.provides:
             return None
-        gives_way = top in VENDOR_LIBRARIES and self._is_elsewhere(top)
+        gives_way = top in self._giving_way and self._is_elsewhere(top)
         spec = None if gives_way else self._library_spec(fullname)
         if spec is None and self.provides[top] != "library" and not (gives_way and not rest):
             spec = self._interface_spec(fullname, top, rest)

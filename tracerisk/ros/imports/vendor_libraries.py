@@ -17,6 +17,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 
 from tracerisk.ros.controller.removed_names import REMOVED_MODULES
+from tracerisk.source.python_source import parsed
 
 VENDOR_LIBRARIES = frozenset(
     {
@@ -114,6 +115,11 @@ def is_installed(name: str) -> bool:
         return False
     # A folder without a source of its own is a part of a workspace, not a module.
     return spec is not None and spec.origin is not None
+
+
+def is_of_python_2(package: Path) -> bool:
+    """Return whether a module of a Python package is nothing that Python 3 can parse."""
+    return any(parsed(file.read_bytes()) is None for file in sorted(package.glob("*.py")))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,81 @@
+"""Names that Python has removed, and that the Python of Noetic has."""
+
+from __future__ import annotations
+
+import pytest
+
+PROGRAM = """\
+import moveit_commander, rospy
+{imports}
+
+
+def turn():
+    group = moveit_commander.MoveGroupCommander("panda_arm")
+    joints = group.get_current_joint_values()
+    {use}
+    joints[0] += 0.1
+    group.go(joints, wait=True)
+
+
+rospy.init_node("program")
+turn()
+"""
+
+
+@pytest.mark.parametrize(
+    ("imports", "use", "name"),
+    [
+        (
+            "import collections",
+            "assert isinstance(joints, collections.Iterable)",
+            "collections.Iterable",
+        ),
+        (
+            "from collections import Mapping, OrderedDict",
+            "assert isinstance(OrderedDict(), Mapping)",
+            "collections.Mapping",
+        ),
+        ("from fractions import gcd", "assert gcd(4, 6) == 2", "fractions.gcd"),
+        (
+            "import inspect",
+            "assert inspect.getargspec(turn).args == []",
+            "inspect.getargspec",
+        ),
+        (
+            "import base64",
+            "assert base64.decodestring(base64.encodestring(b'a')) == b'a'",
+            "base64.encodestring",
+        ),
+    ],
+)
+def test_a_controller_of_noetic_has_them_with_a_note(example, imports, use, name):
+    example.write("c.py", PROGRAM.format(imports=imports, use=use))
+    ran = example.run("trace", "c.py", "--json")
+    assert ran.json["verdict"]["kind"] == "complete", ran.err
+    noted = [each["message"] for each in ran.json["trace"]["findings"]]
+    assert any(each.startswith(f"{name} is gone from Python") for each in noted), noted
+
+
+def test_what_python_never_had_is_not_there(example):
+    example.write("c.py", PROGRAM.format(imports="import collections", use="collections.Whole"))
+    ran = example.run("trace", "c.py", "--json")
+    assert "module 'collections' has no attribute 'Whole'" in ran.json["verdict_line"]
+
+
+def test_a_library_of_the_workspace_for_python_2_leaves_the_stand_in_in_place(example):
+    """RethinkRobotics/baxter_interface has never been released for Python 3."""
+    for package in ("demo", "baxter_interface"):
+        example.write(f"src/{package}/package.xml", f"<package><name>{package}</name></package>")
+    library = "src/baxter_interface/src/baxter_interface"
+    example.write(f"{library}/__init__.py", "from .limb import Limb\n")
+    example.write(f"{library}/limb.py", "try:\n    pass\nexcept OSError, e:\n    print e\n")
+    example.write(
+        "src/demo/reach.py",
+        "import rospy\nimport baxter_interface\n\n"
+        "rospy.init_node('reach')\nlimb = baxter_interface.Limb('left')\n"
+        "limb.move_to_joint_positions({'left_w1': 0.3})\n",
+    )
+    ran = example.run("trace", "src/demo/reach.py", "--robot", "baxter", "--json")
+    assert ran.json["verdict"]["kind"] == "complete", ran.err
+    noted = [each["message"] for each in ran.json["trace"]["findings"]]
+    assert any("baxter_interface of the workspace is for Python 2" in each for each in noted)
