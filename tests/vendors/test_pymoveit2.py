@@ -292,3 +292,30 @@ executor.spin()
     )
     assert ran["done"] == [True, True, True]
     assert len(ran.commands) == 3
+
+
+@pytest.mark.parametrize(
+    ("module", "on", "joints", "base"),
+    [
+        ("fr3", "fr3", [f"fr3_joint{number}" for number in range(1, 8)], "fr3_link0"),
+        ("kinova_gen3", "gen3", [f"joint_{number}" for number in range(1, 8)], "base_link"),
+        ("xarm", "xarm6", [f"joint{number}" for number in range(1, 7)], "link_base"),
+    ],
+)
+def test_a_robot_that_only_forks_have_is_the_twins(run_on, module, on, joints, base):
+    ran = run_on(
+        on,
+        f"""
+from pymoveit2.robots import {module} as robot
+names = robot.joint_names(), robot.base_link_name('prefix_')
+group = robot.MOVE_GROUP_ARM
+fingers = len(robot.gripper_joint_names())
+ends = [robot.OPEN_GRIPPER_JOINT_POSITIONS, robot.CLOSED_GRIPPER_JOINT_POSITIONS]
+""",
+        ros=2,
+    )
+    assert ran["names"] == (joints, base)
+    assert set(joints) <= set(ran.twin.robot.groups[ran["group"]].joints)
+    assert [len(end) for end in ran["ends"]] == [ran["fingers"]] * 2
+    said = [each for each in ran.recording.findings if each.kind == "unprovided"]
+    assert [f"'{module}'" in each.message for each in said] == [True]
