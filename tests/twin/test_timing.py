@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.slow import slow_but
-from tracerisk.twin.motion.timing import PATH_TOLERANCE, along_path, resample
+from tracerisk.twin.motion.timing import PATH_TOLERANCE, _sampled, along_path, resample
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin
@@ -98,6 +98,23 @@ def test_a_long_line_cruises_at_the_limit_of_its_slowest_joint():
 def test_no_way_takes_no_time():
     time, position, _ = straight_line(np.ones(3), np.ones(3), VELOCITY, ACCELERATION)
     assert (time.tolist(), position.tolist()) == ([0.0], [[1.0, 1.0, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("places", "times"),
+    [
+        ([0.0, 1.0, 1.0 + 1e-10, 2.0], [0.0, 1.0, 2.0]),
+        ([0.0, 1.0, 2.0, 2.0 + 1e-10], [0.0, 1.0, 2.0]),
+        ([0.0, 1e-10, 1.0], [0.0, 1.0]),
+        ([0.0, 1e-10], [0.0, 0.0]),
+    ],
+)
+def test_no_two_points_are_at_one_nanosecond(places, times):
+    cells = np.zeros(len(places) - 1, dtype=np.intp)
+    piece, place, speed, time = _sampled(cells, np.array(places), np.ones(len(places)), 10.0)
+    assert time == pytest.approx(times, abs=1e-9)
+    assert {len(piece), len(place), len(speed)} == {len(times)}
+    assert (place[0], place[-1]) == (places[0], places[-1])
 
 
 def test_a_move_smaller_than_the_least_change_is_made_all_the_same():

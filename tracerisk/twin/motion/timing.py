@@ -32,6 +32,7 @@ _REVERSAL = -0.99999  # cosine of the turn at which a path goes back: it stops t
 _SHARP = 1e-4  # by which a blend leaves a corner where there is no room [rad or m]
 _PASSED = 0.01  # between two points that are looked at, on average [rad or m]
 _TINY = 1e-9
+_LEAST_S = 2e-9  # between two points [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -326,11 +327,17 @@ def _sampled(
     since = grid - time[cell]
     between = s[cell] + since * (speed[cell] + u * since / 2)
     places = cell + 1
+    time = np.insert(time, places, grid)
+    # Messages have whole nanoseconds, in which no two points may be at one time.
+    kept = np.append(True, np.diff(time) > _LEAST_S)
+    if not kept[-1]:
+        kept[np.flatnonzero(kept)[-1]] = False
+        kept[[0, -1]] = True
     return (
-        np.insert(np.append(piece, piece[-1]), places, piece[cell]),
-        np.insert(s, places, between),
-        np.insert(speed, places, speed[cell] + u * since),
-        np.insert(time, places, grid),
+        np.insert(np.append(piece, piece[-1]), places, piece[cell])[kept],
+        np.insert(s, places, between)[kept],
+        np.insert(speed, places, speed[cell] + u * since)[kept],
+        time[kept],
     )
 
 
