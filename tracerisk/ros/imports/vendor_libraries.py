@@ -35,6 +35,7 @@ VENDOR_LIBRARIES = frozenset(
         "pymoveit2",
         "ros2_numpy",
         "ros_numpy",
+        "rospy_message_converter",
         "smach",
         "smach_ros",
     }
