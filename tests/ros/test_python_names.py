@@ -79,3 +79,22 @@ def test_a_library_of_the_workspace_for_python_2_leaves_the_stand_in_in_place(ex
     assert ran.json["verdict"]["kind"] == "complete", ran.err
     noted = [each["message"] for each in ran.json["trace"]["findings"]]
     assert any("baxter_interface of the workspace is for Python 2" in each for each in noted)
+
+
+def test_a_part_of_a_makers_library_without_the_part_that_uses_it_is_the_stand_in(example):
+    """Interbotix/interbotix_ros_toolboxes marks interbotix_xs_toolbox with CATKIN_IGNORE."""
+    for package in ("demo", "interbotix_common_modules"):
+        example.write(f"src/{package}/package.xml", f"<package><name>{package}</name></package>")
+    library = "src/interbotix_common_modules/src/interbotix_common_modules"
+    example.write(f"{library}/__init__.py", "")
+    example.write(f"{library}/angle_manipulation.py", "def transInv(matrix):\n    return matrix\n")
+    example.write(
+        "src/demo/reach.py",
+        "from interbotix_common_modules import angle_manipulation\n"
+        "from interbotix_xs_modules.arm import InterbotixManipulatorXS\n\n"
+        "bot = InterbotixManipulatorXS('wx250', 'arm', 'gripper')\n"
+        "bot.arm.set_ee_pose_components(x=0.3, z=0.2)\n",
+    )
+    ran = example.run("trace", "src/demo/reach.py", "--json")
+    assert ran.json["verdict"]["kind"] in ("complete", "partial"), ran.err
+    assert ran.json["trace"]["commands"], ran.err

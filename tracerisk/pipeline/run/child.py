@@ -76,7 +76,11 @@ from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.python_names import removed_python_names
-from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_of_python_2
+from tracerisk.ros.imports.vendor_libraries import (
+    VENDOR_LIBRARIES,
+    is_of_python_2,
+    without_their_users,
+)
 from tracerisk.ros.messages.interface_texts import ENDINGS as INTERFACE_ENDINGS
 from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -265,7 +269,7 @@ def _run(
     for name, folder in old.items():
         words = f"{name} of the workspace is for Python 2; tracerisk's stand-in for it runs instead"
         recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
-    giving_way = VENDOR_LIBRARIES - old.keys()
+    giving_way = VENDOR_LIBRARIES - old.keys() - without_their_users(workspace.python_packages)
     stand_ins = StandInFinder(interfaces, giving_way)
     missing = MissingModules(script, root, stand_ins.provides)
     end = ControllerEnd(

@@ -118,6 +118,22 @@ def is_installed(name: str) -> bool:
     return spec is not None and spec.origin is not None
 
 
+_TOGETHER = {
+    "interbotix_common_modules": "interbotix_xs_modules",
+    "interbotix_perception_modules": "interbotix_xs_modules",
+}
+"""Libraries of one release with the one that uses them, whose stand-in uses their stand-ins."""
+
+
+def without_their_users(packages: Collection[str]) -> frozenset[str]:
+    """Return the libraries among Python packages which the one that uses them is not beside."""
+    return frozenset(
+        name
+        for name, user in _TOGETHER.items()
+        if name in packages and user not in packages and not is_installed(user)
+    )
+
+
 def is_of_python_2(package: Path) -> bool:
     """Return whether a module of a Python package is nothing that Python 3 can parse."""
     return any(parsed(file.read_bytes()) is None for file in sorted(package.glob("*.py")))
