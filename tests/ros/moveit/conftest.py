@@ -43,7 +43,8 @@ def cell(panda: Robot) -> tuple[Robot, str]:
 def run(cell: tuple[Robot, str], tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
     """Run a program of moveit_commander on the robot in virtual time; at full speed.
 
-    That it is for Noetic is assumed, unless `is_known`.
+    That it is for Noetic is assumed, unless `is_known`. `moveit` is the version of the
+    moveit_commander in its workspace.
     """
     with _runs(*cell, tmp_path) as run_program:
         yield run_program
@@ -78,9 +79,17 @@ def _runs(robot: Robot, scene: str, folder: Path) -> Iterator[Callable[..., Ran]
         recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
         graph = Graph(scheduler, tracer)
 
-        def run_program(program: str, *, is_known: bool = False) -> Ran:
+        def run_program(program: str, *, is_known: bool = False, moveit: str = "") -> Ran:
             rules = DistroRules("noetic", None if is_known else lambda *_: None)
-            runtime = Runtime(scheduler, graph, twin, tracer, recorder, distro=rules)
+            packages = {}
+            if moveit:
+                packages["moveit_commander"] = tmp_path / "moveit_commander"
+                packages["moveit_commander"].mkdir()
+                manifest = packages["moveit_commander"] / "package.xml"
+                manifest.write_text(f"<package><version>{moveit}</version></package>")
+            runtime = Runtime(
+                scheduler, graph, twin, tracer, recorder, distro=rules, packages=packages
+            )
             source = PREAMBLE + textwrap.dedent(program)
             code = compile(source, str(folder / "program.py"), "exec")
             names: dict[str, Any] = {"__name__": "__main__"}

@@ -201,15 +201,46 @@ _OLDER_PATHS = (
         )
     ),
 )
-def test_a_path_with_a_jump_threshold_raises_where_noetic_is_known(run, call, error):
-    assert error in run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True)["error"]
+def test_a_path_with_a_jump_threshold_raises_where_the_workspace_has_a_later_moveit(
+    run, call, error
+):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True, moveit="1.1.15")
+    assert error in ran["error"]
 
 
-@pytest.mark.parametrize("call", _OLDER_PATHS)
-def test_a_path_with_a_jump_threshold_is_taken_and_reported_where_noetic_is_assumed(run, call):
-    ran = run(f"{START}\nerror = caught(lambda: {call})\n")
+@pytest.mark.parametrize(
+    "call",
+    [
+        *_OLDER_PATHS,
+        "arm.compute_cartesian_path([pose.pose], 0.01, 0, True)",
+        "arm.compute_cartesian_path([pose.pose], 0.01, 0, path_constraints=None, "
+        "avoid_collisions=True)",
+        "arm.compute_cartesian_path(waypoints=[pose.pose], eef_step=0.01, jump_threshold=0.0, "
+        "avoid_collisions=True, path_constraints=None)",
+    ],
+)
+@pytest.mark.parametrize("moveit", ["", "1.1.14"])
+def test_a_path_with_a_jump_threshold_is_taken_and_reported(run, call, moveit):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True, moveit=moveit)
     assert ran["error"] == ""
     assert [each.kind for each in ran.recording.findings] == ["distro_assumed"]
+
+
+@pytest.mark.parametrize(
+    ("call", "moveit", "error", "findings"),
+    [
+        ("arm.execute(plan_msg=path)", "", "", ["distro_assumed"]),
+        ("arm.execute(plan_msg=path, wait=True)", "1.1.11", "", ["distro_assumed"]),
+        ("arm.execute(plan_msg=path)", "1.1.12", "keyword argument 'plan_msg'", []),
+        ("arm.execute(trajectory=path, wait=True)", "", "", []),
+        ("arm.execute()", "", "missing 1 required positional argument: 'trajectory'", []),
+    ],
+)
+def test_a_plan_is_executed_by_either_name_of_its_release(run, call, moveit, error, findings):
+    ran = run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True, moveit=moveit)
+    assert error in ran["error"]
+    assert bool(error) == bool(ran["error"])
+    assert [finding.kind for finding in ran.recording.findings] == findings
 
 
 @pytest.mark.parametrize("given", ["", ", False", ", True, moveit_msgs.msg.Constraints()"])

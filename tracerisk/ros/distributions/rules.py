@@ -161,16 +161,6 @@ RULES: tuple[Rule, ...] = (
         source="moveit/moveit moveit_commander/src/moveit_commander/move_group.py",
     ),
     Rule(
-        name="cartesian-jump-threshold",
-        subject="`compute_cartesian_path` of moveit_commander has the argument `jump_threshold`",
-        noetic=False,
-        humble=None,
-        jazzy=None,
-        source="moveit/moveit moveit_commander/src/moveit_commander/move_group.py, "
-        "moveit/moveit moveit_ros/planning_interface/move_group_interface/src/"
-        "wrap_python_move_group.cpp",
-    ),
-    Rule(
         name="moveit-py-older-execute",
         subject="`execute` of MoveItPy takes a group's name and `blocking`",
         noetic=None,

@@ -1,5 +1,6 @@
 """MoveGroupCommander: plan and execute for one planning group."""
 
+import re
 from collections.abc import Sequence
 from contextlib import nullcontext
 from numbers import Integral, Real
@@ -78,26 +79,42 @@ def _take_as_older_plan(attribute: str) -> None:
 def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
     """Return `avoid_collisions` and `path_constraints` of a call of compute_cartesian_path.
 
-    Where the distribution is assumed, the arguments of earlier releases are taken and reported.
+    Noetic was released with `jump_threshold` before them and lost it with MoveIt 1.1.15, so either
+    form is evidence of the program's version, unless the workspace has a moveit_commander.
     """
     has_threshold_first = bool(given) and (
         (isinstance(given[0], Real) and not isinstance(given[0], Integral))
         or (len(given) > 1 and isinstance(given[1], bool))
+        or len(given) > 2
         or "avoid_collisions" in named
+        or ("path_constraints" in named and len(given) > 1)
     )
     is_older = has_threshold_first or "jump_threshold" in named
-    distro = current().distro
-    if is_older and (distro.is_assumed or distro.value("cartesian-jump-threshold")):
+    if is_older and not _has_moveit(1, 1, 15):
         server().execution.report(
             "distro_assumed",
-            "compute_cartesian_path() is taken for what it was up to MoveIt 1.1.14, with "
-            "jump_threshold; in Noetic its arguments are (waypoints, eef_step, avoid_collisions, "
-            "path_constraints), and this raises an error: leave jump_threshold out",
+            "compute_cartesian_path() is taken for what it was before MoveIt 1.1.15, with "
+            "jump_threshold; from that release on its arguments are (waypoints, eef_step, "
+            "avoid_collisions, path_constraints), and this raises an error: leave jump_threshold "
+            "out",
             object_name="compute_cartesian_path",
         )
         named.pop("jump_threshold", None)
         given = given[1:] if has_threshold_first else given
     return _present_path_arguments(*given, **named)
+
+
+def _has_moveit(*version: int) -> bool:
+    """Return whether the workspace has a moveit_commander of a version or a later one."""
+    folder = current().packages.get("moveit_commander")
+    if folder is None:
+        return False
+    try:
+        text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    found = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
+    return found is not None and tuple(map(int, found.groups())) >= version
 
 
 def _present_path_arguments(
@@ -106,6 +123,11 @@ def _present_path_arguments(
     return avoid_collisions, path_constraints
 
 
+def _execute_arguments(trajectory: Any, wait: bool = True) -> tuple[Any, bool]:
+    return trajectory, wait
+
+
+_execute_arguments.__name__ = _execute_arguments.__qualname__ = "execute"
 _present_path_arguments.__name__ = "compute_cartesian_path"
 _present_path_arguments.__qualname__ = _present_path_arguments.__name__
 
@@ -190,13 +212,27 @@ class MoveGroupCommander(GroupPickPlace):
         # The twin's planner takes no simulated time.
         return PlanResult((plan.code is ErrorCode.SUCCESS, message, 0.0, code))
 
-    def execute(self, trajectory: Any, wait: bool = True) -> bool:
+    def execute(self, *given: Any, **named: Any) -> bool:
         """Execute a RobotTrajectory or JointTrajectory; return whether it was carried out.
+
+        The arguments are (trajectory, wait=True). Releases before 1.1.12 called the first one
+        `plan_msg`, which is taken unless the workspace has a later moveit_commander.
 
         Raises:
             AttributeError: it is neither.
             RuntimeError: it has a trajectory, but is a message of another type.
+            TypeError: there are other arguments.
         """
+        if "plan_msg" in named and not _has_moveit(1, 1, 12):
+            server().execution.report(
+                "distro_assumed",
+                "execute() is taken for what it was before MoveIt 1.1.12, with plan_msg; from that "
+                "release on the argument is trajectory, and this raises TypeError: give the plan "
+                "without a name",
+                object_name="execute",
+            )
+            named["trajectory"] = named.pop("plan_msg")
+        trajectory, wait = _execute_arguments(*given, **named)
         if isinstance(trajectory, PlanResult):
             _take_as_older_plan("serialize")
             trajectory = trajectory[1]
@@ -221,9 +257,9 @@ class MoveGroupCommander(GroupPickPlace):
 
         Returns the RobotTrajectory and the fraction of the way that it covers. It is timed for
         the rated speeds whatever the scaling factors, as MoveIt does; see retime_trajectory.
-        The other arguments are `avoid_collisions` and `path_constraints`. Earlier releases had
-        `jump_threshold` before them, which is taken where nothing says that the program is for
-        Noetic. The path ends in any case where the joints would have to jump.
+        The other arguments are `avoid_collisions` and `path_constraints`. Releases before 1.1.15
+        had `jump_threshold` before them, which is taken and reported unless the workspace has a
+        later moveit_commander. The path ends in any case where the joints would have to jump.
 
         Raises:
             ArgumentError: an argument is of another type.
