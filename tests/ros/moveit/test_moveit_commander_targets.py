@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+
+from tracerisk.twin.robots.robot import load_robot
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 READY = [0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4]
@@ -242,6 +245,42 @@ def test_an_unknown_frame_is_a_failure_that_lists_the_links(run):
     )
     assert (ran["success"], ran["error"].val) == (False, -21)
     assert "unknown frame 'table'; allowed: panda_hand" in ran.findings[0]
+
+
+@pytest.mark.parametrize("frame", ["base_link", "/base_link", "base_footprint", "base"])
+def test_the_base_of_another_description_is_the_base_of_a_shipped_robot(run, frame):
+    ran = run(
+        f"""
+        arm = MoveGroupCommander("panda_arm")
+        arm.set_pose_reference_frame("{frame}")
+        arm.set_pose_target([0.4, 0.0, 0.4, math.pi, 0, 0])
+        success = arm.go()
+        """
+    )
+    assert ran["success"] is True
+    assert [finding.kind for finding in ran.recording.findings] == ["one_robot"]
+    assert "is taken for the base of robot 'panda'" in ran.findings[0]
+
+
+def test_an_object_stands_in_the_base_of_another_description(run):
+    ran = run(
+        """
+        scene = moveit_commander.PlanningSceneInterface(synchronous=True)
+        box = geometry_msgs.msg.PoseStamped()
+        box.header.frame_id, box.pose.position.x, box.pose.orientation.w = "base_link", 0.7, 1.0
+        scene.add_box("box", box, (0.1, 0.1, 0.1))
+        found = scene.get_object_poses(["box"])["box"].position.x
+        """
+    )
+    assert ran["found"] == 0.7
+    assert [finding.kind for finding in ran.recording.findings] == ["one_robot"]
+
+
+@pytest.mark.parametrize("file", ["config/panda.urdf", "robots/mine.yaml"])
+def test_the_description_of_the_author_has_its_base_by_its_own_name_alone(file):
+    shipped = load_robot("panda")
+    assert shipped.is_described is False
+    assert replace(shipped, file=file).is_described is True
 
 
 def test_a_zero_quaternion_is_no_turn(run):

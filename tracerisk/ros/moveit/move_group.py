@@ -113,7 +113,12 @@ class MoveGroupServer(RobotGroups):
         self._unseen: tuple[int, SeenScene | None] = (0, None)
         self.models: dict[str, SceneBody] = {}
         self.changes = SceneChanges(
-            self.scene, self.robot, runtime.twin.link_pose, self._report_scene, self._note_attached
+            self.scene,
+            self.robot,
+            runtime.twin.link_pose,
+            self._report_scene,
+            self._note_attached,
+            self._assume_frame,
         )
         self.object_pose = self.changes.object_pose
         self.attach, self.detach = self.changes.attach, self.changes.detach
@@ -173,8 +178,10 @@ class MoveGroupServer(RobotGroups):
 
     def known_frame(self, plain: str) -> Pose | None:
         """Return the pose of a frame as `frame` does, for who needs none."""
-        return self.changes.frame(plain) or fixed_frame(
-            self._runtime.graph, plain, self.changes.frame
+        return (
+            self.changes.frame(plain)
+            or fixed_frame(self._runtime.graph, plain, self.changes.frame)
+            or self.changes.assumed_base(plain)
         )
 
     def seek(self, name: str, how: str = "") -> None:
@@ -511,6 +518,9 @@ class MoveGroupServer(RobotGroups):
     def _report_scene(self, message: str, not_attached: str = "") -> None:
         kind = "attach_failure" if not_attached else "planning_scene"
         self.execution.report(kind, message, object_name=not_attached)
+
+    def _assume_frame(self, words: str, name: str) -> None:
+        self.execution.report("one_robot", words, object_name=name)
 
     def _note_attached(self, name: str) -> None:
         self.execution.succeeded("attach_failure", name, ())

@@ -15,6 +15,7 @@ from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Robot
 
 _WORLD_FRAMES = frozenset({"", "world", "map", "odom"})
+_BASE_FRAMES = frozenset({"base", "base_link", "base_footprint", "base_frame", "robot_base"})
 # moveit_msgs/CollisionObject; the constants are bytes in one ROS and numbers in the other.
 _REMOVE, _APPEND, _MOVE = 1, 2, 3
 
@@ -25,6 +26,7 @@ class SceneChanges:
 
     `_link_pose` gives where a link is in the planning frame, `_report` gets the reason of what
     could not be done, and the object that could not be attached; `_attached` gets one that was.
+    `_assumed` gets in a sentence what is assumed of a frame, and its name.
     """
 
     scene: PlanningScene
@@ -32,6 +34,7 @@ class SceneChanges:
     _link_pose: Callable[[str], Pose]
     _report: Callable[[str, str], None]
     _attached: Callable[[str], None] = lambda name: None  # noqa: ARG005
+    _assumed: Callable[[str, str], None] = lambda words, name: None  # noqa: ARG005
 
     # Where frames are
 
@@ -43,6 +46,22 @@ class SceneChanges:
         if name in self._robot.link_names:
             return self._link_pose(name)
         return self.object_pose(name)
+
+    def assumed_base(self, name: str) -> Pose | None:
+        """Return where the base is for a plain name of a base that the robot's has not, else None.
+
+        It is that of another description of the robot than the author's.
+        """
+        plain = name.lstrip("/")
+        if plain not in _BASE_FRAMES or self._robot.is_described:
+            return None
+        self._assumed(
+            f"frame '{plain}' is taken for the base of robot '{self._robot.name}', which is called "
+            f"'{self._robot.base_link}' there: the controller was written for another description "
+            "of it; name the robot with --robot",
+            plain,
+        )
+        return ORIGIN
 
     def object_pose(self, name: str) -> Pose | None:
         """Return the pose of an object of the scene in the planning frame, else None."""
@@ -134,7 +153,7 @@ class SceneChanges:
 
     def _placed(self, message: Any) -> Pose | None:
         name = message.header.frame_id
-        frame = self.frame(name)
+        frame = self.frame(name) or self.assumed_base(name)
         if frame is None:
             self._report(
                 f"object '{message.id}' is given in the unknown frame '{name}'; "

@@ -272,6 +272,12 @@ class Robot:
     masses: Masses | None = None
 
     @property
+    def is_described(self) -> bool:
+        """Whether it is read from a description of its own, not shipped or generic."""
+        shipped = self.file.startswith("robots/") and self.file[7:-5] in robot_names()
+        return not shipped and not self.file.endswith("robots/generic.py")
+
+    @property
     def arm_joints(self) -> tuple[Joint, ...]:
         """The joints that belong to no gripper."""
         held = {name for gripper in self.grippers for name in gripper.joints}
