@@ -84,3 +84,81 @@ def test_what_counts_far_gives_no_more_than_an_arm_can_have():
     assert len(counted_names(ast.parse('[f"j{i}" for i in range(10**9)]').body[0].value)) == 0
     many = ast.parse('[f"j{i}" for i in range(1000000000)]').body[0].value
     assert len(counted_names(many)) == 64
+
+
+TELEOP = """\
+from keys import KEYS, allows, parse
+from .more import step
+
+class Teleop:
+    def start(self):
+        self.create_subscription(String, "/keys", self.on_key, 10)
+        self.create_subscription(State, "/state", self.on_state, 10)
+
+    def on_key(self, message):
+        event, key = parse(message.data)
+        if key == "space":
+            self.grip()
+        delta = step(key)
+
+    def on_state(self, message):
+        self.latest = message
+
+    def may_move(self):
+        return allows(self.latest.mode, self.latest.enabled, self.latest.errors)
+"""
+KEYS = """\
+def parse(text):
+    kind, _, key = text.partition(":")
+    return kind, tidy(key)
+
+def tidy(word):
+    return word.strip()
+
+def allows(mode, enabled, errors):
+    if errors != 0 or mode == 9:
+        return False, "in error"
+    if int(enabled) != 1:
+        return False, "not enabled"
+    return True, ""
+"""
+
+
+@pytest.fixture
+def teleop(tmp_path):
+    package = tmp_path / "teleop"
+    package.mkdir()
+    (package / "node.py").write_text(TELEOP)
+    (package / "keys.py").write_text(KEYS)
+    (package / "more.py").write_text(
+        'def step(key):\n    steps = {"w": 1, "s": -1}\n    return steps.get(key)\n'
+    )
+    return lambda line: compared_in_callback(Location(str(package / "node.py"), line))
+
+
+def test_what_modules_beside_the_source_compare_a_text_with_is_known(teleop):
+    assert teleop(6).texts(("data",)) == ("space", "w", "s")
+
+
+def test_what_is_kept_of_a_message_is_followed_into_functions_of_other_modules(teleop):
+    found = teleop(7)
+    assert found.numbers(("errors",)) == (0,)
+    assert found.numbers(("enabled",)) == (1,)
+
+
+def test_what_a_function_refuses_is_no_value_to_go_on_with(teleop):
+    assert teleop(7).numbers(("mode",)) == ()
+
+
+@pytest.mark.parametrize("ending", ["return False", "raise ValueError(mode)", "return (False, 1)"])
+def test_each_kind_of_refusal_is_known(tmp_path, ending):
+    file = tmp_path / "a.py"
+    file.write_text(
+        'sub = Subscriber("/m", M, on)\n'
+        "def on(m):\n"
+        "    if m.mode == 9:\n"
+        f"        {ending}\n"
+        "    if m.mode == 5:\n"
+        "        go()\n"
+    )
+    assert compared_in_callback(Location(str(file), 1)).numbers(("mode",)) == (5,)

@@ -14,14 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.source.dotted_names import dotted_name, last_name
+from tracerisk.source.dotted_names import dotted_name, imported_names, last_name
 from tracerisk.source.named_literals import with_named_literals
 from tracerisk.source.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
 _CASTS = frozenset({"str", "int", "float", "bool", "round"})
-_ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"})
+_ENDS = frozenset(
+    {"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"}
+    | {"esc", "escape", "estop", "e_stop", "emergency_stop", "emergency", "halt", "abort"}
+)
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
@@ -64,7 +67,7 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
     tree = source_tree(place)
     if tree is None or place is None:
         return Compared()
-    functions = functions_of(tree)
+    functions = {**_imported_functions(tree, Path(place.file)), **functions_of(tree)}
     calls = list(calls_at(tree, place.line))
     for call in (*calls, *_made_before(tree, calls)):
         for value in (*call.args, *(each.value for each in call.keywords)):
@@ -159,6 +162,18 @@ def functions_of(tree: ast.AST) -> dict[str, _Function]:
     }
 
 
+def _imported_functions(tree: ast.Module, file: Path) -> dict[str, _Function]:
+    """Return the functions of a source that it has from files near it, with what these call."""
+    found: dict[str, _Function] = {}
+    for name, there, path in imported_names(tree, file):
+        inner = source_tree(Location(str(path)))
+        own = {} if inner is None else functions_of(inner)
+        if there in own:
+            found |= {other: function for other, function in own.items() if other not in found}
+            found[name] = own[there]
+    return found
+
+
 def parameter_name(function: _Function, number: int) -> str | None:
     """Return the name of a parameter, counted from 0 behind `self`; None where there is none."""
     names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
@@ -181,34 +196,85 @@ def _flow(
     for node in ast.walk(function):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             path = _path(node.value, known)
+            if path is None:
+                path = _read_out(node.value, known, functions)
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             for target in targets:
-                if path is not None and dotted_name(target):
-                    known[dotted_name(target)] = path
-                    if isinstance(target, ast.Attribute):
-                        kept[dotted_name(target)] = path
+                parts = target.elts if isinstance(target, ast.Tuple) else [target]
+                for part in parts if path is not None else ():
+                    if dotted_name(part):
+                        known[dotted_name(part)] = path
+                    if isinstance(part, ast.Attribute) and dotted_name(part):
+                        kept[dotted_name(part)] = path
         elif isinstance(node, ast.For | ast.comprehension):
             # What is in a list has the path of the list.
             item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
             if path is not None and item:
                 known[item] = path
+    refused = set(_refused(function))
     for node in ast.walk(function):
-        _compare(node, known, found)
-        if isinstance(node, ast.Call) and depth < _DEEPEST:
-            callee = functions.get(last_name(node.func))
-            given = {
-                name: path
-                for index, value in enumerate(node.args)
-                if (path := _path(value, known)) is not None
-                and callee is not None
-                and (name := parameter_name(callee, index)) is not None
-            }
-            if callee is not None and given and callee is not function:
-                for path, values in _flow(callee, given, functions, tree, depth + 1).items():
-                    found.setdefault(path, []).extend(values)
+        if node not in refused:
+            _compare(node, known, found)
+        if depth < _DEEPEST:
+            _follow_call(node, known, function, functions, tree, depth, found)
     for node in ast.walk(tree) if kept else ():
         _compare(node, kept, found)
+        if depth < _DEEPEST:
+            _follow_call(node, kept, function, functions, tree, depth, found)
     return found
+
+
+def _follow_call(
+    node: ast.AST,
+    known: Mapping[str, tuple[str, ...]],
+    function: _Function,
+    functions: Mapping[str, _Function],
+    tree: ast.AST,
+    depth: int,
+    found: _Found,
+) -> None:
+    """Add what a function that is called with known names compares them with."""
+    callee = functions.get(last_name(node.func)) if isinstance(node, ast.Call) else None
+    if not isinstance(node, ast.Call) or callee is None or callee is function:
+        return
+    given = {
+        name: path
+        for index, value in enumerate(node.args)
+        if (path := _path(value, known)) is not None
+        and (name := parameter_name(callee, index)) is not None
+    }
+    for path, values in _flow(callee, given, functions, tree, depth + 1).items() if given else ():
+        found.setdefault(path, []).extend(values)
+
+
+def _read_out(
+    value: ast.expr, known: Mapping[str, tuple[str, ...]], functions: Mapping[str, _Function]
+) -> tuple[str, ...] | None:
+    """Return the path of a text of which a function of the controller's makes what is assigned."""
+    if not isinstance(value, ast.Call) or last_name(value.func) not in functions:
+        return None
+    path = _path(value.args[0], known) if len(value.args) == 1 else None
+    return path or None
+
+
+def _refused(function: _Function) -> Iterator[ast.AST]:
+    """Yield the comparisons that hold for what a function refuses: `if mode == 9: return False`."""
+    for node in ast.walk(function):
+        if not isinstance(node, ast.If) or node.orelse or not _is_refusal(node.body):
+            continue
+        for inner in ast.walk(node.test):
+            if isinstance(inner, ast.Compare) and isinstance(inner.ops[0], ast.Eq | ast.In):
+                yield inner
+
+
+def _is_refusal(body: list[ast.stmt]) -> bool:
+    *others, last = body
+    if not all(isinstance(each, ast.Expr) for each in others):
+        return False
+    value = last.value if isinstance(last, ast.Return) else None
+    if isinstance(value, ast.Tuple) and value.elts:
+        value = value.elts[0]
+    return isinstance(last, ast.Raise) or (isinstance(value, ast.Constant) and value.value is False)
 
 
 def _listed(iterated: ast.expr) -> ast.expr:

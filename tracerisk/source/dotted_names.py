@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from functools import lru_cache
+from pathlib import Path
+
+_UPWARDS = 4  # folders above a source in which the modules that it imports are looked for
 
 
 def dotted_name(node: ast.AST) -> str:
@@ -34,3 +38,22 @@ def imports_in(tree: ast.AST | None) -> tuple[tuple[int, tuple[str, ...]], ...]:
             # A submodule may be named as what is imported: `from control_msgs import action`.
             found += ((node.level, (*start, alias.name)) for alias in node.names)
     return tuple(found)
+
+
+def imported_names(tree: ast.AST, file: Path) -> Iterator[tuple[str, str, Path]]:
+    """Yield what a source imports by name from files near it: its name here and there, the file."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module and node.level <= _UPWARDS:
+            found = _module_file(node.module, node.level, file)
+            if found is not None:
+                yield from ((alias.asname or alias.name, alias.name, found) for alias in node.names)
+
+
+def _module_file(module: str, level: int, file: Path) -> Path | None:
+    """Return the file of a module that stands beside a source, or in a folder above it."""
+    above = file.parents[level - 1 : level] if level else file.parents[:_UPWARDS]
+    for folder in above:
+        path = folder.joinpath(*module.split(".")).with_suffix(".py")
+        if path.is_file() and path != file:
+            return path
+    return None

@@ -59,6 +59,8 @@ _COMMAND = re.compile(r"std_msgs/(Bool|Empty|String|U?Int\d+)$")
 _MOST_IN_TURN = 6  # calls of one service, each with another value
 _TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
+_FEW_WORDS, _MOST_WORDS = 6, 16  # of more, keys of a keyboard, each moves a little
+_SHORT_S = 2.0  # between two of those
 _BESIDE = 0.1  # from one drafted object to the next [m]
 _SEEN_HZ = 5.0  # pictures a second
 _SEEN_S = 6.0  # for how long something is seen at one place of a picture
@@ -242,7 +244,7 @@ def _topic(lack: _Lack) -> _Made:
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several: tuple[str | bool, ...] = ()
     if need.type_name == "std_msgs/String":
-        several = ordered_answers(compared.texts(("data",)))
+        several = ordered_answers(compared.texts(("data",)))[:_MOST_WORDS]
     elif need.type_name == "std_msgs/Bool" and message["data"]:
         several = compared.truths(("data",))
     if need.type_name == "sensor_msgs/Joy":
@@ -255,7 +257,8 @@ def _topic(lack: _Lack) -> _Made:
         return entry, "the sticks moved, without a button and then with each"
     if len(several) > 1:
         commands = [{"data": each} for each in several]
-        timing = {"at": 1.0, "rate": 1 / _EACH_S, "count": len(commands)}
+        rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
+        timing = {"at": 1.0, "rate": rate, "count": len(commands)}
         entry = {**entry, "messages": commands, **timing}
         return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
