@@ -476,3 +476,66 @@ for publisher in (left, other, left, right, right):
     (finding,) = [each for each in result.recording.findings if each.kind == "one_robot"]
     assert "in the namespaces '/left' and '/right': the twin is one robot" in finding.message
     assert finding.object == "/right/arm_controller/command"
+
+
+_LONGER = {
+    "positions": "positions=[0.1, *READY[1:], 0.0, 0.0], velocities=[0.0] * 7",
+    "velocities": "positions=[0.1, *READY[1:]], velocities=[0.0] * 9",
+    "accelerations": "positions=[0.1, *READY[1:]], velocities=[0.0] * 7, accelerations=[0.0] * 8",
+}
+
+
+@pytest.mark.parametrize("fields", _LONGER.values(), ids=_LONGER)
+@pytest.mark.parametrize("topic", ["/joint_path_command", "/left/joint_path_command"])
+def test_a_driver_of_ros_industrial_looks_at_the_values_of_its_joints_alone(ran, topic, fields):
+    result = ran(f"""
+publisher = rospy.Publisher("{topic}", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
+point = JointTrajectoryPoint({fields}, time_from_start=rospy.Duration(2.0))
+publisher.publish(JointTrajectory(joint_names=JOINTS, points=[point]))
+rospy.sleep(4.0)
+here = measured()
+""")
+    assert result["here"]["panda_joint1"] == pytest.approx(0.1, abs=0.005)
+    assert result.recording.findings == ()
+
+
+@pytest.mark.parametrize("fields", [*_LONGER.values()][:2], ids=[*_LONGER][:2])
+def test_a_controller_of_joint_trajectories_refuses_fields_of_unequal_length(ran, fields):
+    result = ran(f"""
+publisher = rospy.Publisher("/arm_controller/command", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
+point = JointTrajectoryPoint({fields}, time_from_start=rospy.Duration(2.0))
+publisher.publish(JointTrajectory(joint_names=JOINTS, points=[point]))
+rospy.sleep(1.0)
+""")
+    (finding,) = result.recording.findings
+    assert finding.kind == "command_ignored"
+
+
+def test_a_driver_of_ros_industrial_takes_no_fewer_positions_than_joints(ran):
+    result = ran("""
+publisher = rospy.Publisher("/joint_path_command", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
+point = JointTrajectoryPoint(positions=READY[:6], time_from_start=rospy.Duration(2.0))
+publisher.publish(JointTrajectory(joint_names=JOINTS, points=[point]))
+rospy.sleep(1.0)
+""")
+    (finding,) = result.recording.findings
+    assert "6 positions for 7 joints" in finding.message
+
+
+def test_a_driver_of_ros_industrial_goes_on_from_a_first_point_of_time_0(ran):
+    result = ran("""
+publisher = rospy.Publisher("/joint_path_command", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
+points = [
+    JointTrajectoryPoint(positions=READY, time_from_start=rospy.Duration(0.0)),
+    JointTrajectoryPoint(positions=[0.1, *READY[1:]], time_from_start=rospy.Duration(2.0)),
+]
+publisher.publish(JointTrajectory(joint_names=JOINTS, points=points))
+rospy.sleep(4.0)
+here = measured()
+""")
+    assert result["here"]["panda_joint1"] == pytest.approx(0.1, abs=0.005)
+    assert result.recording.findings == ()

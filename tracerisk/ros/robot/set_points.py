@@ -41,6 +41,7 @@ from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryNode,
     TrajectoryRefusedError,
+    of_its_joints,
     twin_trajectory,
 )
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
@@ -57,6 +58,7 @@ JOINT_STATE_TYPE = "sensor_msgs/JointState"
 _COMMANDS = ("command", "commands")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 _FEEDBACK = "joint_states"
+_INDUSTRIAL = "joint_path_command"  # the topic of the drivers of ROS-Industrial
 _QUANTITY = re.compile(
     r"(?<=[/_])(?:(pos|positions?)|(vel|velocity|velocities)|(efforts?|torques?))(?=[/_])"
 )
@@ -156,6 +158,8 @@ class SetPoints(TrajectoryNode):
         self, topic: str, message: Any, controller: TrajectoryController
     ) -> JointTrajectory:
         now_ns = self._scheduler.now_ns
+        if topic.rpartition("/")[2] == _INDUSTRIAL:
+            return twin_trajectory(of_its_joints(message), self._twin, now_ns)
         if self._is_drivers:
             return twin_trajectory(message, self._twin, now_ns)
         sent = controller.asked(message, now_ns)

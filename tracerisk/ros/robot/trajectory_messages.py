@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,6 +93,19 @@ class TrajectoryNode(TwinNode):
             taken = f"{what} takes joint '{joint}' {words}"
             self._commands.report("stopped_at_limit", taken, stack, object_name=joint)
         return trajectory
+
+
+def of_its_joints(message: Any) -> Any:
+    """Return a trajectory whose points have a value for each joint that it names, and no more.
+
+    Drivers of ROS-Industrial pick the values of their joints by name, and look at no others.
+    """
+    cut = copy(message)
+    count, cut.points = len(message.joint_names), [copy(point) for point in message.points]
+    for point in cut.points:
+        for name in ("positions", "velocities", "accelerations"):
+            setattr(point, name, list(getattr(point, name))[:count])
+    return cut
 
 
 def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
