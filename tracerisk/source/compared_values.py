@@ -199,13 +199,10 @@ def _flow(
             if path is None:
                 path = _read_out(node.value, known, functions)
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            for target in targets:
-                parts = target.elts if isinstance(target, ast.Tuple) else [target]
-                for part in parts if path is not None else ():
-                    if dotted_name(part):
-                        known[dotted_name(part)] = path
-                    if isinstance(part, ast.Attribute) and dotted_name(part):
-                        kept[dotted_name(part)] = path
+            for name, is_kept in _given(targets) if path is not None else ():
+                known[name] = path or ()
+                if is_kept:
+                    kept[name] = path or ()
         elif isinstance(node, ast.For | ast.comprehension):
             # What is in a list has the path of the list.
             item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
@@ -222,6 +219,14 @@ def _flow(
         if depth < _DEEPEST:
             _follow_call(node, kept, function, functions, tree, depth, found)
     return found
+
+
+def _given(targets: Iterable[ast.expr]) -> Iterator[tuple[str, bool]]:
+    """Yield the names that an assignment gives, and whether each is one of an object's."""
+    for target in targets:
+        for part in target.elts if isinstance(target, ast.Tuple) else [target]:
+            if dotted_name(part):
+                yield dotted_name(part), isinstance(part, ast.Attribute)
 
 
 def _follow_call(
