@@ -85,6 +85,46 @@ def menu():
         5,
         ("1",),
     ),
+    "a measured number, or a word": (
+        """
+while steps:
+    text = input("Force in N, or r to redo: ").strip().lower()
+    if text == "q":
+        break
+    if text == "r":
+        continue
+    try:
+        force = float(text)
+    except ValueError as error:
+        raise RuntimeError(f"no force: {text!r}") from error
+""",
+        3,
+        ("0.5", "r", "q"),
+    ),
+    "a whole number, or a word": (
+        """
+while True:
+    text = input("Which cell (or 'home')? ")
+    if text == "home":
+        home()
+    else:
+        go_to(int(text))
+""",
+        3,
+        ("1", "home"),
+    ),
+    "a number of a menu stays the menu's": (
+        """
+while True:
+    choice = input("Choice (q to quit): ")
+    if choice == "q":
+        break
+    if int(choice) == 3:
+        home()
+""",
+        3,
+        ("3", "q"),
+    ),
     "printed options alone": (
         """
 def menu():

@@ -46,7 +46,7 @@ _OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
 def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
     """Return the literals with which the result of the `call` at `place` is compared.
 
-    Numbers come where the result is made one and nothing is compared with it.
+    A number comes first where the result is made one and no number is compared with it.
     """
     for tree, node in calls_of(place, call):
         names, casts = held_by(tree, node)
@@ -58,11 +58,20 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
             for subject, value in comparisons(refused.get(id(each), each))
             if subject is not None and is_held(subject, node, names)
         ]
+        if {"int", "float"} & casts and not any(map(_is_number, found)):
+            found.insert(0, 1 if "int" in casts else 0.5)
         if found:
             return tuple(dict.fromkeys(found))
-        if "int" in casts or "float" in casts:
-            return (1,) if "int" in casts else (0.5,)
     return ()
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether a value is a number, or a text of one."""
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
