@@ -7,7 +7,7 @@ import ast
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.source.compared_values import compared_in_callback
+from tracerisk.source.compared_values import compared_in_callback, without_emergency
 from tracerisk.source.named_literals import counted_names
 
 SOURCE = """\
@@ -162,3 +162,22 @@ def test_each_kind_of_refusal_is_known(tmp_path, ending):
         "        go()\n"
     )
     assert compared_in_callback(Location(str(file), 1)).numbers(("mode",)) == (5,)
+
+
+@pytest.mark.parametrize(
+    ("test", "words"),
+    [
+        ('m.data in {"e", "estop"}', ("estop",)),
+        ('m.data in ("!", "emergency_stop", "x")', ("emergency_stop",)),
+        ('m.data in ["a", "b"]', ("a", "b")),
+    ],
+)
+def test_what_stands_beside_a_stop_of_an_emergency_is_one_too(tmp_path, test, words):
+    file = tmp_path / "a.py"
+    file.write_text(f'sub = Subscriber("/m", M, on)\ndef on(m):\n    if {test}:\n        go()\n')
+    assert compared_in_callback(Location(str(file), 1)).texts(("data",)) == words
+
+
+def test_an_emergency_is_left_out_unless_the_code_knows_nothing_else():
+    assert without_emergency(("up", "estop", "down")) == ("up", "down")
+    assert without_emergency(("estop",)) == ("estop",)

@@ -7,7 +7,7 @@ it is handed to a function of the same file.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
@@ -25,6 +25,8 @@ _ENDS = frozenset(
     {"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"}
     | {"esc", "escape", "estop", "e_stop", "emergency_stop", "emergency", "halt", "abort"}
 )
+_EMERGENCY = frozenset({"estop", "e_stop", "e-stop", "emergency_stop", "emergency"})
+"""Words for the stop of an emergency, after which nothing is to move."""
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
@@ -110,6 +112,12 @@ def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
     """Return answers in the order in which a user would give them: what ends the program last."""
     texts = list(dict.fromkeys(str(each) for each in values if not isinstance(each, bool)))
     return tuple(sorted((each for each in texts if each), key=lambda each: each.lower() in _ENDS))
+
+
+def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:
+    """Return answers without those for an emergency, unless there are no others."""
+    calm = tuple(each for each in answers if each.lower() not in _EMERGENCY)
+    return calm or tuple(answers)
 
 
 _Found = dict[tuple[str, ...], list[Any]]
@@ -383,7 +391,11 @@ def _literals(node: ast.expr) -> Iterator[Any]:
         value = ast.literal_eval(node)
     except (ValueError, TypeError, SyntaxError, RecursionError):
         return
-    for each in value if isinstance(value, list | tuple | set | dict) else (value,):
+    several = value if isinstance(value, list | tuple | set | dict) else (value,)
+    if stops := _EMERGENCY & {each for each in several if isinstance(each, str)}:
+        # What stands beside one means the same.
+        several = tuple(each for each in several if each in stops)
+    for each in several:
         if isinstance(each, bool | int | float | str) and each != "":
             yield each
 

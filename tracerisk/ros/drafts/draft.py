@@ -32,6 +32,7 @@ from tracerisk.source.compared_values import (
     compared_in_file,
     ordered_answers,
     source_tree,
+    without_emergency,
 )
 from tracerisk.source.filled_messages import listed_names
 from tracerisk.source.known_keys import known_keys
@@ -244,7 +245,8 @@ def _topic(lack: _Lack) -> _Made:
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several: tuple[str | bool, ...] = ()
     if need.type_name == "std_msgs/String":
-        several = ordered_answers(compared.texts(("data",)))[:_MOST_WORDS]
+        known = without_emergency(ordered_answers(compared.texts(("data",))))
+        several = known[:_MOST_WORDS]
     elif need.type_name == "std_msgs/Bool" and message["data"]:
         several = compared.truths(("data",))
     if need.type_name == "sensor_msgs/Joy":
