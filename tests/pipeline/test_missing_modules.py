@@ -82,9 +82,9 @@ def test_a_module_of_its_own_that_is_python_2_goes_before_what_is_missing(report
     assert "install" not in line
 
 
-def test_a_ros_package_of_the_package_index_has_one_command(reported):
-    line = reported("from rospy_message_converter import message_converter")
-    assert f"`pip install rospy-message-converter` in {HERE}" in line
+def test_a_module_of_the_package_index_has_one_command(reported):
+    line = reported("import kinpy")
+    assert f"`pip install kinpy` in {HERE}" in line
 
 
 def test_a_name_of_python_2_that_is_met_late_has_the_same_hint(reported):

@@ -80,7 +80,8 @@ class MovedFiles:
 
     def _from_start(self, text: str) -> str:
         """Return a path from the working directory, if it is one below it; else empty."""
-        if not self._starts:
+        # Modules are the import system's to find.
+        if not self._starts or text.endswith((".py", ".pyc", ".so")):
             return ""
         if not text.startswith("/"):
             return text

@@ -83,8 +83,8 @@ def _runs(robot: Robot, scene: str, folder: Path) -> Iterator[Callable[..., Ran]
             rules = DistroRules("noetic", None if is_known else lambda *_: None)
             packages = {}
             if moveit:
-                packages["moveit_commander"] = tmp_path / "moveit_commander"
-                packages["moveit_commander"].mkdir()
+                packages["moveit_commander"] = folder / "moveit_commander"
+                packages["moveit_commander"].mkdir(exist_ok=True)
                 manifest = packages["moveit_commander"] / "package.xml"
                 manifest.write_text(f"<package><version>{moveit}</version></package>")
             runtime = Runtime(

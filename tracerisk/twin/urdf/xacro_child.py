@@ -96,7 +96,10 @@ def main() -> int:
 
 
 def _has_old_forms(file: str) -> bool:
-    text = Path(file).read_text(encoding="utf-8", errors="replace")
+    try:
+        text = Path(file).read_text(encoding="utf-8", errors="replace")
+    except OSError:  # what may not be read is the error that is reported
+        return False
     return bool(_OLD.search(text) or re.search(r"<xacro:property\s+name=[\"']__", text))
 
 
