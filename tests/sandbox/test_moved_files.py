@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import quick_controller
+from tracerisk.pipeline.workspace.package_folders import name_of
 from tracerisk.sandbox.moved_files import MovedFiles
 
 THEIRS = "/home/ann-of-nowhere/arm_ws"
@@ -156,3 +157,12 @@ def test_a_run_with_a_file_beside_its_script_is_partial_and_says_so(example):
     reasons = outcome.json["verdict"]["reasons"]
     (reason,) = (each for each in reasons if each["code"] == "input-assumed")
     assert (reason["object"], reason["location"]["file"]) == ("angle.txt", "turn.py")
+
+
+def test_what_our_own_code_looks_for_is_no_file_of_the_program(started_elsewhere):
+    starts, found = started_elsewhere
+    (starts[0] / "package.xml").write_text("<package><name>arm</name></package>")
+    assert name_of(Path.cwd()) != "arm"
+    assert not found
+    assert Path("package.xml").is_file()
+    assert list(found) == ["package.xml"]

@@ -20,11 +20,15 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from tracerisk.sandbox.replaced_names import replaced
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
+_OURS = f"{Path(__file__).parents[1]}/"
+_STAND_INS = f"{_OURS}ros/stand_ins/"
+_PYTHON = (f"{Path(os.__file__).parent}/", "<frozen ")
 _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
 
 
@@ -72,7 +76,7 @@ class MovedFiles:
             return path
         if text not in self._found:
             here = self._beside(relative) if relative else self._here(text)
-            if here is None:
+            if here is None or _is_asked_by_us():
                 return path
             self._found[text] = here
             self._on_found(text, here)
@@ -120,6 +124,20 @@ class MovedFiles:
             return real(path if is_written else self.place(path), *args, **more)
 
         return looking
+
+
+def _is_asked_by_us() -> bool:
+    """Return whether our own code looks for a file, for itself and not in a controller's name."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and _passes_on(frame.f_code.co_filename):
+        frame = frame.f_back
+    asking = "" if frame is None else frame.f_code.co_filename
+    return asking.startswith(_OURS) and not asking.startswith(_STAND_INS)
+
+
+def _passes_on(file: str) -> bool:
+    """Return whether code of a file only hands a path on: that of Python, and of this module."""
+    return file == __file__ or (file.startswith(_PYTHON) and not file.startswith(_OURS))
 
 
 def _writes(how: object) -> bool:
