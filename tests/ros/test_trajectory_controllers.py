@@ -313,7 +313,8 @@ def test_joints_that_turn_without_end_go_the_short_way(distro, parameters, reach
     twin = still_twin(robot, (3.0,))
     runtime = Runtime(None, None, twin, distro=DistroRules(distro))
     controller = TrajectoryController(runtime, TrajectorySettings.of(joints, parameters))
-    asked = message(distro, point(distro, positions=[3.2 - 2 * math.pi, *[0.0] * 6]), names=joints)
+    far = point(distro, at_s=9.0, positions=[3.2 - 2 * math.pi, *[0.0] * 6])
+    asked = message(distro, far, names=joints)
     way = controller.trajectory(controller.asked(asked, NOW_NS), None)
     assert way.position[-1, 0] == pytest.approx(reached)
 
