@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -204,3 +206,12 @@ def test_a_group_that_turns_freely_comes_to_the_position_turned_as_near_as_it_ma
     there = kinematics.forward(found, group.tip_link)
     assert there.position == pytest.approx(aside.position, abs=2e-4)
     assert turn_between(there.orientation, aside.orientation) < 0.55
+
+
+def test_what_the_solver_needs_not_of_numpy_is_there_for_who_does():
+    program = (
+        "import sys, numpy, tracerisk.twin.motion.kinematics\n"
+        "assert 'numpy.f2py' not in sys.modules\n"
+        "assert numpy.f2py.__file__ and 'numpy.f2py' in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -12,8 +12,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.graph.runtime import Runtime
@@ -144,8 +142,8 @@ class ReadPoses:
         turn = (y, z, w, x)
         for one in self._readings:
             if (
-                np.allclose(turn, one.pose.orientation, atol=_SAME)
-                and not np.allclose(pose.orientation, one.pose.orientation, atol=1e-3)
+                _are_alike(turn, one.pose.orientation)
+                and not _are_alike(pose.orientation, one.pose.orientation, 1e-3)
                 and sum(not _is_whole(value, _TYPED_M) for value in turn) > 1
             ):
                 self._tell(
@@ -193,9 +191,8 @@ def _altered(read: Pose, given: Pose) -> list[int] | None:
     Those have the same turn and a coordinate in common that nobody types.
     """
     turn = unit_quaternion(given.orientation)
-    if not np.allclose(turn, read.orientation, atol=_SAME) and not np.allclose(
-        np.negative(turn), read.orientation, atol=_SAME
-    ):
+    opposite = [-value for value in turn]
+    if not (_are_alike(turn, read.orientation) or _are_alike(opposite, read.orientation)):
         return None
     pairs = list(zip(read.position, given.position, strict=True))
     kept = [one for one, other in pairs if abs(one - other) < _SAME]
@@ -222,6 +219,11 @@ def _is_unconverted(read: Pose, given: Pose, right: Pose) -> bool:
             for i, value in zip(altered, added, strict=True)
         )
     )
+
+
+def _are_alike(one: Sequence[float], other: Sequence[float], most: float = _SAME) -> bool:
+    """Return whether numbers are the same but for rounding; plain Python, for these are few."""
+    return all(map(lambda a, b: math.isclose(a, b, rel_tol=1e-5, abs_tol=most), one, other))
 
 
 def _is_whole(value: float, step: float) -> bool:

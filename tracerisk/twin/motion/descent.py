@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -15,7 +18,14 @@ from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
 
 # After the builder, which says that no window is needed.
 import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
-import mink  # isort: skip
+
+# scipy, below mink, takes over every name of numpy, and would import f2py for it: a front end of
+# compilers that no run calls, and a fortieth of the processor time of one.
+with ExitStack() as _without_f2py:
+    if "numpy.f2py" not in sys.modules:
+        np.f2py = ModuleType("numpy.f2py")
+        _without_f2py.callback(delattr, np, "f2py")
+    import mink
 
 _MAX_ITERATIONS = 40
 TURN_COST = 0.3
