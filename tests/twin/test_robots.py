@@ -366,3 +366,10 @@ def test_a_sign_that_is_none_is_reported(tmp_path):
     path.write_text(text.replace("signs: [1, -1]", "signs: [1, 2]"), encoding="utf-8")
     with pytest.raises(RobotError, match="each is 1 or -1"):
         load_robot(path)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_states_of_one_group_are_different_places(name: str):
+    for states in load_robot(name).named_states.values():
+        hands = [dict(states[state]) for state in ("open", "close") if state in states]
+        assert len(hands) < 2 or hands[0] != hands[1]
