@@ -133,7 +133,7 @@ def _project(controller: Controller) -> Iterator[Hint]:
     seen = set(near)
     beyond = [file for file in _files(top) if file not in seen] if top != root else []
     for files in (near, beyond):
-        read = [each for each in files if _TEXT.fullmatch(each.name)][:_MOST_FILES]
+        read = [file for file in files if _TEXT.fullmatch(file.name)][:_MOST_FILES]
         commands = {name: _commands(text) for name, text in _texts(read, top)}
         yield Hint("a command of a readme", commands, has_lines=True)
         for what, pattern in _KINDS:

@@ -31,8 +31,10 @@ def installed_descriptions(
     if not installed:
         return {}
     strings = tuple(strings)
-    is_installed = installed_packages(each for each in workspace.prefixes if not each.fills_in)
-    named = named_packages(root, is_installed, strings) & installed.keys()
+    from_prefixes = installed_packages(
+        prefix for prefix in workspace.prefixes if not prefix.fills_in
+    )
+    named = named_packages(root, from_prefixes, strings) & installed.keys()
     named |= packages_in(strings) & installed.keys()
     of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & installed.keys()
     waiting = sorted(named | of_moveit)

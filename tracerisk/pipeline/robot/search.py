@@ -149,7 +149,7 @@ class _Search:
         if gathered.prefix:
             robot = with_prefix(robot, gathered.prefix)
             reason = f"{reason}; its links and joints have the prefix '{gathered.prefix}'"
-        listed = tuple(dict.fromkeys(each for one in self._speeches for each in one.listed))
+        listed = tuple(dict.fromkeys(joint for speech in self._speeches for joint in speech.listed))
         numbered = with_numbered(robot, listed)
         if numbered is not None:
             words = (

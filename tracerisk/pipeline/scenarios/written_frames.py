@@ -37,8 +37,8 @@ def static_frame(words: Sequence[str]) -> dict[str, Any] | None:
         return None
     numbers, parent, child = given
     quaternion = [numbers.get(name) for name in ("qx", "qy", "qz", "qw")]
-    if any(each is not None for each in quaternion):
-        x, y, z, w = (each or 0.0 for each in quaternion)
+    if any(part is not None for part in quaternion):
+        x, y, z, w = (part or 0.0 for part in quaternion)
         if not x * x + y * y + z * z + w * w > 0.0:
             return None
         rpy = rpy_from_quaternion((x, y, z, w))
@@ -49,21 +49,21 @@ def static_frame(words: Sequence[str]) -> dict[str, Any] | None:
         "frame": child,
         "parent": parent,
         "xyz": [numbers.get(axis, 0.0) for axis in "xyz"],
-        "rpy": [round(each, 5) + 0.0 for each in rpy],
+        "rpy": [round(angle, 5) + 0.0 for angle in rpy],
     }
 
 
 def on_top(below: Mapping[str, Any], entry: Mapping[str, Any]) -> dict[str, Any]:
     """Return an entry as seen from the parent of the frame on which it hangs."""
     one, other = (
-        Pose(tuple(each["xyz"]), quaternion_from_rpy(*each["rpy"])) for each in (below, entry)
+        Pose(tuple(frame["xyz"]), quaternion_from_rpy(*frame["rpy"])) for frame in (below, entry)
     )
     pose = compose(one, other)
     return {
         "frame": entry["frame"],
         "parent": below["parent"],
-        "xyz": [round(each, 5) + 0.0 for each in pose.position],
-        "rpy": [round(each, 5) + 0.0 for each in rpy_from_quaternion(pose.orientation)],
+        "xyz": [round(value, 5) + 0.0 for value in pose.position],
+        "rpy": [round(angle, 5) + 0.0 for angle in rpy_from_quaternion(pose.orientation)],
     }
 
 
@@ -77,7 +77,7 @@ def _in_order(words: Sequence[str]) -> tuple[dict[str, float], str, str] | None:
     if names is None or len(rest) not in (2, 3) or not all(map(_is_frame, rest[:2])):
         return None
     numbers = (_number(word) for word in words[:count])
-    return dict(zip(names, (each or 0.0 for each in numbers), strict=True)), rest[0], rest[1]
+    return dict(zip(names, (number or 0.0 for number in numbers), strict=True)), rest[0], rest[1]
 
 
 def _options(words: Sequence[str]) -> tuple[dict[str, float], str, str] | None:
@@ -135,11 +135,11 @@ def _of_python(text: str) -> Iterator[tuple[list[str], int]]:
     for node in () if tree is None else ast.walk(tree):
         if not isinstance(node, ast.Call) or last_name(node.func) != "Node":
             continue
-        given = {each.arg: each.value for each in node.keywords}
+        given = {keyword.arg: keyword.value for keyword in node.keywords}
         program, arguments = given.get("executable"), given.get("arguments")
         is_it = isinstance(program, ast.Constant) and program.value == PROGRAM
         if is_it and isinstance(arguments, ast.List | ast.Tuple):
-            words = [_word(each) for each in arguments.elts]
+            words = [_word(argument) for argument in arguments.elts]
             if all(word is not None for word in words):
                 yield [part for word in words for part in (word or "").split()], node.lineno
 

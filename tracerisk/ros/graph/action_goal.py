@@ -36,6 +36,11 @@ class GoalState(enum.Enum):
         return self in _TERMINAL
 
     @property
+    def is_cancelling(self) -> bool:
+        """Whether a cancel was granted: it ends the goal, or has ended it."""
+        return self in _CANCELLING
+
+    @property
     def ros1_status(self) -> int:
         """The number of the state in actionlib_msgs/GoalStatus."""
         return _STATUS[self][0]
@@ -55,6 +60,9 @@ _TERMINAL = frozenset(
         GoalState.ABORTED,
         GoalState.LOST,
     }
+)
+_CANCELLING = frozenset(
+    {GoalState.PREEMPTING, GoalState.PREEMPTED, GoalState.RECALLING, GoalState.RECALLED}
 )
 _STATUS = {
     GoalState.PENDING: (0, 0),

@@ -223,7 +223,9 @@ def _is_unconverted(read: Pose, given: Pose, right: Pose) -> bool:
 
 def _are_alike(one: Sequence[float], other: Sequence[float], most: float = _SAME) -> bool:
     """Return whether numbers are the same but for rounding; plain Python, for these are few."""
-    return all(map(lambda a, b: math.isclose(a, b, rel_tol=1e-5, abs_tol=most), one, other))
+    return all(
+        math.isclose(a, b, rel_tol=1e-5, abs_tol=most) for a, b in zip(one, other, strict=True)
+    )
 
 
 def _is_whole(value: float, step: float) -> bool:

@@ -33,7 +33,6 @@ from .waitable import NumberOfEntities
 
 __all__ = ["ActionClient", "ClientGoalHandle"]
 
-_CANCELING = (GoalState.PREEMPTING, GoalState.PREEMPTED, GoalState.RECALLING, GoalState.RECALLED)
 _ORDER = ("goal", "cancel", "result", "feedback", "status")
 
 
@@ -251,7 +250,7 @@ class ActionClient(Entity):
             response.stamp.sec, response.stamp.nanosec = divmod(now_ns, 1_000_000_000)
             self._came["goal"].append((sent, response))
         self._came["status"].append((sent, state.ros2_status))
-        if sent.cancels and (state in _CANCELING or state.is_terminal or not goal.is_cancel_asked):
+        if sent.cancels and (state.is_cancelling or state.is_terminal or not goal.is_cancel_asked):
             self._answer_cancels(sent, goal)
         if state.is_terminal and sent.results:
             for future in sent.results:
@@ -306,7 +305,7 @@ class ActionClient(Entity):
         goal.ask_cancel()
         served_by_twin = goal.server is not None and not goal.server.by_controller
         is_read = served_by_twin and not goal.is_cancel_unread
-        if sent.cancels and (is_read or goal.state in _CANCELING):
+        if sent.cancels and (is_read or goal.state.is_cancelling):
             self._answer_cancels(sent, goal)
         return future
 
@@ -315,7 +314,7 @@ class ActionClient(Entity):
         by_rclpy = goal.server is not None and goal.server.by_controller
         # The goal has ended before its server came to the request, as where its thread was busy.
         is_unread = goal.is_cancel_unread or (by_rclpy and goal.is_cancel_asked)
-        if goal.state in _CANCELING:
+        if goal.state.is_cancelling:
             response.goals_canceling.append(GoalInfo(goal_id=sent.goal_id))
         elif goal.state.is_terminal and is_unread:
             response.return_code = CancelGoal.Response.ERROR_GOAL_TERMINATED

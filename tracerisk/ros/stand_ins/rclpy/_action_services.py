@@ -23,7 +23,6 @@ from ._node_entities import OF_ACTION
 _SECOND = 1_000_000_000
 _KEPT_NS = 10 * _SECOND
 """How long a goal that is over is still reported [ns]: the default of servers."""
-_CANCELING = (GoalState.PREEMPTING, GoalState.PREEMPTED, GoalState.RECALLING, GoalState.RECALLED)
 _NO_ID = bytes(16)
 
 
@@ -137,12 +136,12 @@ class ActionServices:
             goal.ask_cancel()
             self._scheduler.wait_until(
                 lambda goal=goal: (
-                    goal.state in _CANCELING or goal.state.is_terminal or not goal.is_cancel_asked
+                    goal.state.is_cancelling or goal.state.is_terminal or not goal.is_cancel_asked
                 ),
                 reason=f"the answer of action server {action} to a cancel",
                 kind="unmet",
             )
-        response.goals_canceling = [_info(goal) for goal in living if goal.state in _CANCELING]
+        response.goals_canceling = [_info(goal) for goal in living if goal.state.is_cancelling]
         if not response.goals_canceling:
             response.return_code = (
                 CancelGoal.Response.ERROR_GOAL_TERMINATED
