@@ -21,7 +21,7 @@ TOP_OF_SDIST = {
 }
 MUST_BE = (
     "tracerisk/py.typed",
-    "tracerisk/hardware/hardware.schema.json",
+    "tracerisk/common/hardware/hardware.schema.json",
     "tracerisk/report/html/assets/page.css",
     "tracerisk/ros/messages/interfaces.txt.gz",
     "tracerisk/twin/robots/shipped/panda.yaml",

@@ -20,9 +20,9 @@ from pathlib import Path
 
 import quick
 
+from tracerisk.common.sandbox import fork_server
 from tracerisk.pipeline.evidence.campaign import plan_campaign
 from tracerisk.pipeline.evidence.cell_runs import CellBatch, run_batch, whole_run
-from tracerisk.sandbox import fork_server
 
 SAMPLE = Path(__file__).parent.parent / "sample_controllers" / "pick_and_place.py"
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")

@@ -26,7 +26,8 @@ _MOST_S = 600
 
 def one(path: Path) -> str:
     """Run a controller on threads and on greenlets; return what came of it, in a word or more."""
-    from tracerisk import pipeline, trace_json
+    from tracerisk import pipeline
+    from tracerisk.common import trace_json
     from tracerisk.errors import TraceRiskError
     from tracerisk.pipeline.robot.scenario_settings import with_scenario
     from tracerisk.pipeline.run.controller_run import run_again

@@ -37,7 +37,7 @@ PART = """\
 READ = """\
 import time
 from pathlib import Path
-from tracerisk.hardware.{module} import {function}
+from tracerisk.common.hardware.{module} import {function}
 began = time.process_time()
 components = len({function}(Path({path!r})).components)
 print(components, time.process_time() - began)
@@ -112,8 +112,8 @@ def main() -> int:
 
 def write_yaml(path: Path, yaml: Path) -> None:
     """Write the description in YAML too."""
-    from tracerisk.hardware.sysml.reader import read_sysml
-    from tracerisk.hardware.yaml.writer import write_hardware
+    from tracerisk.common.hardware.sysml.reader import read_sysml
+    from tracerisk.common.hardware.yaml.writer import write_hardware
 
     yaml.write_text(write_hardware(read_sysml(path)), encoding="utf-8")
 

@@ -30,12 +30,12 @@ from typing import Any
 
 import quick
 
-from tracerisk.outcome.changes import outcome_changes
-from tracerisk.outcome.kept import kept_outcome
-from tracerisk.outcome.outcome import Outcome
+from tracerisk.common.outcome.changes import outcome_changes
+from tracerisk.common.outcome.kept import kept_outcome
+from tracerisk.common.outcome.outcome import Outcome
+from tracerisk.common.trace_json import verdict_of_data
 from tracerisk.prm.review.risk_change import RunVerdicts
 from tracerisk.trace import Verdict
-from tracerisk.trace_json import verdict_of_data
 
 SETS = Path(__file__).parent / "missions"
 RANKS = ("complete", "partial", "faulted", "stuck")

@@ -19,7 +19,7 @@ from pathlib import Path
 import quick
 
 from tracerisk.api import gather_evidence
-from tracerisk.evidence.cells import Cell
+from tracerisk.common.evidence.cells import Cell
 from tracerisk.report.fmea import confusion
 
 SAMPLES = Path(__file__).resolve().parents[1] / "sample_controllers"

@@ -29,7 +29,7 @@ import numpy as np
 import quick
 from numpy.typing import NDArray
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner

@@ -24,8 +24,8 @@ import quick
 import yaml
 from numpy.typing import NDArray
 
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.errors import RobotError
-from tracerisk.geometry.frames import rotation
 from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 from tracerisk.twin.urdf.tree import Tree, read_tree, tree_of
 from tracerisk.twin.urdf.xacro_files import expand_xacro

@@ -184,10 +184,10 @@ def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], N
     serve_rostest(once)
     started = job["started"]
     if started is not None and started["beside"]:
+        from tracerisk.common.text.read_back import read_back
         from tracerisk.instrument.recording import Recorder
         from tracerisk.pipeline.run.companions.companion_run import Companions
         from tracerisk.pipeline.trace.run_files import Companion
-        from tracerisk.text.read_back import read_back
 
         companions = tuple(read_back(Companion, each) for each in started["beside"])
         Companions(companions, runtime, Recorder(io.BytesIO(), clock=lambda: 0)).start()

@@ -21,14 +21,14 @@ from pathlib import Path
 
 import quick
 
+from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.worlds.world import ALL, NOMINAL, World, worlds_named
+from tracerisk.common.worlds.world_run import dependence_line
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.evidence.cell_runs import nominal_of
 from tracerisk.pipeline.run.controller_run import run_in_world
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.worlds.world_runs import in_world, may_differ
-from tracerisk.sandbox.fork_server import several_come
-from tracerisk.worlds.world import ALL, NOMINAL, World, worlds_named
-from tracerisk.worlds.world_run import dependence_line
 
 RACES = Path(__file__).parent / "races"
 SAMPLES = Path(__file__).parents[1] / "sample_controllers"

@@ -4,7 +4,7 @@ One process imports what commands import. It forks one process a command, which 
 arguments, an environment and three streams, and ends as `python -m tracerisk` would, or at the
 latest with whoever asked for it. A program in a shell can ask for one too, and hands on the signals
 that it gets. The commands' runs of controllers are forked by one server in turn
-(`tracerisk.sandbox.fork_server`), and their workers by themselves.
+(`tracerisk.common.sandbox.fork_server`), and their workers by themselves.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from tracerisk import cli
+from tracerisk.common.sandbox.fork_server import READ_ONCE, several_come
 from tracerisk.pipeline.evidence import workers
-from tracerisk.sandbox.fork_server import READ_ONCE, several_come
 
 _LONGEST_S = 300.0
 

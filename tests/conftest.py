@@ -20,9 +20,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.commands import Commands
+from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.pipeline.workspace.prefixes import PREFIX_VARIABLES, SOURCES_VARIABLE
-from tracerisk.sandbox.fork_server import several_come
-from tracerisk.sandbox.ros_prefix import without_ros
 
 # Hundreds of processes import the same modules: what one has compiled, the others read.
 sys.dont_write_bytecode = False

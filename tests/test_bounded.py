@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.text.bounded import MOST_DIGITS, finite_number, loads_json, whole_number
+from tracerisk.common.text.bounded import MOST_DIGITS, finite_number, loads_json, whole_number
 
 
 @pytest.mark.parametrize("text", ["9" * (MOST_DIGITS + 1), "x", "1e3"])

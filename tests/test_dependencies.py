@@ -10,7 +10,7 @@ import pytest
 
 from tests.other_python import python_with
 from tests.slow import slow_but
-from tracerisk import dependencies
+from tracerisk.common import dependencies
 from tracerisk.errors import DependencyError, ExitCode
 
 CONTROLLER = "def home(arm):\n    arm.go()\n"

@@ -13,9 +13,9 @@ from typing import get_args
 import pytest
 
 from tracerisk import errors
+from tracerisk.common.sandbox.kernel_features import Support
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.pipeline.check.finding import FindingKind
-from tracerisk.sandbox.kernel_features import Support
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
 
 TEXT = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
@@ -179,7 +179,9 @@ def test_what_is_given_wrongly_is_reported_so(code, call, tmp_path):
 
 
 def test_a_sandbox_that_is_required_in_vain_is_reported_so(call, tmp_path, monkeypatch):
-    monkeypatch.setattr("tracerisk.sandbox.process.support", lambda: Support(0, seccomp=False))
+    monkeypatch.setattr(
+        "tracerisk.common.sandbox.process.support", lambda: Support(0, seccomp=False)
+    )
     put({"cell.py": CELL})
     exit_code, out = call("run cell.py --robot panda --sandbox require")
     assert exit_code == ExitCode.BAD_INPUT

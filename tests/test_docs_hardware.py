@@ -12,12 +12,12 @@ import jsonschema
 import pytest
 from ruamel.yaml import YAML
 
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.twin.robots.robot import load_robot
 
 TEXT = (Path(__file__).parents[1] / "docs" / "hardware.md").read_text(encoding="utf-8")
-SCHEMA = json.loads(files("tracerisk.hardware").joinpath("hardware.schema.json").read_text())
+SCHEMA = json.loads(files("tracerisk.common.hardware").joinpath("hardware.schema.json").read_text())
 
 
 def fenced(language: str) -> list[str]:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tracerisk.adder.blocks.values import is_function_name, read_transition
 from tracerisk.adder.sources.definitions import normal_name
-from tracerisk.instance_name import instance_name, is_name_at, name_at, places, plain_label
+from tracerisk.common.instance_name import instance_name, is_name_at, name_at, places, plain_label
 
 
 @given(st.text())

@@ -14,7 +14,7 @@ import pytest
 
 import tracerisk
 from tests.slow import slow_but
-from tracerisk.dependencies import EXTRAS, MODULES
+from tracerisk.common.dependencies import EXTRAS, MODULES
 
 SIMULATOR = "needs the simulator; install it: pip install 'tracerisk[sim]' [dependency]"
 LARGE = (

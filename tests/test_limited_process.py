@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import pytest
 
+from tracerisk.common.limits import DEFAULT_LIMITS, Limit, Sandbox
+from tracerisk.common.sandbox.limited_process import OwnTime, run_limited
 from tracerisk.config import Settings
 from tracerisk.errors import ExitCode, LimitError, Location
-from tracerisk.limits import DEFAULT_LIMITS, Limit, Sandbox
-from tracerisk.sandbox.limited_process import OwnTime, run_limited
 
 CHILD = """\
-from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
 import os, signal, sys, time
 
 def main():

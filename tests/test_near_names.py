@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.text.near_names import near_names
+from tracerisk.common.text.near_names import near_names
 
 PANDA = [f"panda_link{n}" for n in range(9)] + ["panda_hand", "panda_leftfinger"]
 UR = ["base", "base_link", "flange", "tool0", "wrist_1_link", "wrist_2_link", "wrist_3_link"]

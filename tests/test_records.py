@@ -16,7 +16,7 @@ from typing import Generic, TypeVar
 
 import pytest
 
-from tracerisk import records
+from tracerisk.common import records
 
 T = TypeVar("T")
 PACKAGE = Path(records.__file__).parent
@@ -241,7 +241,7 @@ def test_no_library_is_loaded_for_them():
     code = (
         "import sys\n"
         "from tracerisk.trace import FunctionRef\n"
-        "from tracerisk.records import asdict, replace\n"
+        "from tracerisk.common.records import asdict, replace\n"
         "value = replace(FunctionRef('a.py', 'f'), file='b.py')\n"
         "print(asdict(value), hash(value) == hash(value), sorted({'dataclasses', 'inspect'} & "
         "set(sys.modules)))"
@@ -258,7 +258,9 @@ def classes_below(base: type) -> set[type]:
 def test_the_library_can_read_every_one_of_the_package():
     """What is stated of a field is looked at by the library only when somebody asks for it."""
     for path in PACKAGE.rglob("*.py"):
-        if "stand_ins" not in path.parts and "tracerisk.records import" in path.read_text("utf-8"):
+        if "stand_ins" not in path.parts and "tracerisk.common.records import" in path.read_text(
+            "utf-8"
+        ):
             importlib.import_module(
                 ".".join(("tracerisk", *path.relative_to(PACKAGE).with_suffix("").parts))
             )

@@ -12,46 +12,17 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.strong_components import strong_components
+from tracerisk.common.strong_components import strong_components
 
 PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
-ROOMS = (
-    "cli",
-    "editor",
-    "api",
-    "pipeline",
-    "report",
-    "prm",
-    "adder",
-    "vendors",
-    "ros",
-    "twin",
-    "instrument",
-    "quantify",
-    "hardware",
-    "source",
-)
+ROOMS = ("cli", "editor", "api", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument")
 """From the top down."""
-BELOW = (
-    *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "dependencies", "errors", "evidence", "field", "geometry"),
-    *(
-        "instance_name",
-        "limits",
-        "on_demand",
-        "outcome",
-        "records",
-        "sandbox",
-        "strong_components",
-        "text",
-        "worlds",
-    ),
-)
+BELOW = ("trace", "config", "errors", "common")
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
 SUB_ROOMS = {
-    "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks"),
+    "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks", "quantify"),
     "pipeline": (
         *(
             "recordings",
@@ -70,6 +41,7 @@ SUB_ROOMS = {
     ),
     "ros": (
         *(
+            "vendors",
             "twin_interfaces",
             "live",
             "stand_ins",
@@ -91,6 +63,20 @@ SUB_ROOMS = {
             "homogeneous",
         ),
         "distributions",
+    ),
+    "common": (
+        *("field", "evidence", "hardware", "sandbox", "outcome", "worlds", "acceptances"),
+        *(
+            "trace_json",
+            "trace_log",
+            "trace_display",
+            "instance_name",
+            "dependencies",
+            "geometry",
+            "limits",
+            "on_demand",
+        ),
+        *("strong_components", "text", "records"),
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

@@ -1,6 +1,6 @@
 """Strongly connected components."""
 
-from tracerisk.strong_components import strong_components
+from tracerisk.common.strong_components import strong_components
 
 
 def test_rings_come_together_and_after_what_they_lead_to():

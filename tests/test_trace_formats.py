@@ -2,7 +2,8 @@ import json
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
+from tracerisk.common.trace_log import read_log, write_log
 from tracerisk.errors import Location, LogError
 from tracerisk.trace import (
     Contact,
@@ -19,7 +20,6 @@ from tracerisk.trace import (
     Uncovered,
     Visit,
 )
-from tracerisk.trace_log import read_log, write_log
 
 PUBLISHED = """\
 Function:init()

@@ -6,7 +6,7 @@ import sys
 
 def test_a_number_that_a_version_writes_otherwise_is_read_without_a_word():
     code = (
-        "from tracerisk.text.yaml_bounds import bounded_yaml;"
+        "from tracerisk.common.text.yaml_bounds import bounded_yaml;"
         "print(bounded_yaml('rt', (1, 1)).load('most: 1e300'))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

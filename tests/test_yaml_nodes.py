@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
+from tracerisk.common.text.yaml_nodes import PlacedYamlError, load_placed
+from tracerisk.common.text.yaml_reader import read_large_yaml, read_yaml
 from tracerisk.errors import InputError
-from tracerisk.text.yaml_nodes import PlacedYamlError, load_placed
-from tracerisk.text.yaml_reader import read_large_yaml, read_yaml
 
 # What both JSON and YAML may hold in a string without an escape of more than four digits.
 TEXTS = st.text(st.characters(max_codepoint=0xD7FF, exclude_categories=["Cc", "Zl", "Zp"]))

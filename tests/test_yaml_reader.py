@@ -6,8 +6,8 @@ import warnings
 
 import pytest
 
+from tracerisk.common.text.yaml_reader import read_yaml
 from tracerisk.errors import InputError
-from tracerisk.text.yaml_reader import read_yaml
 
 
 @pytest.mark.parametrize("version", [(1, 1), (1, 2)])

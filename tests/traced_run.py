@@ -24,10 +24,10 @@ from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.vendors.serving import serve_vendors
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin
-from tracerisk.vendors.serving import serve_vendors
 
 
 def run_traced(

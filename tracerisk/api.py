@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.common.evidence.cells import Evidence
+    from tracerisk.common.hardware.model import Hardware
+    from tracerisk.common.limits import SandboxMode
     from tracerisk.config import Settings
-    from tracerisk.evidence.cells import Evidence
-    from tracerisk.hardware.model import Hardware
-    from tracerisk.limits import SandboxMode
     from tracerisk.pipeline import Annotated, Controller
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.overrides import Override
@@ -130,8 +130,8 @@ def _in_worlds(
     progress: Progress | None,
 ) -> Trace:
     """Return the trace with the runs of its controller in other worlds."""
+    from tracerisk.common.worlds.world import worlds_named
     from tracerisk.pipeline.worlds.world_runs import run_worlds
-    from tracerisk.worlds.world import worlds_named
 
     def notify(done: int, of: int, left_s: float) -> None:
         if progress is not None:
@@ -176,7 +176,7 @@ def gather_evidence(
     why runs were whole ones, where they could not be branched off one.
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
-    from tracerisk.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.evidence.campaign import Trying, gather
     from tracerisk.pipeline.evidence.workers import Workers
 
@@ -203,7 +203,7 @@ def sweep(
     mapping or as texts NAME=VALUE,VALUE. See `gather_evidence` for the workers. Nothing but the
     cache is written. Raises InputError for what cannot be varied.
     """
-    from tracerisk.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.evidence.sweep import Factor, parse_factor
     from tracerisk.pipeline.evidence.sweep import sweep as run_sweep
     from tracerisk.pipeline.evidence.workers import Workers
@@ -238,7 +238,7 @@ def mutate(
     memory. Raises ControllerFailedError where the run without a change came to a bad end, and
     InputError where there is nothing to change.
     """
-    from tracerisk.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.evidence.workers import Workers
     from tracerisk.pipeline.mutation.campaign import MOST
     from tracerisk.pipeline.mutation.campaign import mutate as run_mutants
@@ -260,8 +260,8 @@ def evidence(path: str | Path) -> Evidence:
 
     Raises InputError where there is none.
     """
-    from tracerisk.evidence import EVIDENCE_NAME
-    from tracerisk.evidence.file import read_evidence
+    from tracerisk.common.evidence import EVIDENCE_NAME
+    from tracerisk.common.evidence.file import read_evidence
     from tracerisk.pipeline import load_controller
 
     controller = load_controller(path)
@@ -289,7 +289,7 @@ def evidence_replays(
     leads to them. `progress` as in `gather_evidence`. Raises as that, and InputError where the
     folder is a file.
     """
-    from tracerisk.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.results.evidence_replays import write_replays
 
     require_simulator("replaying failures")
@@ -314,7 +314,7 @@ def run_with_faults(
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """
     from tracerisk import pipeline
-    from tracerisk.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_simulator
     from tracerisk.twin.faults.fault import parse_fault
 
     parsed = [parse_fault(each) for each in faults]

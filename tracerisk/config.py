@@ -14,9 +14,9 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
+from tracerisk.common.limits import Limit, Limits, Sandbox, SandboxMode
+from tracerisk.common.records import dataclass, fields, replace
 from tracerisk.errors import InputError, Location, SettingsError, one_of
-from tracerisk.limits import Limit, Limits, Sandbox, SandboxMode
-from tracerisk.records import dataclass, fields, replace
 from tracerisk.trace import Acceptance
 
 ActiveMode = Literal["moving", "moving+holding"]
@@ -395,7 +395,7 @@ class _Reader:
 
     def _worlds(self, value: Any) -> tuple[str, ...]:
         """Return the names of required worlds; `true` requires all, `false` none."""
-        from tracerisk.worlds.world import ALL, worlds_named
+        from tracerisk.common.worlds.world import ALL, worlds_named
 
         is_list = isinstance(value, list) and all(isinstance(name, str) for name in value)
         if not isinstance(value, bool) and not is_list:
@@ -420,7 +420,7 @@ class _Reader:
                 self.fail(key, f"expected a {what} from 0 to 1, found {value!r}")
             return float(value)
         if key == "accept":
-            from tracerisk.acceptances import read_acceptances
+            from tracerisk.common.acceptances import read_acceptances
 
             return read_acceptances(value, lambda message: self.fail(key, message))
         if key == "require_worlds":

@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterable
 
-from tracerisk.records import dataclass
+from tracerisk.common.records import dataclass
 
 
 class ExitCode(enum.IntEnum):

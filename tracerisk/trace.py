@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NewType, get_args
 
+from tracerisk.common.outcome.outcome import Outcome
+from tracerisk.common.records import dataclass, field, replace
+from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import Location
-from tracerisk.outcome.outcome import Outcome
-from tracerisk.records import dataclass, field, replace
-from tracerisk.worlds.world_run import WorldRun
 
 QualifiedName = NewType("QualifiedName", str)
 """A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
@@ -622,12 +622,12 @@ class Trace:
         )
 
     def _repr_html_(self) -> str:
-        from tracerisk.trace_display import trace_html
+        from tracerisk.common.trace_display import trace_html
 
         return trace_html(self)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         # The text that stands beside the HTML: all the fields are megabytes.
-        from tracerisk.trace_display import trace_text
+        from tracerisk.common.trace_display import trace_text
 
         return {"text/plain": trace_text(self)}

@@ -13,7 +13,7 @@ from tracerisk.adder.blocks.values import (
     computed_probability,
     computed_redundancy,
 )
-from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.common.hardware.redundancy import Redundancy
 
 BlockMaker = Callable[..., RiskBlock]
 BlockReader = Callable[[str], RiskBlock]

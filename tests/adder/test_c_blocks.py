@@ -13,7 +13,7 @@ from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.placed import MisplacedBlockError
 from tracerisk.adder.sources.read import block_lines, read_blocks
 from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError
-from tracerisk.source.c_tokens import code_of
+from tracerisk.instrument.source.c_tokens import code_of
 from tracerisk.trace import QualifiedName
 
 pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")

@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import (
     WEAR_EXPONENTS,
     Cycle,

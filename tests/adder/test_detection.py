@@ -7,8 +7,8 @@ import math
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import Cycle, FunctionRef, QualifiedName, RunEnd, Trace, TracedFunction, Visit
 
 PLACE = FunctionRef("cell.py", QualifiedName("place"))

@@ -17,8 +17,8 @@ from tracerisk.adder.blocks.values import (
     read_redundancy,
     read_transitions,
 )
+from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import BlockError
-from tracerisk.hardware.redundancy import Redundancy
 
 DESIGN_BLOCK = """\
 # | RiskAnnotation

@@ -24,8 +24,8 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
 from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import scan_blocks
+from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import SourceError, UnsafeRewriteError
-from tracerisk.hardware.redundancy import Redundancy
 
 STANDARD_LIBRARY = Path(sysconfig.get_path("stdlib"))
 SAMPLE_SIZE = 100

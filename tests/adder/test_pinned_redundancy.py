@@ -15,8 +15,8 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.common.hardware.redundancy import ALL_NEEDED
 from tracerisk.errors import BlockError
-from tracerisk.hardware.redundancy import ALL_NEEDED
 
 SOURCE = b"def place():\n    release()\n"
 UNLIKE = {"motor": {"joint1": 1.2e-9, "joint2": 3.4e-8}}

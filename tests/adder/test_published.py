@@ -8,7 +8,7 @@ import pytest
 
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.errors import BlockError
-from tracerisk.source.language import is_c_like
+from tracerisk.instrument.source.language import is_c_like
 
 C = b"""\
 #include <stdio.h>

@@ -10,9 +10,9 @@ import subprocess
 import pytest
 
 from tests.conftest import program
+from tracerisk.common.text.paper import Paper
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
-from tracerisk.text.paper import Paper
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 

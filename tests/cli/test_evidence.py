@@ -18,9 +18,9 @@ import pytest
 from tests.commands import ForkedWorkers
 from tests.conftest import program
 from tracerisk import api
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.evidence.file import dump_evidence, merge_evidence, read_evidence
 from tracerisk.errors import ScenarioError
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.evidence.file import dump_evidence, merge_evidence, read_evidence
 from tracerisk.ros.scenario.scenario import read_scenario
 
 HARDWARE = """\

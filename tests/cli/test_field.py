@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import trace_json
 from tracerisk.adder.blocks.values import DONE
-from tracerisk.field.file import dump_field, read_field
+from tracerisk.common import trace_json
+from tracerisk.common.field.file import dump_field, read_field
 from tracerisk.pipeline.results.field_profile import gather_field
 from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 
@@ -182,7 +182,7 @@ def test_broken_recordings_are_named(example, text, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('"schema": "tracerisk/field/1"', '"schema": "other"'), "is no field profile"),
+        (('"schema": "tracerisk/common/field/1"', '"schema": "other"'), "is no field profile"),
         (('"missions": 3', '"missions": -3'), "is malformed"),
         (('"share": "1/4"', '"share": "1/5"'), "does not go with its count"),
         (('"functions"', '"steps"'), "is malformed"),

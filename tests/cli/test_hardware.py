@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.formats import read_description
-from tracerisk.hardware.shipped import hardware_of
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.formats import read_description
+from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
 CELL = """\

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk import cli
-from tracerisk.text.printable import MOST_CHARACTERS, printable
+from tracerisk.common.text.printable import MOST_CHARACTERS, printable
 
 
 @pytest.mark.parametrize(

@@ -232,9 +232,10 @@ def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
 
 
 def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
-    from tracerisk import pipeline, trace_json
+    from tracerisk import pipeline
     from tracerisk.adder.lock.lock import ControllerLock, Lock
     from tracerisk.adder.lock.reading import read_lock
+    from tracerisk.common import trace_json
 
     path = example.write("controller.py", two_steps)
     assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
@@ -253,7 +254,8 @@ def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_ste
 
 
 def test_a_source_that_someone_changes_during_a_run_is_not_overwritten(example, two_steps):
-    from tracerisk import pipeline, trace_json
+    from tracerisk import pipeline
+    from tracerisk.common import trace_json
     from tracerisk.errors import InputError
 
     path = example.write("controller.py", two_steps)
@@ -345,19 +347,24 @@ NOT_FOR_CHECK = {
     # A good part of a tenth of a second: what stands for them costs next to nothing.
     *("argparse", "dataclasses", "difflib", "gettext", "hashlib", "inspect", "locale", "shutil"),
     *("threading", "tokenize", "tomllib", "traceback", "weakref"),
-    *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.sandbox"),
-    *("tracerisk.sandbox.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
-    *("tracerisk.twin", "tracerisk.instrument", "tracerisk.pipeline.review"),
+    *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.common.sandbox"),
+    *(
+        "tracerisk.common.sandbox.limited_process",
+        "tracerisk.prm",
+        "tracerisk.report",
+        "tracerisk.ros",
+    ),
+    *("tracerisk.twin", "tracerisk.instrument.transform", "tracerisk.pipeline.review"),
     "tracerisk.cli.shared.parser",
     *(
         "tracerisk.adder.merge.merge",
         "tracerisk.adder.sources.c_source",
-        "tracerisk.source.c_tokens",
+        "tracerisk.instrument.source.c_tokens",
     ),
     *(
         "tracerisk.adder.sources.write",
-        "tracerisk.evidence.cells",
-        "tracerisk.hardware.source_files",
+        "tracerisk.common.evidence.cells",
+        "tracerisk.common.hardware.source_files",
     ),
     *("tracerisk.pipeline.history.file_lock", "tracerisk.pipeline.workspace.workspace"),
 }
@@ -429,7 +436,14 @@ def test_what_is_to_be_done_at_the_end_of_the_process_is_done(example, file, cod
 def test_help_imports_nothing_of_the_stages(example):
     modules = modules_of(example, LISTING.format(arguments=["--help"]))
     ours = {name for name in modules if name.startswith("tracerisk.")}
-    words = ("cli", "cli.shared", "cli.shared.parser", "text", "text.columns")
+    words = (
+        "cli",
+        "cli.shared",
+        "cli.shared.parser",
+        "common",
+        "common.text",
+        "common.text.columns",
+    )
     assert ours == {f"tracerisk.{each}" for each in words}
 
 

@@ -24,7 +24,7 @@ from tracerisk.cli.serve import PORT
 from tracerisk.cli.serving.server import Server
 from tracerisk.cli.serving.site import Site
 from tracerisk.cli.shared.parser import whole_parser
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.pipeline.results.what_if import answer, choices_of, read_change
 from tracerisk.pipeline.review.overview import overview
 

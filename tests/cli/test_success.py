@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from ruamel.yaml import YAML
 
-from tracerisk.outcome.arm import Arm
-from tracerisk.outcome.outcome import CellUse, ObjectOutcome, Outcome, rest_of
+from tracerisk.common.outcome.arm import Arm
+from tracerisk.common.outcome.outcome import CellUse, ObjectOutcome, Outcome, rest_of
 from tracerisk.pipeline.mission.drafted import drafted_conditions
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.scenario.success import Condition

@@ -8,10 +8,10 @@ import pytest
 
 from tests.commands import ForkedWorkers
 from tracerisk import api
+from tracerisk.common.text.paper import Paper
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence.sweep import Factor, SweepPoint, parse_factor
 from tracerisk.report.series.sweep import csv_text, plot_svg, render_points
-from tracerisk.text.paper import Paper
 
 SWEEP = (
     "sweep",

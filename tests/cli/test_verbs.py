@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.common.dependencies import EXTRAS, MODULES
 from tracerisk.config import loads_toml
-from tracerisk.dependencies import EXTRAS, MODULES
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 

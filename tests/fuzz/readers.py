@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import tracerisk
-from tracerisk import config, trace_json
+from tracerisk import config
 from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.sources.published import read_c_blocks
@@ -20,11 +20,12 @@ from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.solving.chains import ChainFile
 from tracerisk.cli.solving.dynamic import DynamicFile
 from tracerisk.cli.solving.logic import LogicFile
-from tracerisk.evidence.cells import Cell as EvidenceCell
-from tracerisk.evidence.cells import Evidence
-from tracerisk.evidence.file import dump_evidence, loads_evidence
-from tracerisk.hardware.sysml.reader import read_sysml
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.common import trace_json
+from tracerisk.common.evidence.cells import Cell as EvidenceCell
+from tracerisk.common.evidence.cells import Evidence
+from tracerisk.common.evidence.file import dump_evidence, loads_evidence
+from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model, solve
@@ -36,6 +37,7 @@ from tracerisk.prm.linked import linked
 from tracerisk.prm.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.vendors.description_reader import read_driver
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -48,7 +50,6 @@ from tracerisk.trace import (
 )
 from tracerisk.twin.robots.reader import read_robot
 from tracerisk.twin.urdf.srdf import read_srdf
-from tracerisk.vendors.description_reader import read_driver
 
 
 def _text(data: bytes) -> str:

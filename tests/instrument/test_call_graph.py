@@ -5,7 +5,7 @@ import textwrap
 import pytest
 
 from tracerisk.errors import SourceError
-from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
+from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
 from tracerisk.trace import FunctionRef, QualifiedName
 
 MOTION = {"go", "execute", "publish"}

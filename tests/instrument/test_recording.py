@@ -8,8 +8,8 @@ import pytest
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.source.python_source import FunctionSite
 from tracerisk.trace import Finding, FunctionRef, QualifiedName
 
 MODULE = FunctionRef("c.py", QualifiedName("<module>"))

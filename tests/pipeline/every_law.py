@@ -10,11 +10,11 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from tracerisk import trace_json
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.hardware.yaml.reader import read_hardware
-from tracerisk.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.common import trace_json
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.trace import Exposure
 
 CELLS = 40

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.facts import MissionFacts, Track
 from tracerisk.trace import FunctionRef, Visit

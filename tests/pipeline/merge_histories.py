@@ -19,9 +19,9 @@ from tracerisk.adder.lock.lock import LockError
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
+from tracerisk.common.trace_log import read_log
 from tracerisk.errors import EditInTheWayError, TraceRiskError
 from tracerisk.pipeline.check.check import check_controller
-from tracerisk.trace_log import read_log
 
 COMPONENTS = ("camera", "gripper", "motor")
 START = """\

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import pipeline, trace_json
+from tracerisk import pipeline
+from tracerisk.common import trace_json
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.trace import Trace
@@ -124,8 +125,8 @@ def test_the_arms_without_a_gripper_are_all_there_are():
 
 @pytest.mark.parametrize("name", BARE)
 def test_every_arm_without_one_takes_it_and_its_hardware_counts_it(name: str):
-    from tracerisk.hardware.binding import bind
-    from tracerisk.hardware.shipped import shipped_hardware
+    from tracerisk.common.hardware.binding import bind
+    from tracerisk.common.hardware.shipped import shipped_hardware
     from tracerisk.twin.physics.builder import compile_model
 
     robot = with_assumed_gripper(load_robot(name), ["robotiq_85_left_knuckle_joint"])

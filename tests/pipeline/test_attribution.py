@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 
 HEAD = """\
 import math

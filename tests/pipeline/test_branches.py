@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.errors import InputError
 from tracerisk.pipeline.run.branching import branches as branches_module
 from tracerisk.pipeline.run.branching import watch as watch_module

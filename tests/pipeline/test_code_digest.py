@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.source.code_digest import code_digest
+from tracerisk.instrument.source.code_digest import code_digest
 
 SOURCE = b'''\
 """Pick.  # no comment"""

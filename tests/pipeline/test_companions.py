@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import run_inputs, stale_reasons
 from tracerisk.pipeline.run.companions.find import find_companions

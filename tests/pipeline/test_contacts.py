@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.trace import NOTES, Trace
 from tracerisk.twin.physics.scene import SHIPPED_SCENES
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.pipeline.test_published_case import HARDWARE, LOG, PUBLISHED, printed
-from tracerisk import dependencies
 from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.common import dependencies
 from tracerisk.errors import DependencyError
 
 pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")

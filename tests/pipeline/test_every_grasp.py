@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.geometry.frames import rotation
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.motion.execution import FINGER_LENGTH_M
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_centres, width_at

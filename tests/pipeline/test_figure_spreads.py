@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline import build
 from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.formats import linked_json
@@ -19,7 +20,6 @@ from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.linked import linked
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.questions.uncertainty import propagate
-from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.trace import (
     Element,
     Exposure,

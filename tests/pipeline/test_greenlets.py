@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import RunOptions

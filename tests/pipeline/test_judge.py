@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.acceptances import ACCEPTABLE
+from tracerisk.common.acceptances import ACCEPTABLE
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.judge import CODES, judge, with_acceptances
 from tracerisk.pipeline.trace.recorded_run import (

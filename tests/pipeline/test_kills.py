@@ -202,7 +202,7 @@ def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None
 
 def test_blocks_that_another_run_wrote_meanwhile_are_no_edit(project) -> None:
     from tracerisk import pipeline
-    from tracerisk.trace_log import read_log
+    from tracerisk.common.trace_log import read_log
 
     stale = pipeline.load_controller("c00.py")
     settings = pipeline.load_settings(stale, {"hardware": "arm.yaml"})

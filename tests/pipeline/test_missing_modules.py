@@ -6,8 +6,8 @@ import csv
 
 import pytest
 
+from tracerisk.instrument.source.python_2 import python_2_hint
 from tracerisk.ros.imports.vendor_libraries import distributions
-from tracerisk.source.python_2 import python_2_hint
 
 HERE = "the environment in which tracerisk runs"
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.trace import WEAR_EXPONENTS, Trace
 from tracerisk.twin.physics.scene import SHIPPED_SCENES
 

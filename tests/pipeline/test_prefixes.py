@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.installed_ros import MANIFEST, Prefix, write
+from tracerisk.common.sandbox.process import passed_environment
+from tracerisk.common.sandbox.ros_prefix import readable_folders, without_ros
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.workspace import prefixes
@@ -23,8 +25,6 @@ from tracerisk.pipeline.workspace.prefixes import (
     with_interfaces,
 )
 from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
-from tracerisk.sandbox.process import passed_environment
-from tracerisk.sandbox.ros_prefix import readable_folders, without_ros
 
 
 @pytest.fixture(autouse=True)
@@ -225,7 +225,7 @@ def test_the_environment_of_this_python_may_be_a_prefix_itself(tmp_path, monkeyp
     import sysconfig
 
     site = Path(sysconfig.get_path("purelib"))
-    monkeypatch.setattr("tracerisk.sandbox.ros_prefix.is_prefix", lambda folder: True)
+    monkeypatch.setattr("tracerisk.common.sandbox.ros_prefix.is_prefix", lambda folder: True)
     assert without_ros([str(site)]) == [str(site)]
     prefix = Prefix(tmp_path / "environment")
     prefix.install("arm")

@@ -8,9 +8,9 @@ from functools import partial
 import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
-from tracerisk import trace_json
-from tracerisk.outcome.changes import outcome_changes
-from tracerisk.outcome.outcome import Outcome
+from tracerisk.common import trace_json
+from tracerisk.common.outcome.changes import outcome_changes
+from tracerisk.common.outcome.outcome import Outcome
 
 
 def replace_once(text: str, old: str, new: str) -> str:

@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import pytest
 
-from tracerisk import trace_json
-from tracerisk.outcome.changes import outcome_changes
-from tracerisk.outcome.kept import kept_outcome
-from tracerisk.outcome.outcome import Outcome
+from tracerisk.common import trace_json
+from tracerisk.common.outcome.changes import outcome_changes
+from tracerisk.common.outcome.kept import kept_outcome
+from tracerisk.common.outcome.outcome import Outcome
 
 CELL = """\
 import actionlib

@@ -16,8 +16,8 @@ import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
 from tests.slow import slow_but
-from tracerisk import trace_json
 from tracerisk.adder.sources.insert import strip_blocks
+from tracerisk.common import trace_json
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 PACKAGE = "part_sorting/src/part_sorting"

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import trace_json
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.hardware.shipped import hardware_of
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.common import trace_json
+from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.trace import Trace
 
 HARDWARE = """\

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.trace_log import read_log
+from tracerisk.common.trace_log import read_log
 
 HEAD = """\
 import sys

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.trace import Trace
 
 CONTROLLER = """\

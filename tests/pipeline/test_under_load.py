@@ -260,7 +260,7 @@ if {module!r} in sys.orig_argv:
     {how}
 elif sys.orig_argv[1:3] == ["-m", "tracerisk"]:
     # For a process that a server forks the command waits two seconds, not a minute.
-    from tracerisk.sandbox import fork_server
+    from tracerisk.common.sandbox import fork_server
     fork_server._LONGEST_START_S = 2.0
 """
 HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=stop)"}

@@ -16,7 +16,7 @@ from itertools import combinations
 from random import Random
 
 from tracerisk.adder.blocks.values import read_redundancy
-from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.common.hardware.redundancy import Redundancy
 
 DIGITS = 150
 Units = frozenset[tuple[str, int]]

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.blocks.values import computed_redundancy
+from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import BlockError
-from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, solve
 from tracerisk.prm.review.component_changes import component_items
 from tracerisk.prm.review.flow_changes import flow_items

@@ -9,13 +9,13 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import trace_json
 from tracerisk.adder.blocks.block import Field
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.adder.figures.derive import derive_function, function_named
+from tracerisk.common import trace_json
+from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.errors import InputError
-from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.report.explain.function import render_derivation
 from tracerisk.trace import (
     WEAR_EXPONENTS,

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from tests.pipeline.evidence.test_file import CELL, EVIDENCE
+from tracerisk.common.text.paper import Paper
 from tracerisk.report.fmea import csv_text, end_effect, fmea_rows, render_fmea
-from tracerisk.text.paper import Paper
 
 LOST = replace(
     CELL, effect="wrong_position", told_after_s=None, told_by="", contact="", followed_s=None

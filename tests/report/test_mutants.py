@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from tracerisk.common.text.paper import Paper
 from tracerisk.report.mutants import MutantRun, MutantRuns, ordered, render_mutants, summary_line
-from tracerisk.text.paper import Paper
 
 ENDS = "cup ends 30 mm from where it ended"
 

@@ -9,15 +9,15 @@ import pytest
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import computed_count, computed_probability, computed_redundancy
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.hardware.redundancy import ALL_NEEDED
-from tracerisk.hardware.sources import assumed_sources
-from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.hardware.redundancy import ALL_NEEDED
+from tracerisk.common.hardware.sources import assumed_sources
+from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.text.paper import Paper
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
-from tracerisk.text.paper import Paper
 from tracerisk.trace import (
     Element,
     Exposure,

@@ -6,9 +6,9 @@ import random
 
 import pytest
 
+from tracerisk.common.text.paper import Paper
 from tracerisk.report import tables
 from tracerisk.report.tables import Column, render_table
-from tracerisk.text.paper import Paper
 
 HEADINGS = ["top", "probability", "a longer heading", "x"]
 CELLS = ["", "a", "1.0e-3", " lead", "trail ", "a b  c", "[b]x[/b]", "\u00e9t\u00e9", "q" * 30]

@@ -10,6 +10,7 @@ import pytest
 from rich.cells import cell_len
 
 import tracerisk
+from tracerisk.common.text.paper import Paper
 from tracerisk.prm import (
     FIGURE_STATEMENT,
     BasicEvent,
@@ -23,7 +24,6 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.report.terminal import render_assessment
-from tracerisk.text.paper import Paper
 
 ANSI = re.compile("\\x1b\\[[0-9;]*m")
 BAR = "\u2588\u258f\u258e\u258d\u258c\u258b\u258a\u2589"

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 # The process of a run has it before time is simulated: what it imports of `time` is real.
-import tracerisk.sandbox.limited_process  # noqa: F401
+import tracerisk.common.sandbox.limited_process  # noqa: F401
 from tests.ran import Ran
 from tracerisk.config import RosDistro
 from tracerisk.ros.distributions.in_run import DistroRules

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.common.worlds.world import NOMINAL, World
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.worlds.world import NOMINAL, World
 
 SECOND = 1_000_000_000
 TEXT = "std_msgs/String"

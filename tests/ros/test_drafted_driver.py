@@ -6,15 +6,15 @@ import ast
 
 import pytest
 
+from tracerisk.common.text.yaml_reader import read_large_yaml
 from tracerisk.errors import Location
+from tracerisk.instrument.source.filled_messages import listed_names
 from tracerisk.ros.drafts.drafted_driver import Asked, guessed_driver
 from tracerisk.ros.drafts.said_around import ranges_said
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.source.filled_messages import listed_names
-from tracerisk.text.yaml_reader import read_large_yaml
-from tracerisk.vendors.description_reader import driver_of
-from tracerisk.vendors.interface_checks import check_interface
+from tracerisk.ros.vendors.description_reader import driver_of
+from tracerisk.ros.vendors.interface_checks import check_interface
 
 
 @pytest.fixture(params=[1, 2], ids=["ros1", "ros2"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.source.service_types import service_type
+from tracerisk.instrument.source.service_types import service_type
 
 WAIT = "rospy.wait_for_service('detect')\n"
 

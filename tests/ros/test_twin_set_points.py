@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.ros.robot.set_points import group_joints, single_joint
 from tracerisk.twin.physics.scene import load_scene

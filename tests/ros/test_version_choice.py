@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.source.ros_version import ros_version
+from tracerisk.instrument.source.ros_version import ros_version
 
 
 @pytest.mark.parametrize(

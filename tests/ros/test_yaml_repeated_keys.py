@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.common.text.yaml_reader import read_yaml
 from tracerisk.errors import InputError, ScenarioError
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.yaml_text import load_yaml
-from tracerisk.text.yaml_reader import read_yaml
 
 EVERYBODYS = """\
 /**:

@@ -10,7 +10,7 @@ import pytest
 from activity_programs import PROGRAMS, Bench, Program, fly, line
 from activity_truth import FAR_ENOUGH, score
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.physics.scene import GraspableObject, load_scene
 from tracerisk.twin.recording.activity import element_activity
 from tracerisk.twin.recording.samples import SampleWriter, read_samples

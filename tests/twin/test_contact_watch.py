@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Scene, load_scene
 from tracerisk.twin.physics.scene_body import SceneBody

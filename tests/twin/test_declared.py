@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import LogError, RobotError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.physics.scene_body import HalfSpace, Hull, SceneBody

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import LogError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.physics.declared_log import DeclaredLogWriter, LoggedShape, read_declared
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.physics.scene import load_scene

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tracerisk.common.limits import DEFAULT_LIMITS
 from tracerisk.errors import RobotError
-from tracerisk.limits import DEFAULT_LIMITS
 from tracerisk.twin.workspace.description_files import DescriptionFile
 from tracerisk.twin.workspace.description_texts import DescriptionTexts
 

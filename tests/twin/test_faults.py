@@ -24,8 +24,8 @@ from tests.twin.test_robots import (
     standing_at,
     straight_to,
 )
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import InputError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.faults.armed import encoder_offset
 from tracerisk.twin.faults.fault import Fault, FaultMode, check_faults, modes_of, parse_fault
 from tracerisk.twin.faults.sensing import FORCE_OFFSET_N, TORQUE_OFFSET

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.frames import rotation
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Attachment, Link, Robot, load_robot, robot_names
 
 BEYOND = 0.002

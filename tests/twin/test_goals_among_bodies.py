@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner

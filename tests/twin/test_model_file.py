@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.errors import RobotError
-from tracerisk.geometry.frames import rotation
 from tracerisk.twin.model_files import child, mjcf_model
 from tracerisk.twin.model_files.bounds import bounding_shape
 from tracerisk.twin.model_files.model_file import read_model_file

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.physics.collision import CollisionWorld
 from tracerisk.twin.robots.outline import outlined
 from tracerisk.twin.robots.robot import Attachment, Link, load_robot

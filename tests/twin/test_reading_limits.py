@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from tracerisk import pipeline
+from tracerisk.common.limits import DEFAULT_LIMITS, Limit
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError
-from tracerisk.limits import DEFAULT_LIMITS, Limit
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.twin.model_files.mjcf_model import mesh_shapes
 from tracerisk.twin.urdf.xacro_files import expand_xacro

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from tests.slow import slow_but
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.shipped import shipped_hardware
 from tracerisk.errors import RobotError
-from tracerisk.geometry.shapes import Shape
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.shipped import shipped_hardware
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.kinematics import Kinematics

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.physics.scene import Goal, GraspableObject, Scene, load_scene, scene_names
 from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 from tracerisk.twin.simulation.twin import Twin

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from tracerisk import pipeline
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.config import Settings
 from tracerisk.errors import RobotError
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.robots.assumed_names import with_assumed_names

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracerisk.geometry.frames import matrix_of
+from tracerisk.common.geometry.frames import matrix_of
 from tracerisk.twin.physics.motion import Pose
 
 G = 9.81

@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     gc.set_threshold(_MADE_BEFORE_A_LOOK)
     if "PYTHONPATH" in os.environ:
         # A sourced ROS may have other versions there of what we import.
-        from tracerisk.sandbox.ros_prefix import without_ros
+        from tracerisk.common.sandbox.ros_prefix import without_ros
 
         sys.path[:] = without_ros(sys.path)
     try:

@@ -90,8 +90,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
-    from tracerisk import trace_json
-    from tracerisk.trace_log import read_log
+    from tracerisk.common import trace_json
+    from tracerisk.common.trace_log import read_log
 
     name = options.trace if options.trace is not None else options.log
     text = decoded(read_file(name), name)

@@ -30,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import trace_json
+    from tracerisk.common import trace_json
     from tracerisk.pipeline.recordings.attach import record_robot
 
     if options.robot is None and options.controller is None:

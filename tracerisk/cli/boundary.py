@@ -49,7 +49,7 @@ def _known(error: Exception, verb: str) -> TraceRiskError | None:
         return error
     if isinstance(error, ImportError):
         # Imported here: a start-up that goes well does without it.
-        from tracerisk.dependencies import error_of
+        from tracerisk.common.dependencies import error_of
 
         return error_of(error, f"`tracerisk {verb}`")
     if isinstance(error, OSError) and error.errno == errno.ENOSPC:

@@ -14,9 +14,9 @@ from tracerisk.cli.shared.output import (
     show,
     write_sarif,
 )
+from tracerisk.common.records import picked, replace
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.records import picked, replace
-from tracerisk.source.language import is_c
+from tracerisk.instrument.source.language import is_c
 from tracerisk.trace import GAPS, verdict_line
 
 if TYPE_CHECKING:

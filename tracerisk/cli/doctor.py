@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk import __version__
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
-from tracerisk.dependencies import install_command, missing_extras, needed, version_of
+from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ def _robots() -> str:
 
 def _sandbox() -> str:
     """Return which parts of the sandbox work here."""
-    from tracerisk.sandbox.kernel_features import support
+    from tracerisk.common.sandbox.kernel_features import support
 
     here = support()
     parts = {

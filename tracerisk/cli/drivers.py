@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text
 from tracerisk.cli.shared.output import print_json, show
-from tracerisk.records import picked
+from tracerisk.common.records import picked
 
 if TYPE_CHECKING:
-    from tracerisk.vendors.description import Driver
+    from tracerisk.ros.vendors.description import Driver
 
 _ACTIONS = {
     "list": "list the drivers that are shipped or installed",
@@ -34,12 +34,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     if options.action == "schema":
-        text = schema_text("tracerisk.vendors", "driver.schema.json")
+        text = schema_text("tracerisk.ros.vendors", "driver.schema.json")
         deliver(options, text)
         if options.json:
             print_json("drivers", action="schema", file=options.output, text=text)
         return 0
-    from tracerisk.vendors.driver_search import installed_files, read_drivers, shipped_drivers
+    from tracerisk.ros.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
     if options.action == "list":
         drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))

@@ -19,7 +19,7 @@ from tracerisk.cli.shared.output import (
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
-    from tracerisk.evidence.cells import Evidence
+    from tracerisk.common.evidence.cells import Evidence
 
 _MERGE = "merge"
 
@@ -141,8 +141,8 @@ def _replay(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from tracerisk.evidence import EVIDENCE_NAME
-    from tracerisk.evidence.file import dump_evidence, merge_evidence
+    from tracerisk.common.evidence import EVIDENCE_NAME
+    from tracerisk.common.evidence.file import dump_evidence, merge_evidence
 
     if not options.argv:
         raise InputError("evidence merge: name the files of the shards")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel

@@ -39,7 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.field.file import dump_field, field_data
+    from tracerisk.common.field.file import dump_field, field_data
     from tracerisk.pipeline.recordings.messages import is_recording
     from tracerisk.pipeline.results.field_profile import apart_from_twin, gather_field, read_mission
     from tracerisk.report.series.field import render_field

@@ -12,12 +12,12 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
+from tracerisk.common.records import picked
 from tracerisk.errors import InputError, Location
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
-    from tracerisk.hardware.binding import BoundComponent
-    from tracerisk.hardware.model import Hardware
+    from tracerisk.common.hardware.binding import BoundComponent
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline.results.hardware_update import Update
     from tracerisk.twin.robots.robot import Robot
 
@@ -44,7 +44,11 @@ def _add_convert(parser: argparse.ArgumentParser) -> None:
 
 
 def _convert(options: argparse.Namespace) -> int:
-    from tracerisk.hardware.formats import format_of_name, read_description, write_description
+    from tracerisk.common.hardware.formats import (
+        format_of_name,
+        read_description,
+        write_description,
+    )
 
     source, target = format_of_name(options.file), format_of_name(options.output)
     hardware = read_description(Path(options.file))
@@ -74,8 +78,8 @@ def _add_show(parser: argparse.ArgumentParser) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    from tracerisk.hardware.formats import read_description
-    from tracerisk.hardware.shipped import hardware_of
+    from tracerisk.common.hardware.formats import read_description
+    from tracerisk.common.hardware.shipped import hardware_of
 
     if options.file is None and options.robot is None:
         options.file = _of_settings()
@@ -130,9 +134,13 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
 
 
 def _init(options: argparse.Namespace) -> int:
-    from tracerisk.hardware.formats import format_of_name
-    from tracerisk.hardware.shipped import hardware_of
-    from tracerisk.hardware.starting_file import starting_description, starting_sysml, starting_yaml
+    from tracerisk.common.hardware.formats import format_of_name
+    from tracerisk.common.hardware.shipped import hardware_of
+    from tracerisk.common.hardware.starting_file import (
+        starting_description,
+        starting_sysml,
+        starting_yaml,
+    )
 
     named = None if options.output is None else format_of_name(options.output)
     if named is not None and options.format not in (None, named):
@@ -164,7 +172,7 @@ def _init(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    text = schema_text("tracerisk.hardware", "hardware.schema.json")
+    text = schema_text("tracerisk.common.hardware", "hardware.schema.json")
     deliver(options, text)
     if options.json:
         print_json("hardware", action="schema", file=options.output, text=text)
@@ -172,13 +180,13 @@ def _schema(options: argparse.Namespace) -> int:
 
 
 def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
-    from tracerisk.hardware.binding import bind
+    from tracerisk.common.hardware.binding import bind
 
     return {each.component.name: each for each in bind(hardware, robot.elements)}
 
 
 def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[str, Any]:
-    from tracerisk.hardware.description_data import description_data
+    from tracerisk.common.hardware.description_data import description_data
 
     return {
         "file": hardware.file,
@@ -210,8 +218,8 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
 
 
 def _update(options: argparse.Namespace) -> int:
-    from tracerisk.field.file import read_field
-    from tracerisk.hardware.formats import format_of_name, read_description
+    from tracerisk.common.field.file import read_field
+    from tracerisk.common.hardware.formats import format_of_name, read_description
     from tracerisk.pipeline.results.hardware_update import read_failures, updated_yaml, updates
 
     if format_of_name(options.file) != "yaml":

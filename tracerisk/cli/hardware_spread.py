@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from tracerisk.adder.figures.instances import ComponentInstances
-    from tracerisk.hardware.model import Hardware
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.questions.uncertainty import Uncertainty
@@ -68,7 +68,7 @@ def spreads_of_files(
         return None
     from pathlib import Path
 
-    from tracerisk.hardware.formats import read_description
+    from tracerisk.common.hardware.formats import read_description
 
     hardware = read_description(Path(options.hardware))
     instances: Sequence[ComponentInstances] | None = None

@@ -15,8 +15,8 @@ from tracerisk.cli.shared.output import (
     show,
     write_file,
 )
+from tracerisk.common.records import picked
 from tracerisk.errors import ExitCode, InputError
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint

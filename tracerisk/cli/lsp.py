@@ -20,7 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.dependencies import require_lsp
+    from tracerisk.common.dependencies import require_lsp
 
     require_lsp()
     from tracerisk.editor.server import serve

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.common.records import picked
 from tracerisk.errors import ExitCode
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.overrides import Override

@@ -107,8 +107,8 @@ def _write_page(
 
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
+    from tracerisk.instrument.source.language import is_c_like
     from tracerisk.pipeline.check.cached_run import kept_run
-    from tracerisk.source.language import is_c_like
 
     try:
         return None if is_c_like(file) else kept_run(file)
@@ -140,6 +140,6 @@ def _settings(kept: KeptRun | None, options: argparse.Namespace) -> Settings:
 def _given_trace(file: str | None) -> Trace | None:
     if file is None:
         return None
-    from tracerisk import trace_json
+    from tracerisk.common import trace_json
 
     return trace_json.loads(decoded(read_file(file), file), file)

@@ -9,8 +9,8 @@ from tracerisk.cli.hardware_spread import add_run_uncertainty, check_run_uncerta
 from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import add_against, check_against
+from tracerisk.common.worlds.world import ALL, worlds_named
 from tracerisk.errors import InputError
-from tracerisk.worlds.world import ALL, worlds_named
 
 _WATCH = """\
 --watch  run it again whenever a file changes that it depends on; writes no source

@@ -12,9 +12,9 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
 from tracerisk.cli.verdict import verdict_json
+from tracerisk.common.records import picked
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Controller

@@ -9,8 +9,8 @@ from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit, show
 from tracerisk.cli.shared.sources import model_of_files
+from tracerisk.common.records import asdict
 from tracerisk.errors import InputError
-from tracerisk.records import asdict
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

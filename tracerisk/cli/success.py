@@ -13,8 +13,8 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.common.records import picked
 from tracerisk.errors import InputError, Location
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.success_draft import SuccessDraft

@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import trace_json
+    from tracerisk.common import trace_json
 
     if options.recording is not None:
         trace = _read(options)

@@ -9,11 +9,11 @@ from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
+from tracerisk.common.records import dataclass
+from tracerisk.common.trace_json import plain_data
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode
-from tracerisk.records import dataclass
 from tracerisk.trace import NEVER_RAN, Verdict, verdict_line
-from tracerisk.trace_json import plain_data
 
 
 def verdict_exit(verdict: Verdict | None) -> ExitCode:

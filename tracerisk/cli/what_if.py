@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 from tracerisk.cli.hardware_spread import SAMPLES, add_hardware_spread
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import paper, print_text
+from tracerisk.common.records import asdict
 from tracerisk.errors import InputError, one_of
-from tracerisk.records import asdict
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def _own_rate(name: str, where: str, description: str | None) -> float:
     """Return the rate per hour that a hardware description has for a component."""
     from pathlib import Path
 
-    from tracerisk.hardware.formats import read_description
+    from tracerisk.common.hardware.formats import read_description
 
     if description is None:
         raise InputError(f"{where}: say with --hardware FILE which rate it takes the place of")

@@ -12,15 +12,15 @@ from pathlib import Path
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
 from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.hardware.model import Component, Hardware
 from tracerisk.config import read_settings
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
-from tracerisk.hardware.formats import load_hardware
-from tracerisk.hardware.model import Component, Hardware
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import lock_of
-from tracerisk.source.language import is_c
 
 _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
 _HEADER = re.compile(rf"{HEADER}\b")

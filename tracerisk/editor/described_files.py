@@ -15,9 +15,9 @@ from tracerisk.editor.completion import Offer
 FileKind = Literal["hardware", "scenario", "driver"]
 
 _SCHEMAS: Mapping[FileKind, str] = {
-    "hardware": "hardware/hardware.schema.json",
+    "hardware": "common/hardware/hardware.schema.json",
     "scenario": "ros/scenario/scenario.schema.json",
-    "driver": "vendors/driver.schema.json",
+    "driver": "ros/vendors/driver.schema.json",
 }
 _TOP_KEY = re.compile(r"([A-Za-z_][\w.\-]*)\s*:(?:\s|$)")
 _KEY = re.compile(

@@ -12,7 +12,7 @@ from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.errors import BlockError, Location, TraceRiskError
-from tracerisk.source.language import is_c
+from tracerisk.instrument.source.language import is_c
 from tracerisk.trace import QualifiedName
 
 _KEPT = 64

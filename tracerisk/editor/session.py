@@ -21,11 +21,11 @@ from tracerisk.editor.figures import ControllerFigures, figures_of
 from tracerisk.editor.lines import Lines
 from tracerisk.editor.outline import Outline, outline_of
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
-from tracerisk.source.language import is_c
 from tracerisk.trace import Verdict
 
 _MARK = b"\xef\xbb\xbf"

@@ -32,10 +32,10 @@ import itertools
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
+from tracerisk.common.strong_components import strong_components
 from tracerisk.errors import InputError
 from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.tracer import Frame
-from tracerisk.strong_components import strong_components
 from tracerisk.trace import FunctionRef
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Calls, Place, Site, Turn
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
-from tracerisk.source.dotted_names import dotted_name, last_name
-from tracerisk.source.python_source import parsed
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.trace import FunctionRef
 
 MOTION_CALLS = frozenset(

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.instance_name import instance_name
 from tracerisk.errors import Location
-from tracerisk.instance_name import instance_name
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.recording import Recording

@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, cast, get_args
 
+from tracerisk.common.text.bounded import loads_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.commands import Command
+from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.source.python_source import FunctionSite
-from tracerisk.text.bounded import loads_json
 from tracerisk.trace import CommandEnd, EndCause, Finding, FunctionRef, QualifiedName
 
 _SECOND_NS = 1_000_000_000

@@ -12,7 +12,7 @@ import re
 from types import FrameType
 from typing import Any
 
-from tracerisk.instance_name import plain_label
+from tracerisk.common.instance_name import plain_label
 from tracerisk.instrument.hidden_frames import is_hidden
 
 _BASE = re.compile(r"\w*(State|Behaviou?r)")

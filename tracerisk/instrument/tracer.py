@@ -20,9 +20,9 @@ from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
 from tracerisk.instrument.marks.caught_exceptions import CaughtFailure, caught_failure
+from tracerisk.instrument.source.python_source import MODULE_NAME, FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
-from tracerisk.source.python_source import MODULE_NAME, FunctionSite
 from tracerisk.trace import FunctionRef, QualifiedName
 
 RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "service"]

@@ -22,7 +22,7 @@ from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.marks.calls import COMPILING_DECORATORS, mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.marks.endless_loops import MARKER, begin_of_code, mark_endless_loops
-from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
+from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
 """The module from which instrumented code imports its decorator; the loader serves it."""

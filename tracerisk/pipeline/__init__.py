@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.results.explanation import explain as explain

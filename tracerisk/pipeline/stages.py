@@ -23,12 +23,14 @@ from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.dependencies import require_simulator
+from tracerisk.common.hardware.formats import load_hardware as load_hardware
+from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.outcome.changes import Tolerances
+from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import Settings, read_settings
-from tracerisk.dependencies import require_simulator
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.hardware.formats import load_hardware as load_hardware
-from tracerisk.hardware.model import Hardware
-from tracerisk.outcome.changes import Tolerances
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
@@ -36,9 +38,7 @@ from tracerisk.pipeline.freshness.used_evidence import used_evidence
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
-from tracerisk.source.language import is_c_like
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
-from tracerisk.worlds.world_run import WorldRun, kept_worlds
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -202,7 +202,7 @@ def trace_controller(
 def _read_ahead(controller: Controller) -> None:
     """Read of the source what coverage and blocks need of it, for which the run need not end."""
     from tracerisk.adder.sources.positions import function_sites
-    from tracerisk.source.call_graph import call_graph
+    from tracerisk.instrument.source.call_graph import call_graph
 
     with contextlib.suppress(TraceRiskError):
         call_graph(controller.source, controller.file)

@@ -1,6 +1,6 @@
 """The probabilistic risk model: fault trees, Markov chains, their link, and solving them."""
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.hardware.model import Hardware
-from tracerisk.hardware.sources import assumed_sources
+from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.hardware.sources import assumed_sources
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import add_share_columns, part_of, plain, share_cells, table_of

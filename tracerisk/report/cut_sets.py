@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import plain, render_parts, table_of
-from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -10,10 +10,10 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence
-from tracerisk.evidence.share_interval import clopper_pearson
+from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect, Evidence
+from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import csv_of, rendered, table_of
-from tracerisk.text.paper import PAPER, Paper
 
 HEADINGS = (
     "component",

@@ -7,9 +7,9 @@ from itertools import zip_longest
 from textwrap import wrap
 
 from tracerisk.adder.blocks.values import computed_redundancy
-from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.load import exponent_text
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
+from tracerisk.common.hardware.binding import BoundComponent
+from tracerisk.common.hardware.load import exponent_text
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
 
 _TITLES = ("component", "units", "figures of one unit", "seen at", "source")
 _GAP = "  "

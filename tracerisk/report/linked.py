@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.linked.importance import ParameterImportance
 from tracerisk.prm.linked.what_if import FigureSweep
 from tracerisk.report.tables import MEASURES, render_parts, table_of
-from tracerisk.text.paper import PAPER, Paper
 
 
 def render_figures(name: str, figures: Mapping[str, float], paper: Paper = PAPER) -> str:

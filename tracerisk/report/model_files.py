@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import (
     WIDE,
     Column,
@@ -13,7 +14,6 @@ from tracerisk.report.tables import (
     render_table,
     table_of,
 )
-from tracerisk.text.paper import PAPER, Paper
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracerisk.records import dataclass
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import Column, render_table, share_text
-from tracerisk.text.paper import PAPER, Paper
 
 _LONGEST = 72
 """How many letters of a difference or a reason the table has."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.figures.instances import ComponentInstances
-from tracerisk.hardware.model import Hardware
+from tracerisk.common.hardware.model import Hardware
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.assumed import AssumedFigure, assumed_figures, assumed_table
 from tracerisk.report.instances import (

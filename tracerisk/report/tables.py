@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterable, Sequence
 
-from tracerisk.records import dataclass
-from tracerisk.text.paper import PAPER, Paper
-from tracerisk.text.patterns import pattern
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.paper import PAPER, Paper
+from tracerisk.common.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.hybrid.assessment import (
     FIXED,
     GEOMETRIC,
@@ -25,7 +26,6 @@ from tracerisk.report.tables import (
     share_text,
     table_of,
 )
-from tracerisk.text.paper import PAPER, Paper
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tracerisk.common.text.paper import PAPER, Paper
+from tracerisk.common.worlds.world_run import WorldRun, depending
 from tracerisk.errors import Location
 from tracerisk.report.tables import Column, render_table
-from tracerisk.text.paper import PAPER, Paper
-from tracerisk.worlds.world_run import WorldRun, depending
 
 HEADINGS = ("world", "verdict", "what depends on it", "line")
 _NOTHING = "nothing"

@@ -5,8 +5,8 @@ import random
 import numpy as np
 import pytest
 
-from tracerisk.evidence.cells import Cell
-from tracerisk.evidence.share_interval import clopper_pearson, weighted_interval
+from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.evidence.share_interval import clopper_pearson, weighted_interval
 from tracerisk.pipeline.evidence.campaign import (
     LEAST_IN_BATCH,
     MOST_IN_BATCH,

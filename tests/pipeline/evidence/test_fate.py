@@ -9,8 +9,8 @@ import pytest
 
 from tests.pipeline.evidence.test_judgement import CELL
 from tests.pipeline.test_branches import check_equal
-from tracerisk import trace_json
-from tracerisk.evidence.cells import Cell
+from tracerisk.common import trace_json
+from tracerisk.common.evidence.cells import Cell
 from tracerisk.pipeline.evidence import cell_runs
 from tracerisk.pipeline.evidence.cell_runs import CellBatch, fault_of, nominal_of, run_batch
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches

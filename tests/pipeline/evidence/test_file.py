@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.errors import InputError, Location
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.evidence.file import (
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.evidence.file import (
     cell_line,
     dump_evidence,
     loads_evidence,
@@ -16,6 +15,7 @@ from tracerisk.evidence.file import (
     parse_cell,
     read_evidence,
 )
+from tracerisk.errors import InputError, Location
 from tracerisk.trace import Exposure
 
 CELL = Cell(

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.evidence.cells import Cell
+from tracerisk.common.evidence.cells import Cell
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun
 from tracerisk.trace import (

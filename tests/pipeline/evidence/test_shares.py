@@ -6,10 +6,13 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.evidence.share_interval import clopper_pearson
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.model import (
+from tracerisk.adder.quantify import evidence_shares
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.mission import component_use
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.model import (
     Basis,
     Component,
     FailureFigure,
@@ -17,10 +20,7 @@ from tracerisk.hardware.model import (
     Hardware,
     TwinBinding,
 )
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.quantify import evidence_shares
-from tracerisk.quantify.evidence_shares import EvidenceShares
-from tracerisk.quantify.mission import component_use
+from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 
 

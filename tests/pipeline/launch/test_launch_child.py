@@ -11,8 +11,8 @@ from dataclasses import replace
 import pytest
 
 from tests.slow import slow_but
+from tracerisk.common.limits import DEFAULT_LIMITS, Limit
 from tracerisk.errors import LimitError
-from tracerisk.limits import DEFAULT_LIMITS, Limit
 from tracerisk.pipeline.launch_files import child, process
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.workspace.workspace import find_workspace

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.freshness.freshness import run_inputs

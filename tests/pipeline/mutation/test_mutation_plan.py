@@ -11,9 +11,9 @@ import pytest
 
 from tests.slow import slow_but_every
 from tracerisk.errors import InputError
+from tracerisk.instrument.source.python_source import parse_source
 from tracerisk.pipeline.mutation.change import KINDS
 from tracerisk.pipeline.mutation.plan import changes_of, drawn, is_another
-from tracerisk.source.python_source import parse_source
 
 SAMPLES = sorted(
     path

@@ -16,8 +16,8 @@ from tracerisk.adder.blocks.values import (
     computed_probability,
     computed_redundancy,
 )
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.records import replace
+from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.records import replace
 
 Key = tuple[str, str]
 """A function: its file and its qualified name there."""

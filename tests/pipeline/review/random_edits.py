@@ -35,9 +35,9 @@ from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.boundary import guarded
 from tracerisk.cli.shared.parser import parse
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.records import replace
-from tracerisk.source.code_digest import code_digest
+from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.records import replace
+from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.trace import FunctionRef, QualifiedName
 
 FORMS = (

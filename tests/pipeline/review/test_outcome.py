@@ -8,13 +8,13 @@ from dataclasses import asdict, replace
 import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
-from tracerisk.outcome.arm import Arm, ArmFrame
-from tracerisk.outcome.changes import Tolerances
-from tracerisk.outcome.kept import outcome_summary
-from tracerisk.outcome.outcome import ObjectOutcome, Outcome, rest_of
+from tracerisk.common.outcome.arm import Arm, ArmFrame
+from tracerisk.common.outcome.changes import Tolerances
+from tracerisk.common.outcome.kept import outcome_summary
+from tracerisk.common.outcome.outcome import ObjectOutcome, Outcome, rest_of
+from tracerisk.common.trace_json import plain_data
 from tracerisk.pipeline.review.review import review
 from tracerisk.trace import Coverage, Verdict
-from tracerisk.trace_json import plain_data
 
 ARM = Arm(
     ("joint1",), (ArmFrame((0.3, 0.0, 0.5), (0.0, 0.0, 0.0), "joint1", (0.0, 1.0, 0.0), True),)

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from tracerisk.common.outcome.arm import Arm, ArmFrame
+from tracerisk.common.outcome.changes import TOLERANCES
+from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, rest_of
+from tracerisk.common.worlds.world import world_named
 from tracerisk.errors import Location
-from tracerisk.outcome.arm import Arm, ArmFrame
-from tracerisk.outcome.changes import TOLERANCES
-from tracerisk.outcome.outcome import CellUse, GripperUse, Outcome, rest_of
 from tracerisk.pipeline.worlds.comparison import compared
 from tracerisk.trace import Reason, RunEnd, Trace, Verdict
-from tracerisk.worlds.world import world_named
 
 ARM = Arm(
     ("pan", "lift"),

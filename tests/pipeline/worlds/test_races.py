@@ -8,9 +8,9 @@ import pytest
 
 from tests.conftest import quick_controller
 from tests.slow import slow_but
+from tracerisk.common.worlds.world import WORLDS, world_named
 from tracerisk.pipeline.evidence.cell_runs import nominal_of
 from tracerisk.pipeline.worlds.world_runs import in_world, may_differ
-from tracerisk.worlds.world import WORLDS, world_named
 
 ROOT = Path(__file__).parents[3]
 RACES = ROOT / "benchmarks" / "races"

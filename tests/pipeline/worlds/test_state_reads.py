@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.common.worlds.world import world_named
 from tracerisk.pipeline.evidence.cell_runs import nominal_of
 from tracerisk.pipeline.worlds.world_runs import in_world
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.world.state_reads import StateReads
-from tracerisk.worlds.world import world_named
 
 BY_PLACE = "without the names of its joints"
 READERS = {

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from lxml import html as lxml_html
 
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import Location
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
 from tracerisk.prm.review.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tracerisk.common.geometry.rotation import quaternion_of, rotated
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import Location, LogError
-from tracerisk.geometry.rotation import quaternion_of, rotated
-from tracerisk.geometry.shapes import Shape
 from tracerisk.pipeline.results.run_section import recorded_run
 from tracerisk.report.html.run.joining import with_joins
 from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from tracerisk import trace_json
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.shipped import hardware_of
+from tracerisk.common import trace_json
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.pipeline.results.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
 from tracerisk.report.html.run.replay import RecordedRun, Replay, make_replay

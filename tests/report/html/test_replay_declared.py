@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
 from tracerisk.twin.physics.declared_log import DeclaredChange, LoggedShape
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tracerisk.dependencies import EXTRAS
+from tracerisk.common.dependencies import EXTRAS
 from tracerisk.errors import DependencyError, RenderError
 from tracerisk.report.png.drawn import filmed
 from tracerisk.report.png.film import MOST_FRAMES, make_film
@@ -88,7 +88,7 @@ def test_an_mp4_has_every_frame(films):
 
 
 def test_without_the_extra_the_command_says_how_to_get_it(monkeypatch, tmp_path):
-    from tracerisk import dependencies
+    from tracerisk.common import dependencies
 
     monkeypatch.setattr(dependencies, "is_installed", lambda name: name not in EXTRAS["film"])
     with pytest.raises(DependencyError, match=r"a film as MP4 needs av.*'tracerisk\[film\]'"):

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import InputError, LogError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.report import html
 from tracerisk.report.png.pictures import (
     KIND_COLOURS,

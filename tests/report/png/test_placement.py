@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from tracerisk.geometry.rotation import rotated
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.rotation import rotated
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body, scene_bodies
 from tracerisk.report.png.placement import WORLD, corners, placed_bodies
 from tracerisk.twin.physics.builder import compile_model

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.ros.live.message_modules import make_missing_modules
 from tracerisk.ros.messages.ros1 import Interfaces
 

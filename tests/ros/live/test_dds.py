@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-from tracerisk import dependencies, trace_json
-from tracerisk.dependencies import EXTRAS, is_installed
+from tracerisk.common import dependencies, trace_json
+from tracerisk.common.dependencies import EXTRAS, is_installed
 from tracerisk.errors import DependencyError
 from tracerisk.pipeline.recordings.attach import record_robot
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.ros.live.test_differential import LOST_TRANSITION, MOST_RACES, assert_same, logged
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 
 CALL_OUT = """\
 def call_out():

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Generic, TypeVar
 
+from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.records import dataclass, field
 from tracerisk.errors import Location
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.records import dataclass, field
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-from tracerisk.text.patterns import pattern
+from tracerisk.common.text.patterns import pattern
 
 _MARKER = pattern(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
 _ANY_MARK = pattern(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")

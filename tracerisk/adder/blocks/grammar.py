@@ -22,10 +22,10 @@ from tracerisk.adder.blocks.values import (
     is_component_name,
     is_function_name,
 )
+from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location, one_of
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.records import dataclass
-from tracerisk.text.patterns import pattern
 
 GUTTER = "# | "
 HEADER = "RiskAnnotation"

@@ -14,9 +14,9 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.hardware.redundancy import Detection, Redundancy
-from tracerisk.records import dataclass
-from tracerisk.text.patterns import pattern
+from tracerisk.common.hardware.redundancy import Detection, Redundancy
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.model import Basis, Component
-from tracerisk.quantify.mission import ComponentUse
+from tracerisk.adder.quantify.mission import ComponentUse
+from tracerisk.common.hardware.binding import BoundComponent
+from tracerisk.common.hardware.model import Basis, Component
 
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:

@@ -20,17 +20,11 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.figures.assumptions import assumptions_of
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
-from tracerisk.config import ActiveMode
-from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.evidence import EVIDENCE_NAME
-from tracerisk.hardware.binding import BoundComponent, bind
-from tracerisk.hardware.model import Component, Hardware, is_assumed
-from tracerisk.hardware.use import UnknownUseError
-from tracerisk.quantify.evidence_shares import EvidenceShares
-from tracerisk.quantify.figure_shares import ending_share, figure_shares
-from tracerisk.quantify.function_use import FunctionUse
-from tracerisk.quantify.groups import group_unit_probabilities
-from tracerisk.quantify.mission import (
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.figure_shares import ending_share, figure_shares
+from tracerisk.adder.quantify.function_use import FunctionUse
+from tracerisk.adder.quantify.groups import group_unit_probabilities
+from tracerisk.adder.quantify.mission import (
     ComponentUse,
     FunctionVisits,
     component_use,
@@ -38,7 +32,13 @@ from tracerisk.quantify.mission import (
     visits_by_function,
     visits_of_mission,
 )
-from tracerisk.quantify.probability import failure_probability
+from tracerisk.adder.quantify.probability import failure_probability
+from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.hardware.binding import BoundComponent, bind
+from tracerisk.common.hardware.model import Component, Hardware, is_assumed
+from tracerisk.common.hardware.use import UnknownUseError
+from tracerisk.config import ActiveMode
+from tracerisk.errors import HardwareError, InputError, Location, one_of
 from tracerisk.trace import Cycle, FunctionRef, Trace
 
 ProfileText = Mapping[str, Mapping[str, str]]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from tracerisk.adder.quantify.probability import Counted
+from tracerisk.common.hardware.model import Demand, FailureFigure, LoadLaw, State
+from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import ActiveMode
-from tracerisk.hardware.model import Demand, FailureFigure, LoadLaw, State
-from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.quantify.probability import Counted
 
 
 @dataclass(frozen=True, slots=True)

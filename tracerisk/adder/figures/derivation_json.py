@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from tracerisk.adder.figures.derivation import FunctionDerivation
-from tracerisk.text.finite import finite
+from tracerisk.common.text.finite import finite
 
 SCHEMA = "tracerisk-derivation"
 VERSION = 1

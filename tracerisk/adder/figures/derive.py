@@ -26,16 +26,21 @@ from tracerisk.adder.figures.derivation import (
     UnitDerivation,
     VisitOfFunction,
 )
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
+from tracerisk.adder.quantify.mission import (
+    ComponentUse,
+    FunctionVisits,
+    UnitUse,
+    visits_by_function,
+)
+from tracerisk.adder.quantify.outcome import Outcome, at_least
+from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.load import wear_s
+from tracerisk.common.hardware.model import Hardware
 from tracerisk.config import ActiveMode
 from tracerisk.errors import InputError, one_of
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.load import wear_s
-from tracerisk.hardware.model import Hardware
-from tracerisk.quantify.evidence_shares import EvidenceShares
-from tracerisk.quantify.function_use import FunctionUse, mission_probability
-from tracerisk.quantify.mission import ComponentUse, FunctionVisits, UnitUse, visits_by_function
-from tracerisk.quantify.outcome import Outcome, at_least
-from tracerisk.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.trace import FunctionRef, Trace
 
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tracerisk.adder.figures.instance_values import are_alike
-from tracerisk.hardware.model import Component
-from tracerisk.quantify.figure_shares import EndingShare
-from tracerisk.quantify.function_use import FunctionUse, mean_probability, mission_probability
-from tracerisk.quantify.instance_shares import InstanceShare, instance_shares
-from tracerisk.quantify.mission import ComponentUse
+from tracerisk.adder.quantify.figure_shares import EndingShare
+from tracerisk.adder.quantify.function_use import FunctionUse, mean_probability, mission_probability
+from tracerisk.adder.quantify.instance_shares import InstanceShare, instance_shares
+from tracerisk.adder.quantify.mission import ComponentUse
+from tracerisk.common.hardware.model import Component
 from tracerisk.trace import FunctionRef
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import NOTHING_COMPUTED, read_redundancy
 from tracerisk.adder.figures.instance_values import InstanceValues, are_alike
+from tracerisk.common.records import dataclass
 from tracerisk.errors import BlockError, Location
-from tracerisk.records import dataclass
 
 _MOST_SHOWN = 8
 

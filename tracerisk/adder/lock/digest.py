@@ -28,7 +28,7 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
-from tracerisk.records import replace
+from tracerisk.common.records import replace
 
 _SIGNS = string.digits + string.ascii_uppercase + string.ascii_lowercase
 # How many characters of a group are the checksum of what: of the function, of a component.

@@ -22,9 +22,9 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
+from tracerisk.common.records import dataclass, field, replace
+from tracerisk.common.text.digests import blake2b
 from tracerisk.errors import InputError, Location
-from tracerisk.records import dataclass, field, replace
-from tracerisk.text.digests import blake2b
 
 LOCK_NAME = "tracerisk.lock"
 SCHEMA = "tracerisk.lock"

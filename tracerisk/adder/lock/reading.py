@@ -25,9 +25,9 @@ from tracerisk.adder.lock.lock import (
     check_relative,
     data_digest,
 )
+from tracerisk.common.records import replace
+from tracerisk.common.text.bounded import loads_json
 from tracerisk.errors import Location, one_of
-from tracerisk.records import replace
-from tracerisk.text.bounded import loads_json
 
 _READ_VERSIONS = (1, VERSION)  # before 2 neither entries nor blocks had a digest
 

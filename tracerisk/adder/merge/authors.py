@@ -21,7 +21,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.digest import DigestReading, digest_of
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
-from tracerisk.records import dataclass, field
+from tracerisk.common.records import dataclass, field
 
 Author = Literal["tool", "user", "unknown"]
 

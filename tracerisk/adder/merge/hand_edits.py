@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterable, Mapping
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import DONE, NEXT, computed_count
 from tracerisk.adder.lock.lock import Written
+from tracerisk.common.records import replace
 from tracerisk.errors import BlockError, one_of
-from tracerisk.records import replace
 from tracerisk.trace import FunctionRef
 
 Blocks = Mapping[FunctionRef, RiskBlock]

@@ -22,8 +22,8 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
+from tracerisk.common.records import dataclass, field, replace
 from tracerisk.errors import EditInTheWayError, Location
-from tracerisk.records import dataclass, field, replace
 
 NOISE = 0.01
 """The relative change of a computed probability up to which its text stays as written."""

@@ -30,10 +30,10 @@ from tracerisk.adder.sources.placed import (
     targets_of,
 )
 from tracerisk.adder.sources.published import CComment, c_comments
+from tracerisk.common.instance_name import is_name_at
+from tracerisk.common.records import replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
-from tracerisk.instance_name import is_name_at
-from tracerisk.records import replace
-from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 _BLANK = pattern(rb"\s*")

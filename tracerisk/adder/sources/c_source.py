@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
-from tracerisk.dependencies import require_cpp
+from tracerisk.common.dependencies import require_cpp
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import Location, SourceError
-from tracerisk.records import dataclass
-from tracerisk.source.c_tokens import tokens
-from tracerisk.source.language import C_SUFFIXES, CPP_SUFFIXES, is_c
-from tracerisk.text.patterns import pattern
+from tracerisk.instrument.source.c_tokens import tokens
+from tracerisk.instrument.source.language import C_SUFFIXES, CPP_SUFFIXES, is_c
 from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location, SourceError
-from tracerisk.records import dataclass
-from tracerisk.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tracerisk.adder.sources.definitions import BYTE_ORDER_MARK, PythonSource
-from tracerisk.records import dataclass
+from tracerisk.common.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

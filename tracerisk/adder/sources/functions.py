@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
-from tracerisk.source.language import is_c
+from tracerisk.instrument.source.language import is_c
 from tracerisk.trace import QualifiedName
 
 

@@ -30,9 +30,9 @@ from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
 from tracerisk.adder.sources.placed import PlacedBlock, targets_of
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
+from tracerisk.common.instance_name import is_name_at
 from tracerisk.errors import InputError, Location, UnsafeRewriteError
-from tracerisk.instance_name import is_name_at
-from tracerisk.source.language import is_c_like
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
 

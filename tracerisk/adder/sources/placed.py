@@ -7,9 +7,9 @@ from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.common.instance_name import name_at, places
+from tracerisk.common.records import dataclass
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError, one_of
-from tracerisk.instance_name import name_at, places
-from tracerisk.records import dataclass
 from tracerisk.trace import QualifiedName
 
 Place = Literal["body", "above", "module"]

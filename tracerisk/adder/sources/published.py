@@ -23,11 +23,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
+from tracerisk.common.records import dataclass, replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location
-from tracerisk.records import dataclass, replace
-from tracerisk.source.c_tokens import tokens
-from tracerisk.source.language import is_c
-from tracerisk.text.patterns import pattern
+from tracerisk.instrument.source.c_tokens import tokens
+from tracerisk.instrument.source.language import is_c
 
 _C_LEAD = pattern(r"[ \t]*\*+[ \t]?|[ \t]+")
 # A frame on the right; the star of `operator*` is none.

@@ -19,11 +19,11 @@ from tracerisk.adder.sources.definitions import (
     parse_python,
 )
 from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
+from tracerisk.common.instance_name import is_name_at
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location
-from tracerisk.instance_name import is_name_at
-from tracerisk.records import dataclass
-from tracerisk.source.language import is_c_like
-from tracerisk.text.patterns import pattern
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
 _GUTTER = pattern(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")

@@ -16,8 +16,8 @@ from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.records import dataclass, replace
-from tracerisk.text.patterns import pattern
+from tracerisk.common.records import dataclass, replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 # Behind the gutter of Python, or in a comment of C.

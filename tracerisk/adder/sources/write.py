@@ -9,9 +9,9 @@ import stat
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError, Location
-from tracerisk.records import dataclass
-from tracerisk.text.patterns import pattern
 
 _LEFTOVER = pattern(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 

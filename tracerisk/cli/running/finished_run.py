@@ -6,7 +6,7 @@ import argparse
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tracerisk import api, trace_json
+from tracerisk import api
 from tracerisk.cli.explain import explained
 from tracerisk.cli.hardware_spread import uncertainty_of_run
 from tracerisk.cli.shared import options as shared
@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import note, note_warnings, write_file, write_s
 from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html, worlds_shown
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
 from tracerisk.cli.verdict import as_typed, verdict_details
+from tracerisk.common import trace_json
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.results.alerts import run_alerts
 from tracerisk.pipeline.results.run_section import recorded_run, run_section

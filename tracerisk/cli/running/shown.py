@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk import trace_json
 from tracerisk.cli.explain import derivation_json, print_derivation
 from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
 from tracerisk.cli.running.in_worlds import print_worlds, worlds_exit, worlds_json
@@ -34,6 +33,7 @@ from tracerisk.cli.shared.run_report import (
 )
 from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
+from tracerisk.common import trace_json
 from tracerisk.errors import ExitCode
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.formats.assessment_json import assessment_to_json

@@ -16,9 +16,9 @@ from tracerisk.cli.running.shown import show_failure, show_run
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.watching import Watch, note_error, watch
+from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.watched_files import watched_files
-from tracerisk.sandbox.fork_server import several_come
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress

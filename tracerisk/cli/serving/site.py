@@ -18,10 +18,10 @@ from tracerisk.cli.shared.overview import is_report, overview_row, reports_in
 from tracerisk.cli.shared.report_input import evidence_shown, report_html, run_shown
 from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.cli.verdict import verdict_details
+from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.hardware.model import Hardware
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.evidence import EVIDENCE_NAME
-from tracerisk.hardware.formats import load_hardware
-from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
 from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change

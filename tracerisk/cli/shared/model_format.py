@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import os
 
-from tracerisk.text.patterns import pattern
+from tracerisk.common.text.patterns import pattern
 
 
 class ModelFormat(enum.Enum):

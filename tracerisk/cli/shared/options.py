@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError
-from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -333,7 +333,7 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
         if text.endswith(".json"):
             from pathlib import Path
 
-            from tracerisk.field.file import read_field
+            from tracerisk.common.field.file import read_field
 
             found = read_field(Path(text)).shares()
             if twice := sorted(found.keys() & profile.keys()):

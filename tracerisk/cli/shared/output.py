@@ -6,17 +6,17 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 
+from tracerisk.common.text.columns import columns_of
+from tracerisk.common.text.paper import Paper
+from tracerisk.common.text.printable import printable
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.text.columns import columns_of
-from tracerisk.text.paper import Paper
-from tracerisk.text.printable import printable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from typing import Any, TextIO
 
-    from tracerisk.hardware.model import Hardware
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
     from tracerisk.report.sarif import Alert
 

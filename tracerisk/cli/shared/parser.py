@@ -10,7 +10,7 @@ from functools import partial
 from importlib import import_module
 
 from tracerisk.cli import GROUPS, VERBS
-from tracerisk.text.columns import columns_of
+from tracerisk.common.text.columns import columns_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.source.language import is_c_like
-from tracerisk.source.python_source import decoded
+from tracerisk.instrument.source.language import is_c_like
+from tracerisk.instrument.source.python_source import decoded
 from tracerisk.trace import FunctionRef, QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
     from tracerisk.adder.figures.computed import ComputedBlocks
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment

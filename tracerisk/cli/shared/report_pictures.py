@@ -55,7 +55,7 @@ def check_picture_options(options: argparse.Namespace) -> None:
         if getattr(options, name) is not None:
             _check_folder(Path(getattr(options, name)).absolute().parent)
     if options.mp4 is not None:
-        from tracerisk.dependencies import require_film
+        from tracerisk.common.dependencies import require_film
 
         require_film()
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError, Location, Readable, TooLargeError
-from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

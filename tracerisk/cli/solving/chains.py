@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.solving.solved import Render, Solved, chosen
+from tracerisk.common.records import picked
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 from tracerisk.prm.markov.solver import SMALL
-from tracerisk.records import picked
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.prism.reader import PrismModel

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 def solve_linked(options: argparse.Namespace) -> int:
     """Solve a linked model as the options ask, print the result and return the exit code."""
+    from tracerisk.common.text.finite import finite
     from tracerisk.prm.formats import linked_json
     from tracerisk.prm.linked.importance import importances
     from tracerisk.prm.linked.what_if import sweep
     from tracerisk.prm.questions.what_if import SetValue, log_spaced
-    from tracerisk.text.finite import finite
 
     model = linked_json.loads(read_text(options.files[0]), options.files[0])
     figure = _figure(model, options)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
+from tracerisk.common.records import asdict, dataclass, replace
 from tracerisk.errors import InputError
 from tracerisk.prm.logic.model import LogicModel
-from tracerisk.records import asdict, dataclass, replace
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, risk_exit
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
+from tracerisk.common.records import asdict
 from tracerisk.errors import ExitCode, InputError, one_of
-from tracerisk.records import asdict
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     for text in solved.notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
-        from tracerisk.text.finite import finite
+        from tracerisk.common.text.finite import finite
 
         data: dict[str, Any] = {
             "model": model.name,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import InputError, one_of
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

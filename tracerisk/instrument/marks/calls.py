@@ -18,7 +18,7 @@ from types import CodeType
 from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Site, call_key
 from tracerisk.instrument.marks.endless_loops import import_into
-from tracerisk.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 
 MARK = "__tracerisk_called__"
 """The name of the mark in instrumented code; not mangled in classes, hidden from `*`."""

@@ -15,21 +15,21 @@ from pathlib import Path
 from types import TracebackType
 
 import tracerisk
+from tracerisk.common.sandbox.replaced_names import replaced
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.marks.call_log import Calls
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
 from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.instrument.marks.tried_again import is_tried_until_success
-from tracerisk.sandbox.replaced_names import replaced
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import parsed
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.trace import Finding, RunEnd
 
 CAUGHT = "__tracerisk_caught__"
 """The name of the report in instrumented code; not mangled in classes, hidden from `*`."""
 
-_STAND_INS = tuple(f"{Path(tracerisk.__file__).parent / room}/" for room in ("ros", "vendors"))
+_STAND_INS = (f"{Path(tracerisk.__file__).parent}/ros/",)
 # Whether a package is installed is a question, and an exception its answer.
 _QUESTIONS = tuple(
     f"{Path(tracerisk.__file__).parent}/ros/stand_ins/{library}/"

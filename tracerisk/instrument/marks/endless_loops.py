@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Mapping
 
-from tracerisk.source.dotted_names import last_name
+from tracerisk.instrument.source.dotted_names import last_name
 
 MARKER = "__tracerisk_looped__"
 """The name of the marker in instrumented code; not mangled in classes, hidden from `*`."""

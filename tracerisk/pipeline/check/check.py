@@ -16,6 +16,8 @@ from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.records import fields, replace
+from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
@@ -35,9 +37,7 @@ from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
-from tracerisk.records import fields, replace
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
-from tracerisk.worlds.world_run import WorldRun, kept_worlds
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -212,7 +212,7 @@ def _stale(
         yield CheckFinding("stale", message, place)
     found = kept_evidence(controller)
     if found is not None and found.edited is not None:
-        from tracerisk.evidence import EVIDENCE_NAME
+        from tracerisk.common.evidence import EVIDENCE_NAME
 
         message = (
             f"{found.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ExitCode, Location
-from tracerisk.records import dataclass
 from tracerisk.trace import Verdict
 
 FindingKind = Literal[

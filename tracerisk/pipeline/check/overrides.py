@@ -26,8 +26,8 @@ from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, Readable
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
-from tracerisk.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
 OverrideKind = Literal["value", "added", "omitted", "block"]

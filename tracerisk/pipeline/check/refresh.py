@@ -10,10 +10,10 @@ from typing import Literal
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.limits import SandboxMode
 from tracerisk.config import SANDBOX_SETTINGS, read_settings
 from tracerisk.errors import ControllerFailedError, Location
-from tracerisk.hardware.formats import load_hardware
-from tracerisk.limits import SandboxMode
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
+from tracerisk.common.instance_name import places
+from tracerisk.common.records import dataclass
+from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instance_name import places
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.records import dataclass
 from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
-from tracerisk.worlds.world_run import WorldRun
 
 _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "complete": "partial",

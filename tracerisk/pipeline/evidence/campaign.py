@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.sources.write import atomic_write
+from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.evidence.cells import Cell, Evidence, Stratum
+from tracerisk.common.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
+from tracerisk.common.evidence.share_interval import weighted_interval
+from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.evidence import EVIDENCE_NAME
-from tracerisk.evidence.cells import Cell, Evidence, Stratum
-from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
-from tracerisk.evidence.share_interval import weighted_interval
-from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.pipeline.evidence.cell_runs import (
     BatchDone,
     CellBatch,
@@ -108,7 +108,7 @@ def plan_campaign(
     the settings by default. Raises ControllerFailedError where the run came to a bad end or
     commanded nothing, InputError where there is nothing to fail.
     """
-    from tracerisk.hardware.formats import load_hardware
+    from tracerisk.common.hardware.formats import load_hardware
 
     _check_cells(1 if cells is None else cells)
     given = tuple(stated(options).items())

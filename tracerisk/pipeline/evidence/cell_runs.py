@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
+from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.hardware.model import FaultMode
+from tracerisk.common.sandbox.scratch import new_scratch, scratch
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, LogError
-from tracerisk.evidence.cells import Cell
-from tracerisk.hardware.model import FaultMode
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
@@ -31,7 +32,6 @@ from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.success import Condition
-from tracerisk.sandbox.scratch import new_scratch, scratch
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 

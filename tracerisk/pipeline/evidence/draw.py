@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracerisk.evidence.cells import Cell
-from tracerisk.hardware.model import FaultMode, State
+from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.hardware.model import FaultMode, State
 from tracerisk.pipeline.evidence.unit_use import Flags, UnitUse
 from tracerisk.trace import Exposure, Trace
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
-from tracerisk.evidence.cells import EFFECTS, Cell, Effect
+from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
 from tracerisk.trace import (

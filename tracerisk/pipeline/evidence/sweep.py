@@ -12,9 +12,10 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
-from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
@@ -22,7 +23,6 @@ from tracerisk.pipeline.stages import annotate, build, load_settings, solve
 from tracerisk.pipeline.stages import trace_controller as traced
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.report.series.sweep import SweepPoint as SweepPoint
-from tracerisk.sandbox.scratch import scratch
 
 PARAMETER, SCENARIO = "param:", "scenario:"
 SETTINGS = (

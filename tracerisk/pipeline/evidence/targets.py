@@ -7,18 +7,18 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.figures.computed import use_of
-from tracerisk.hardware.binding import BoundComponent, bind
-from tracerisk.hardware.model import FAULTS, FaultMode
-from tracerisk.hardware.use import STATES, UnknownUseError
+from tracerisk.adder.quantify.evidence_shares import twin_units
+from tracerisk.adder.quantify.mission import UnitUse, times_in_mission
+from tracerisk.common.hardware.binding import BoundComponent, bind
+from tracerisk.common.hardware.model import FAULTS, FaultMode
+from tracerisk.common.hardware.use import STATES, UnknownUseError
 from tracerisk.pipeline.evidence.draw import Target
-from tracerisk.quantify.evidence_shares import twin_units
-from tracerisk.quantify.mission import UnitUse, times_in_mission
 from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import modes_of
 
 if TYPE_CHECKING:
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.hardware.model import Hardware
     from tracerisk.twin.robots.robot import Robot
 
 

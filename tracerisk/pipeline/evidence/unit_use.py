@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.evidence.cells import Use
-from tracerisk.hardware.model import State
-from tracerisk.hardware.use import STATES
+from tracerisk.common.evidence.cells import Use
+from tracerisk.common.hardware.model import State
+from tracerisk.common.hardware.use import STATES
 from tracerisk.instrument.ownership import attribute
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.trace.run_files import EVENTS, MISSION_END

@@ -17,8 +17,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TypeVar
 
+from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import ControllerFailedError
-from tracerisk.sandbox.fork_server import several_come
 
 J = TypeVar("J")
 R = TypeVar("R")

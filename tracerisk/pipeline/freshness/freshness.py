@@ -12,13 +12,13 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.records import asdict, dataclass, field, fields, replace
+from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.records import asdict, dataclass, field, fields, replace
-from tracerisk.source.code_digest import code_digest
-from tracerisk.text.digests import sha256
 from tracerisk.trace import Trace
 
 GONE = "gone"
@@ -161,7 +161,7 @@ def hardware_digest(settings: Settings) -> str:
     """
     if settings.hardware is None:
         return ""
-    from tracerisk.hardware.source_files import source_files
+    from tracerisk.common.hardware.source_files import source_files
 
     path, *beside = source_files(Path(settings.hardware))
     own = file_digest(path)
@@ -208,7 +208,7 @@ def values_reasons(
             name = os.path.relpath(name, controller.root.resolve())
         found.append(f"{name} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
-        from tracerisk.evidence import EVIDENCE_NAME
+        from tracerisk.common.evidence import EVIDENCE_NAME
 
         found.append(f"{EVIDENCE_NAME} has changed")
     return tuple(found)

@@ -12,12 +12,12 @@ from typing import TypeVar
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
 from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.records import dataclass, field, replace
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.records import dataclass, field, replace
-from tracerisk.source.language import is_c
 
 T = TypeVar("T")
 

@@ -9,10 +9,10 @@ from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
 from tracerisk.adder.lock.reading import read_lock
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
-from tracerisk.source.code_digest import code_digest
-from tracerisk.source.language import is_c, is_c_like
 from tracerisk.trace import Verdict, verdict_line
 
 

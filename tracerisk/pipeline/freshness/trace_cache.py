@@ -8,8 +8,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from tracerisk import trace_json
 from tracerisk.adder.sources.write import atomic_write
+from tracerisk.common import trace_json
 from tracerisk.errors import TraceRiskError
 from tracerisk.trace import Trace
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.records import replace
+from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError
-from tracerisk.records import replace
-from tracerisk.text.digests import sha256
 
 if TYPE_CHECKING:
+    from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+    from tracerisk.common.evidence.cells import Evidence
     from tracerisk.config import Settings
-    from tracerisk.evidence.cells import Evidence
     from tracerisk.pipeline.workspace.controller import Controller
-    from tracerisk.quantify.evidence_shares import EvidenceShares
 
 
 def kept_evidence(controller: Controller) -> Evidence | None:
@@ -21,12 +21,12 @@ def kept_evidence(controller: Controller) -> Evidence | None:
 
     Raises InputError where the file is malformed.
     """
-    from tracerisk.evidence import EVIDENCE_NAME
+    from tracerisk.common.evidence import EVIDENCE_NAME
 
     path = controller.root / EVIDENCE_NAME
     if not path.exists():
         return None
-    from tracerisk.evidence.file import read_evidence
+    from tracerisk.common.evidence.file import read_evidence
 
     return read_evidence(path).get(controller.file)
 
@@ -42,7 +42,7 @@ def used_evidence(
     if found is None:
         return None
     # Few controllers have any, and a check is to begin at once.
-    from tracerisk.quantify.evidence_shares import EvidenceShares
+    from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 
     return EvidenceShares(found)
 
@@ -59,7 +59,7 @@ def evidence_digest(controller: Controller, settings: Settings, fingerprint: str
     used = _used(controller, settings, fingerprint)
     if used is None:
         return ""
-    from tracerisk.evidence.file import dump_evidence
+    from tracerisk.common.evidence.file import dump_evidence
 
     # Cells that fill the table alone change no figure.
     drawn = replace(used, cells=tuple(each for each in used.cells if each.drawn))
@@ -71,8 +71,8 @@ def edited_evidence(root: Path) -> tuple[str, ...]:
 
     A file that is malformed is one too.
     """
-    from tracerisk.evidence import EVIDENCE_NAME
-    from tracerisk.evidence.file import read_evidence
+    from tracerisk.common.evidence import EVIDENCE_NAME
+    from tracerisk.common.evidence.file import read_evidence
 
     try:
         everything = read_evidence(root / EVIDENCE_NAME)

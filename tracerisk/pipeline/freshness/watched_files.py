@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
+from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.hardware.source_files import source_files
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import TraceRiskError
-from tracerisk.evidence import EVIDENCE_NAME
-from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.known_controllers import lock_of
 from tracerisk.pipeline.workspace.controller import Controller

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.limits import Limits
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
 from tracerisk.pipeline.launch.parameter_reads import Asked, asked_by
@@ -29,7 +30,6 @@ from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
 from tracerisk.ros.graph import names
-from tracerisk.source.ros_version import ros_version
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from tracerisk.common.records import replace
 from tracerisk.pipeline.launch_files.records import LaunchParameter
-from tracerisk.records import replace
 
 _OF_ROBOTS = ("robot_name", "robot_model", "robot_type", "arm_model", "arm_name")
 

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.source.dotted_names import imports_in, last_name
-from tracerisk.source.python_source import parsed, texts_in
+from tracerisk.instrument.source.dotted_names import imports_in, last_name
+from tracerisk.instrument.source.python_source import parsed, texts_in
 
 _MOST_MODULES = 60
 

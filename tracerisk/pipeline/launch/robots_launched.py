@@ -7,13 +7,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tracerisk.config import Settings
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_files
 from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
 from tracerisk.pipeline.launch_files.records import RobotSource
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import named_packages, workspace_of
-from tracerisk.source.ros_version import ros_version
 from tracerisk.twin.robots.names_in_source import LaunchedBy, LaunchedDescription
 from tracerisk.twin.workspace.description_files import distance
 

@@ -24,9 +24,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file, robots_read
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
-from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch_files.visit import Described

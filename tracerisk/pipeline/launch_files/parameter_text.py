@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.yaml_repeated_keys import OF_NODE
 from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter
 from tracerisk.ros.graph.yaml_text import load_yaml
-from tracerisk.text.yaml_repeated_keys import OF_NODE
 
 _MOST_BYTES = 4 * 1024 * 1024
 _MOST_YAML = 256 * 1024  # characters; seconds

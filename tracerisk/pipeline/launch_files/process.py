@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from tracerisk.common.limits import DEFAULT_LIMITS, Limits
+from tracerisk.common.sandbox.limited_process import last_words, run_limited
+from tracerisk.common.sandbox.process import regular_within
+from tracerisk.common.text.read_back import read_back
 from tracerisk.config import controller_root
 from tracerisk.errors import Location
-from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace.prefixes import python_folders, readable_of
 from tracerisk.pipeline.workspace.workspace import Workspace
-from tracerisk.sandbox.limited_process import last_words, run_limited
-from tracerisk.sandbox.process import regular_within
-from tracerisk.text.read_back import read_back
 
 _LONGEST_REASON = 200
 # Launch files choose by it between what two releases name differently.

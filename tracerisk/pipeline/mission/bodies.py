@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.pipeline.mission.facts import MissionFacts, Track, on_axes
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.physics.scene import Goal

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.outcome.outcome import MOVED_M, ObjectOutcome, Outcome
+from tracerisk.common.outcome.outcome import MOVED_M, ObjectOutcome, Outcome
 from tracerisk.pipeline.mission.bodies import GOAL_HEIGHT_M, UPRIGHT_RAD, length_words
 from tracerisk.ros.scenario.lines import marked_entry
 from tracerisk.ros.scenario.success import Condition, times_words

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw, rotation
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.frames import matrix_of, roll_pitch_yaw, rotation
+from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.mission.asked_calls import AskedCall, asked_calls
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.scenario.objects import with_objects

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.outcome.outcome import FLOOR
+from tracerisk.common.outcome.outcome import FLOOR
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.bodies import (
     Clause,

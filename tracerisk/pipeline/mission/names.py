@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import NoReturn
 
+from tracerisk.common.outcome.outcome import FLOOR
 from tracerisk.errors import ScenarioError, one_of
-from tracerisk.outcome.outcome import FLOOR
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.scenario.scenario import Frame, Scenario
 from tracerisk.ros.scenario.success import Condition

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_mission
 from tracerisk.pipeline.evidence.journal import journal, journaled
@@ -20,7 +21,6 @@ from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.mutation.mutant_run import MutantJob, run_mutant
 from tracerisk.pipeline.mutation.plan import changes_of, drawn
 from tracerisk.report.mutants import MutantRun, MutantRuns, ordered
-from tracerisk.text.read_back import read_back
 
 MOST = 60
 """How many changes are tried where nobody says how many."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from tracerisk.adder.sources.edits import Edit, apply_edits
+from tracerisk.common.records import dataclass
 from tracerisk.errors import InputError, Location
-from tracerisk.records import dataclass
 
 ChangeKind = Literal[
     "unit",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.common.outcome.changes import TOLERANCES, Tolerances, outcome_changes
+from tracerisk.common.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError
-from tracerisk.outcome.changes import TOLERANCES, Tolerances, outcome_changes
-from tracerisk.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
 from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.robot.scenario_settings import with_scenario

@@ -13,8 +13,8 @@ from libcst.metadata import ByteSpanPositionProvider, CodeSpan, MetadataWrapper
 
 from tracerisk.adder.sources.definitions import BYTE_ORDER_MARK
 from tracerisk.errors import Location, UnsafeRewriteError
+from tracerisk.instrument.source.python_source import MODULE_NAME, parse_source
 from tracerisk.pipeline.mutation.change import Change, ChangeKind, Draft, brief
-from tracerisk.source.python_source import MODULE_NAME, parse_source
 
 _MAIN_TEST = "__name__"
 

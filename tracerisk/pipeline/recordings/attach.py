@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from tracerisk.dependencies import require_dds
+from tracerisk.common.dependencies import require_dds
 from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.names import COMMANDS
 from tracerisk.ros.live.link import Frame

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.frames import rotation
+from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.recordings.cdr import Cdr
 from tracerisk.pipeline.recordings.packed import Rows, Times, put, put_stamps
 from tracerisk.twin.recording.samples import Samples

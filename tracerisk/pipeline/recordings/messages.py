@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
-from tracerisk.dependencies import is_installed, missing_extra
+from tracerisk.common.dependencies import is_installed, missing_extra
 from tracerisk.errors import Location, LogError, Readable
 from tracerisk.pipeline.recordings.names import MAGIC
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
-from tracerisk import trace_json
+from tracerisk.common import trace_json
 from tracerisk.errors import Location, LogError, Readable
 from tracerisk.pipeline.recordings.messages import MOST_BYTES
 from tracerisk.pipeline.recordings.names import MAGIC, TRACE

@@ -20,8 +20,8 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tracerisk import trace_json
-from tracerisk.dependencies import is_installed, missing_extra
+from tracerisk.common import trace_json
+from tracerisk.common.dependencies import is_installed, missing_extra
 from tracerisk.errors import InputError, Location, SettingsError
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.recording import Recording, read_recording

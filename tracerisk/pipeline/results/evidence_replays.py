@@ -11,10 +11,11 @@ from typing import Any
 from markupsafe import Markup
 
 from tracerisk.adder.sources.write import atomic_write
+from tracerisk.common.evidence.cells import EFFECTS, Cell, Evidence
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.errors import InputError, LogError
-from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
-from tracerisk.hardware.formats import load_hardware
-from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.evidence.cell_runs import Nominal, fault_of, nominal_of
 from tracerisk.pipeline.evidence.workers import CellProgress
 from tracerisk.pipeline.freshness.freshness import stated
@@ -23,7 +24,6 @@ from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
 from tracerisk.report.html.evidence import render_evidence
 from tracerisk.report.html.fault_report import render_fault_report
-from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import Fault
 

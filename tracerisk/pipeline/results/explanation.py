@@ -10,8 +10,8 @@ from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.stages import Annotated
 
 

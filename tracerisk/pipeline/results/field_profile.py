@@ -6,13 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk import trace_json
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import next_counts
+from tracerisk.common import trace_json
+from tracerisk.common.field.profile import (
+    QUANTITIES,
+    Estimate,
+    FieldProfile,
+    FieldStep,
+    following,
+    ratio,
+)
+from tracerisk.common.trace_log import read_log
 from tracerisk.errors import InputError, Location
-from tracerisk.field.profile import QUANTITIES, Estimate, FieldProfile, FieldStep, following, ratio
 from tracerisk.trace import FunctionRef, Trace, Visit
-from tracerisk.trace_log import read_log
 
 ROOM = 0.03
 """By what share of its mean a field interval is widened: a twin is no closer than this."""

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from tracerisk.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
 from tracerisk.prm.hybrid.hybrid import HybridModel
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.instances import ComponentInstances
+    from tracerisk.adder.quantify.figure_shares import EndingShare
     from tracerisk.prm.numbers.distributions import Lognormal
     from tracerisk.prm.questions.uncertainty import FigureSpread
-    from tracerisk.quantify.figure_shares import EndingShare
 
 
 @dataclass(frozen=True, slots=True)

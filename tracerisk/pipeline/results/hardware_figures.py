@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.hardware.model import Hardware
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.results.hardware_update import number, rows_of
 
 _COLUMNS = ("component", "failure_rate", "probability", "per", "error_factor", "source")

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.adder.quantify.posterior import Posterior, beta_posterior, gamma_posterior
+from tracerisk.common.field.profile import FieldProfile
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.field.profile import FieldProfile
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.quantify.posterior import Posterior, beta_posterior, gamma_posterior
 
 _COLUMNS = ("component", "failures", "hours", "demands", "missions")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")

@@ -11,12 +11,12 @@ from importlib import resources
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.dependencies import missing_extras
+from tracerisk.common.dependencies import missing_extras
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.dotted_names import imports_in, last_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import searched
-from tracerisk.source.dotted_names import imports_in, last_name
-from tracerisk.source.python_source import parsed
 
 Ci = Literal["github", "gitlab", "none"]
 
@@ -174,7 +174,7 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
         return {}
     from tracerisk.pipeline.workspace.controller import load_controller
     from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
-    from tracerisk.vendors.driver_search import shipped_drivers
+    from tracerisk.ros.vendors.driver_search import shipped_drivers
 
     of_robots = _OF_ROBOTS.union(*(each.packages for each in shipped_drivers()))
     found = {}
@@ -198,8 +198,8 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
 def _hardware(robot: str) -> str | None:
     if "sim" in missing_extras():
         return None
-    from tracerisk.hardware.shipped import hardware_of
-    from tracerisk.hardware.starting_file import starting_description, starting_yaml
+    from tracerisk.common.hardware.shipped import hardware_of
+    from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
     from tracerisk.twin.robots.robot import load_robot
 
     try:

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.write import atomic_write
+from tracerisk.common.hardware.binding import bind
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, LogError, Readable
-from tracerisk.hardware.binding import bind
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -61,7 +61,7 @@ def write_pictures(
     Raises RenderError where nothing can be drawn on this machine, InputError where the folder
     cannot be written, LogError where the recording is not of the trace.
     """
-    from tracerisk.hardware.formats import load_hardware
+    from tracerisk.common.hardware.formats import load_hardware
     from tracerisk.report.png.drawn import drawn
     from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 

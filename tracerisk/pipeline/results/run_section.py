@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.hardware.binding import bind
+from tracerisk.common.hardware.binding import bind
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
 from tracerisk.report.html.run.replay import RecordedRun
 
 if TYPE_CHECKING:
-    from tracerisk.hardware.model import Hardware
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
     from tracerisk.twin.faults.fault import Fault

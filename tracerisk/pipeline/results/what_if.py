@@ -11,15 +11,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.errors import InputError, one_of
-from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.pipeline.stages import blocks_of, solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.questions.what_if import groups_of, value_of, with_values
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
-    from tracerisk.hardware.model import Component, Hardware
+    from tracerisk.common.hardware.model import Component, Hardware
     from tracerisk.pipeline.review.overview import KnownController
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel

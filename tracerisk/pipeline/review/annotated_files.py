@@ -8,9 +8,9 @@ from pathlib import PurePosixPath
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.history.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
-from tracerisk.source.language import is_c_like
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,12 @@ from typing import Any, get_args
 from tracerisk.adder.blocks.values import FieldKind, block_fields
 from tracerisk.adder.lock.digest import DigestReading
 from tracerisk.adder.lock.lock import WrittenBlock
+from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.prm.review.risk_change import Cause, ChangedField
-from tracerisk.source.code_digest import code_digest
-from tracerisk.source.language import is_c, is_c_like
 
 _OF_HARDWARE = frozenset({"hardware", "active"})
 

@@ -10,10 +10,10 @@ from typing import Protocol
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
+from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.evidence.cells import Evidence
+from tracerisk.common.evidence.file import loads_evidence
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.evidence import EVIDENCE_NAME
-from tracerisk.evidence.cells import Evidence
-from tracerisk.evidence.file import loads_evidence
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict

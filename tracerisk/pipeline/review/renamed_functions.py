@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.prm.review.risk_change import is_noise
-from tracerisk.source.language import is_c_like
 
 
 @dataclass(frozen=True, slots=True)

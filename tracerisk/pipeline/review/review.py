@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from tracerisk.common.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
+from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
-from tracerisk.outcome.kept import kept_outcome, kept_tolerances
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.annotated_files import annotated_files
@@ -30,7 +31,6 @@ from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
-from tracerisk.source.language import is_c
 from tracerisk.trace import FunctionRef
 
 

@@ -7,12 +7,12 @@ import os
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
 
-from tracerisk.evidence.cells import Cell, Evidence
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
-from tracerisk.source.code_digest import code_digest
-from tracerisk.source.language import is_c_like
 
 _OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
 """A delay is another one that is longer by this share and by so many seconds [s]."""

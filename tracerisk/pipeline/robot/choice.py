@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.limits import Limits
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
-from tracerisk.limits import Limits
+from tracerisk.instrument.source.dotted_names import imports_in
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
-from tracerisk.source.dotted_names import imports_in
-from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.robot import is_model_file
 
 if TYPE_CHECKING:

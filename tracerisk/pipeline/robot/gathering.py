@@ -37,13 +37,13 @@ from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import imported_names, named_packages, workspace_of
+from tracerisk.ros.vendors.driver_search import read_drivers, shipped_drivers
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken
 from tracerisk.twin.robots.prefix import prefix_in
 from tracerisk.twin.robots.robot_names import Hint, mentioned
 from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
 from tracerisk.twin.workspace.robot_of_workspace import find_workspace_robots
-from tracerisk.vendors.driver_search import read_drivers, shipped_drivers
 
 
 @dataclass(frozen=True, slots=True)

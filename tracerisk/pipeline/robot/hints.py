@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 
 from tracerisk.config import controller_root
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
 from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, declared_needs
@@ -20,7 +21,6 @@ from tracerisk.pipeline.workspace.workspace import (
     project_top,
     searched,
 )
-from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules, source_bytes
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import project_top
-from tracerisk.source.python_source import parsed
 from tracerisk.twin.robots.generic import names_asked
 from tracerisk.twin.robots.robot_names import words_in
 

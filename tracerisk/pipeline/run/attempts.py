@@ -6,9 +6,9 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from pathlib import Path
 
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.formats import load_hardware
 from tracerisk.pipeline.launch.choose import LaunchChoice
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.robot.scenario_settings import with_scenario

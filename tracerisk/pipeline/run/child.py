@@ -19,12 +19,18 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
+from tracerisk.common.sandbox.limited_process import lower_limit, mark_start
+from tracerisk.common.sandbox.moved_files import MovedFiles
+from tracerisk.common.sandbox.noted_reads import NotedReads
+from tracerisk.common.sandbox.overlay import Overlay
+from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import ExitCode, Location, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.marks.call_log import CALLS
 from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.recording import CELL, Recorder
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch.left_open import filled
@@ -99,25 +105,19 @@ from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.vendors.description import Driver
+from tracerisk.ros.vendors.description_reader import driver_of
+from tracerisk.ros.vendors.driver_search import definitions_of, read_drivers, shipped_drivers
+from tracerisk.ros.vendors.serving import serve_vendors
 from tracerisk.ros.world.connecting import ConnectionTimes
 from tracerisk.ros.world.start import started_in
 from tracerisk.ros.world.state_reads import StateReads
-from tracerisk.sandbox.limited_process import lower_limit, mark_start
-from tracerisk.sandbox.moved_files import MovedFiles
-from tracerisk.sandbox.noted_reads import NotedReads
-from tracerisk.sandbox.overlay import Overlay
-from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import EndCause
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.assumed_names import with_assumed_names
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.simulation.twin import Twin
-from tracerisk.vendors.description import Driver
-from tracerisk.vendors.description_reader import driver_of
-from tracerisk.vendors.driver_search import definitions_of, read_drivers, shipped_drivers
-from tracerisk.vendors.serving import serve_vendors
-from tracerisk.worlds.world import NOMINAL, world_named
 
 __all__ = ["main", "prepare"]
 _MB = 1024 * 1024

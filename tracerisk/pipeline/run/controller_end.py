@@ -15,16 +15,16 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import NoReturn
 
+from tracerisk.common.text.printable import cut, printable
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.source.python_2 import METHODS, NAMES
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.controller.removed_names import removed_name_hint
 from tracerisk.ros.time.scheduler import RunOver
-from tracerisk.source.python_2 import METHODS, NAMES
-from tracerisk.text.printable import cut, printable
 from tracerisk.trace import EndCause
 from tracerisk.twin.simulation.twin import Twin
 

@@ -14,9 +14,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import errors
+from tracerisk.common.limits import Limit, Sandbox
+from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.common.sandbox.process import (
+    OF_FORKED,
+    end,
+    is_contained,
+    passed_environment,
+    read_regular,
+)
+from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
 from tracerisk.errors import Location
-from tracerisk.limits import Limit, Sandbox
 from tracerisk.pipeline.run.child_output import PassingOn
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, ProcessEnd, RunOptions, ended_run
 from tracerisk.pipeline.run.run_folders import run_folders
@@ -33,9 +42,6 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
 from tracerisk.pipeline.workspace.workspace import project_top, workspace_of
-from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
-from tracerisk.sandbox.process import OF_FORKED, end, is_contained, passed_environment, read_regular
-from tracerisk.sandbox.process import start as start_process
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch.choose import LaunchChoice

@@ -9,7 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk import dependencies, errors
+from tracerisk import errors
+from tracerisk.common import dependencies
+from tracerisk.common.sandbox.process import regular_within
+from tracerisk.common.worlds.world import NOMINAL
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording, read_recording
@@ -37,9 +40,7 @@ from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, drafts_of
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
-from tracerisk.sandbox.process import regular_within
 from tracerisk.trace import RunEnd, Trace
-from tracerisk.worlds.world import NOMINAL
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller

@@ -9,11 +9,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
+from tracerisk.instrument.source.python_2 import python_2_hint, walk_with_guards
+from tracerisk.instrument.source.python_source import parse_source, parsed
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.ros.imports.vendor_libraries import remedy
-from tracerisk.source.python_2 import python_2_hint, walk_with_guards
-from tracerisk.source.python_source import parse_source, parsed
 
 
 @dataclass(frozen=True, slots=True)

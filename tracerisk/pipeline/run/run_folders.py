@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tracerisk import errors
+from tracerisk.common.sandbox.scratch import new_scratch, remove_scratch
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import MOST_ROWS, MOST_TEXT
-from tracerisk.sandbox.scratch import new_scratch, remove_scratch
 
 
 @contextlib.contextmanager

@@ -11,11 +11,11 @@ from contextlib import AbstractContextManager
 from sys import _getframe
 from typing import Any
 
+from tracerisk.common.sandbox.replaced_names import replaced
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.needs import KEYS, Need
 from tracerisk.ros.time.scheduler import Scheduler
-from tracerisk.sandbox.replaced_names import replaced
 
 STDIN = 0
 _PRESSED_EACH_NS = 1_000_000_000

@@ -8,7 +8,9 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
+from tracerisk.instrument.source.service_types import lines_of_function, service_type
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
@@ -19,8 +21,6 @@ from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.scenario.lines import scenario_lines
-from tracerisk.source.service_types import lines_of_function, service_type
-from tracerisk.text.near_names import likely_meant
 from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it

@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.ros.drafts.named_numbers import Reach, named_number, numbers_in_place, units_said
 from tracerisk.ros.drafts.said_around import lines_with
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import parsed
 from tracerisk.trace import RunEnd
 
 _OF_ARGUMENTS = re.compile(r"arg")

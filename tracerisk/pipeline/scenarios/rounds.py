@@ -13,6 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError, ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
@@ -46,8 +48,6 @@ from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
-from tracerisk.sandbox.fork_server import several_come
-from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import UNUSED, Trace
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import plain
 from tracerisk.ros.scenario.lines import plain_lines, sections_text
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
 
 
 def with_entries(

@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.ros.transforms.poses import compose, quaternion_from_rpy, rpy_from_quaternion
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import parsed
 from tracerisk.twin.physics.motion import Pose
 
 PROGRAM = "static_transform_publisher"

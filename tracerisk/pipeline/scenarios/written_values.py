@@ -16,6 +16,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.yaml_reader import plain_yaml
+from tracerisk.instrument.source.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.scenarios.written_frames import (
     COMMAND,
@@ -27,8 +29,6 @@ from tracerisk.pipeline.scenarios.written_frames import (
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.controller.needs import Need
-from tracerisk.source.filled_messages import filled_fields, plain_value
-from tracerisk.text.yaml_reader import plain_yaml
 
 _MOST_FILES = 4000
 _MOST_BYTES = 512 * 1024

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.gripper_ends import pad_centres
 

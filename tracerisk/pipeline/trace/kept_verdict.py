@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.records import replace
+from tracerisk.common.records import replace
 from tracerisk.trace import Verdict
 
 _VERDICT = "verdict"
@@ -17,7 +17,7 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
     """Return what the lock keeps of a verdict; nothing where none is known."""
     if verdict is None:
         return {}
-    from tracerisk.trace_json import plain_data
+    from tracerisk.common.trace_json import plain_data
 
     reasons = tuple(
         replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
@@ -56,6 +56,6 @@ def kept_verdict(entry: ControllerLock | None) -> Verdict | None:
     """
     if entry is None or not isinstance(entry.trace.get(_VERDICT), Mapping):
         return None
-    from tracerisk.trace_json import verdict_of_data
+    from tracerisk.common.trace_json import verdict_of_data
 
     return verdict_of_data(entry.trace[_VERDICT])

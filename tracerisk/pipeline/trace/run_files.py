@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.read_back import read_back
+from tracerisk.common.worlds.world import NOMINAL
 from tracerisk.pipeline.launch_files.records import LaunchSetup
 from tracerisk.pipeline.workspace.prefixes import Prefix
 from tracerisk.pipeline.workspace.ros_distro import DistroChoice
-from tracerisk.text.read_back import read_back
 from tracerisk.twin.faults.fault import Fault
-from tracerisk.worlds.world import NOMINAL
 
 MOST_TEXT = 512 * 1024**2
 """How large a file of a recording may be that holds text [bytes]."""

@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tracerisk.common.hardware.shipped import is_shipped
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
-from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.commands import traced_commands
 from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
+from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
+from tracerisk.instrument.source.python_source import MODULE_NAME
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
@@ -33,8 +35,6 @@ from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
-from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
-from tracerisk.source.python_source import MODULE_NAME
 from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from tracerisk.common.records import dataclass
+from tracerisk.common.text.patterns import pattern
 from tracerisk.config import loads_toml
-from tracerisk.records import dataclass
-from tracerisk.text.patterns import pattern
 
 # Bounded throughout, so that no text takes long.
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".

@@ -8,12 +8,12 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from tracerisk.common.records import dataclass, field, replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, Readable
-from tracerisk.records import dataclass, field, replace
-from tracerisk.source.language import is_c
-from tracerisk.source.named_literals import counted_names
-from tracerisk.text.patterns import pattern
+from tracerisk.instrument.source.language import is_c
+from tracerisk.instrument.source.named_literals import counted_names
 
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
 _RELAY = pattern(
@@ -158,7 +158,7 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
     """
     # Where blocks alone are asked for, no source is parsed.
-    from tracerisk.source.python_source import parse_source, parsed, texts_in
+    from tracerisk.instrument.source.python_source import parse_source, parsed, texts_in
 
     tree = parsed(controller.source)
     if tree is None:

@@ -15,7 +15,7 @@ from tracerisk.pipeline.workspace.workspace import (
     project_top,
     searched,
 )
-from tracerisk.vendors.driver_search import (
+from tracerisk.ros.vendors.driver_search import (
     ENDING,
     definitions_of,
     installed_files,
@@ -25,7 +25,7 @@ from tracerisk.vendors.driver_search import (
 
 if TYPE_CHECKING:
     from tracerisk.ros.robot.messages import TwinMessages
-    from tracerisk.vendors.description import Driver
+    from tracerisk.ros.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
 
@@ -51,7 +51,7 @@ def check_driver(path: Path) -> Driver:
     from tracerisk.ros.messages.ros1 import Interfaces
     from tracerisk.ros.messages.ros2 import Interfaces2
     from tracerisk.ros.robot.messages import TwinMessages
-    from tracerisk.vendors.description_reader import read_driver
+    from tracerisk.ros.vendors.description_reader import read_driver
 
     driver = read_driver(path)
     own = find_workspace(controller_root(path)).interfaces
@@ -69,7 +69,11 @@ def check_driver(path: Path) -> Driver:
 
 
 def _check(driver: Driver, messages: TwinMessages) -> None:
-    from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
+    from tracerisk.ros.vendors.interface_checks import (
+        check_interface,
+        types_in_use,
+        unknown_package,
+    )
 
     for each in driver.interfaces:
         for type_name in types_in_use(driver, each, messages):

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
-from tracerisk.source.python_source import parsed
 
 _MAIN = "main"
 

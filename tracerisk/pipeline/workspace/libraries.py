@@ -24,9 +24,10 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.common.limits import is_secret
+from tracerisk.common.text.patterns import pattern
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
-from tracerisk.limits import is_secret
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
 from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
@@ -36,7 +37,6 @@ from tracerisk.pipeline.workspace.workspace import (
     project_top,
     searched,
 )
-from tracerisk.text.patterns import pattern
 
 _OF_OTHERS = frozenset(
     {"3rdparty", "_vendor", "extern", "external", "third_party", "thirdparty", "vendor", "vendored"}

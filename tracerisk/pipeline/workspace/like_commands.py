@@ -7,10 +7,10 @@ import re
 from collections.abc import Collection, Iterable, Iterator
 
 from tracerisk.instrument.motion_calls import is_like_command
+from tracerisk.instrument.source.dotted_names import dotted_name
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.provided import SIGNATURES, named_calls
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.source.dotted_names import dotted_name
-from tracerisk.source.python_source import parsed
 
 _SENDING = frozenset({"publish", "call", "call_async"})
 """Last names of calls whose meaning lies in the type of what they send."""

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.errors import Location
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
 from tracerisk.ros.controller.needs import Missed, Need
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import parsed
-from tracerisk.source.ros_version import ros_version
 
 _SIGNATURES: dict[int, dict[str, Signature]] = {
     1: {

@@ -7,11 +7,11 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
+from tracerisk.common.records import replace
+from tracerisk.instrument.source.dotted_names import imports_in
+from tracerisk.instrument.source.python_source import decoded, parsed
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
-from tracerisk.records import replace
-from tracerisk.source.dotted_names import imports_in
-from tracerisk.source.python_source import decoded, parsed
 
 _MOST_MODULES = 100
 

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
-from tracerisk.text.patterns import pattern
+from tracerisk.common.text.patterns import pattern
 
 PACKAGE_FILE = "package.xml"
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})

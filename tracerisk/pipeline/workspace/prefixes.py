@@ -20,15 +20,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.pipeline.workspace.package_folders import (
-    NOT_SEARCHED,
-    PACKAGE_FILE,
-    head_of,
-    name_of,
-    packages_below,
-)
-from tracerisk.records import dataclass, replace
-from tracerisk.sandbox.ros_prefix import (
+from tracerisk.common.records import dataclass, replace
+from tracerisk.common.sandbox.ros_prefix import (
     AMENT_INDEX,
     CATKIN_MARK,
     COLCON_PACKAGES,
@@ -36,7 +29,14 @@ from tracerisk.sandbox.ros_prefix import (
     is_prefix,
     prefix_folders,
 )
-from tracerisk.text.patterns import pattern
+from tracerisk.common.text.patterns import pattern
+from tracerisk.pipeline.workspace.package_folders import (
+    NOT_SEARCHED,
+    PACKAGE_FILE,
+    head_of,
+    name_of,
+    packages_below,
+)
 
 RosVersion = Literal[1, 2]
 

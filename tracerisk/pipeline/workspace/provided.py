@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import texts_in
 from tracerisk.ros.controller.needs import Need, NeedKind
-from tracerisk.source.dotted_names import last_name
-from tracerisk.source.python_source import texts_in
 
 
 @dataclass(frozen=True, slots=True)

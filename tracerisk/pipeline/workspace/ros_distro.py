@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings, setting_origins
 from tracerisk.errors import SettingsError
+from tracerisk.instrument.source.ros_version import RosVersion, ros_version
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import project_top, searched
-from tracerisk.source.ros_version import RosVersion, ros_version
-from tracerisk.text.patterns import pattern
 
 _SERVED: dict[RosVersion, dict[str, RosDistro]] = {
     1: {

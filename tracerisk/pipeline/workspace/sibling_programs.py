@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.source.python_source import parsed
 
 _MOST = 40
 _MOST_BYTES = 256 * 1024

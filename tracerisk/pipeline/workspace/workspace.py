@@ -9,7 +9,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from tracerisk.common.records import dataclass, replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.config import Settings
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import (
     ENVIRONMENT,
@@ -20,9 +23,6 @@ from tracerisk.pipeline.workspace.package_folders import (
     packages_below,
 )
 from tracerisk.pipeline.workspace.prefixes import Prefix, find_prefixes, installed_packages
-from tracerisk.records import dataclass, replace
-from tracerisk.source.ros_version import ros_version
-from tracerisk.text.patterns import pattern
 
 _INTERFACES = ("msg", "srv", "action")
 TESTS = frozenset({"test", "tests"})

@@ -9,9 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.outcome.changes import Tolerances
+from tracerisk.common.sandbox.scratch import scratch
+from tracerisk.common.worlds.world import World, world_named
+from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
-from tracerisk.outcome.changes import Tolerances
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again, nominal_mission
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import stated
@@ -23,10 +26,7 @@ from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.trace.run_files import EVENTS, LOST_ON_THE_WAY
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.worlds.comparison import Lost, compared, is_endless
-from tracerisk.sandbox.scratch import scratch
 from tracerisk.trace import Trace
-from tracerisk.worlds.world import World, world_named
-from tracerisk.worlds.world_run import WorldRun
 
 _MORE, _MORE_S = 1.1, 3.0
 """A loop without an end goes on for so many times as long as in the run itself, and more [s]."""

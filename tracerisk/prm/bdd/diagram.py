@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
@@ -12,7 +13,6 @@ from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

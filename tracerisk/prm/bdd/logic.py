@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from operator import neg
 
+from tracerisk.common.records import dataclass
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

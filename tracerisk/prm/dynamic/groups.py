@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+from tracerisk.common.strong_components import reached
 from tracerisk.prm.dynamic.elements import DynamicGate
-from tracerisk.strong_components import reached
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.tree import DynamicTree

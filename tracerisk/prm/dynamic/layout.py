@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import reached
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.dynamic.elements import (
     Dependency,
@@ -16,7 +17,6 @@ from tracerisk.prm.dynamic.elements import (
 )
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.strong_components import reached
 
 SAFE, FAILED, GONE = 253, 254, 255
 """Never to fail any more; failed; of no account any more. Below them an element can still fail.

@@ -5,7 +5,7 @@ It has one point value, in which a deviate stands for its mean, and can be sampl
 Names and semantics follow the Open-PSA Model Exchange Format 2.0d.
 """
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

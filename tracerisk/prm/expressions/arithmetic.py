@@ -7,9 +7,9 @@ import operator
 from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions.node import Expression
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

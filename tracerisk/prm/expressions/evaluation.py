@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+from tracerisk.common.records import dataclass, field
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions.node import Expression, MissionTime, Reference
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.records import dataclass, field
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """The formats in which models and assessments leave and enter."""
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

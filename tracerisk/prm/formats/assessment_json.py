@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from tracerisk.common.text.finite import finite
 from tracerisk.prm.hybrid.assessment import Assessment
-from tracerisk.text.finite import finite
 
 
 def assessment_to_json(assessment: Assessment) -> dict[str, Any]:

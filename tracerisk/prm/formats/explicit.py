@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 
+from tracerisk.common.text.bounded import whole_number
 from tracerisk.errors import Location, ModelError, TooLargeError
 from tracerisk.prm.formats.explicit_chain import (
     INITIAL,
@@ -20,7 +21,6 @@ from tracerisk.prm.formats.explicit_chain import (
     names_from_labels,
 )
 from tracerisk.prm.numbers.gc_pause import collection_paused
-from tracerisk.text.bounded import whole_number
 
 MOST_STATES = 2_000_000
 MOST_TRANSITIONS = 8_000_000

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from tracerisk.dependencies import require_large
+from tracerisk.common.dependencies import require_large
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.markov import ContinuousChain, MarkovChain
 

@@ -11,11 +11,11 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import strong_components
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
 from tracerisk.prm.hybrid.hidden_states import HiddenStates
 from tracerisk.prm.numbers.elimination import Elimination, Pattern
 from tracerisk.prm.numbers.probability import Probability, log_complement, total
-from tracerisk.strong_components import strong_components
 
 _MOST_SQUARED = 32
 """Up to how many hidden states many rounds are found by squaring the way from round to round."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from tracerisk.common.strong_components import reached, strong_components
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.hybrid.latent_units import check_latent
 from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.numbers.quantities import check_names
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
-from tracerisk.strong_components import reached, strong_components
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.building import Following

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import joined_parts
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
 from tracerisk.prm.hybrid.fixed_cycles import (
     Loop,
@@ -22,7 +23,6 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, at_least, log_complement, pair_of
 from tracerisk.prm.trees.spares import SpareGroup, Spares
-from tracerisk.strong_components import joined_parts
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from tracerisk.common.strong_components import upwards
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, MissionTime, Number
 from tracerisk.prm.linked.chain_solution import ChainToSolve, chain_to_solve
@@ -21,7 +22,6 @@ from tracerisk.prm.linked.links import ElementKey, Link, Occupancy, leaf_key
 from tracerisk.prm.linked.tree_solution import TreeToSolve, tree_to_solve
 from tracerisk.prm.notebook.display import AsGraph
 from tracerisk.prm.numbers.quantities import check_names
-from tracerisk.strong_components import upwards
 
 if TYPE_CHECKING:
     from tracerisk.prm.linked.solution import LinkedSolution

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tracerisk.common.strong_components import upwards
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.expressions.rules import along, within
@@ -15,7 +16,6 @@ from tracerisk.prm.linked.links import Link
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate, gate_shares, slopes, swept
-from tracerisk.strong_components import upwards
 
 if TYPE_CHECKING:
     from tracerisk.prm.bdd import SharedTree

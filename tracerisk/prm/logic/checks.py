@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from tracerisk.common.records import fields, is_dataclass
+from tracerisk.common.strong_components import upwards
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, Number, depends_on_mission_time, references
 from tracerisk.prm.trees.gates import check_gate
-from tracerisk.records import fields, is_dataclass
-from tracerisk.strong_components import upwards
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

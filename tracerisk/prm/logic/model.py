@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from tracerisk.common.records import dataclass, field, replace
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
 from tracerisk.prm.logic.checks import ALWAYS as ALWAYS
@@ -12,7 +13,6 @@ from tracerisk.prm.logic.checks import ElementError as ElementError
 from tracerisk.prm.logic.checks import check_model
 from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate
-from tracerisk.records import dataclass, field, replace
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

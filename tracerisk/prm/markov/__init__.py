@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.chain import MarkovChain

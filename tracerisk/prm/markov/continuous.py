@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import reached
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.markov.chain import (
     MarkovChain,
@@ -19,7 +20,6 @@ from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.stationary import stationary
 from tracerisk.prm.markov.uniformisation import distribution_at
-from tracerisk.strong_components import reached
 
 
 @dataclass(frozen=True, slots=True)

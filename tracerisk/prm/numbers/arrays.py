@@ -1,6 +1,6 @@
 """NumPy, for samples and large models; where it is not installed, the error names the extra."""
 
-from tracerisk.dependencies import require_large
+from tracerisk.common.dependencies import require_large
 
 require_large("numpy")
 

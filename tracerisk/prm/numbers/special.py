@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.dependencies import require_large
+from tracerisk.common.dependencies import require_large
 
 
 def special() -> Any:

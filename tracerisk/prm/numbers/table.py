@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from tracerisk.common.records import dataclass, fields
 from tracerisk.errors import ModelError, one_of
-from tracerisk.records import dataclass, fields
 
 if TYPE_CHECKING:
     import numpy as np

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from tracerisk.strong_components import strong_components
+from tracerisk.common.strong_components import strong_components
 
 Rows = Sequence[Mapping[int, float]]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
+from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.errors import Location
-from tracerisk.outcome.changes import OutcomeChanges
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
 from tracerisk.trace import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
 

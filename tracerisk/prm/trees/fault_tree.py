@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from operator import mul
 
+from tracerisk.common.records import dataclass, field
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.numbers.gc_pause import collection_paused
@@ -16,7 +17,6 @@ from tracerisk.prm.numbers.probability import Probability, pair_of, total, value
 from tracerisk.prm.numbers.quantities import check_mission_time
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
-from tracerisk.records import dataclass, field
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.trees.fault_tree import FaultTree
-from tracerisk.records import dataclass, replace
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

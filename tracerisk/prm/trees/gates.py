@@ -13,9 +13,9 @@ import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import accumulate
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability, at_least, counted, deciding
-from tracerisk.records import dataclass
 
 
 class GateKind(enum.Enum):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.trees.gates import Gate, check_gate
-from tracerisk.records import dataclass
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracerisk.outcome.changes import OutcomeChanges
+from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.instrument.source.language import is_c
 from tracerisk.prm.review.risk_change import (
     NOISE,
     CauseShare,
@@ -18,7 +19,6 @@ from tracerisk.prm.review.risk_change import (
     is_noise,
     ratio_of,
 )
-from tracerisk.source.language import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 OF_RUN = "What the run showed that it did not before"

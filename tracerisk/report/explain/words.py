@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tracerisk.adder.figures.derivation import ComponentDerivation, GroupDerivation, TermDerivation
-from tracerisk.hardware.model import Basis, FailureFigure, LoadLaw
+from tracerisk.common.hardware.model import Basis, FailureFigure, LoadLaw
 
 _SPANS = {Basis.MINUTE: "60 s", Basis.HOUR: "3600 s"}
 _DEMANDS = {"start": "motions begun", "grasp": "grasps", "release": "releases"}

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 from xml.etree.ElementTree import SubElement
 
-from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
+from tracerisk.common.evidence.cells import EFFECTS, Cell, Evidence
 from tracerisk.report.fmea import WORDS, end_effect, fmea_rows, summary_lines
 from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from tracerisk.common.hardware.model import Hardware
 from tracerisk.errors import Location
-from tracerisk.hardware.model import Hardware
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.risk_change import Review

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tracerisk.geometry.rotation import Vector
+from tracerisk.common.geometry.rotation import Vector
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.placement import Placed, corners
 

@@ -19,8 +19,8 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
+from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.report.png.film_child import framed, write_gif, write_mp4
-from tracerisk.sandbox.limited_process import mark_start
 
 READY = "ready"
 _OVERSAMPLED = 2  # drawn larger and scaled down: edges are smooth whatever the driver offers

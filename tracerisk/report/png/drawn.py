@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.limits import Limit, Limits
+from tracerisk.common.records import picked
+from tracerisk.common.sandbox.limited_process import run_limited
 from tracerisk.errors import RenderError
-from tracerisk.limits import Limit, Limits
-from tracerisk.records import picked
 from tracerisk.report.png.pictures import Picture
-from tracerisk.sandbox.limited_process import run_limited
 
 BACKENDS = ("egl", "osmesa")
 """Ways to draw without a screen, in the order in which they are tried."""

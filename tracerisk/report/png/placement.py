@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.geometry.rotation import Quaternion, Vector, product, quaternion_of, rotated
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.rotation import Quaternion, Vector, product, quaternion_of, rotated
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body
 
 

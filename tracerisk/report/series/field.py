@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tracerisk.field.profile import Estimate, FieldProfile
+from tracerisk.common.field.profile import Estimate, FieldProfile
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import Column, counted, render_table
-from tracerisk.text.paper import PAPER, Paper
 
 
 def render_field(found: FieldProfile, paper: Paper = PAPER) -> str:

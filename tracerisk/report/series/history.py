@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.review.risk_change import WORKING_TREE
 from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
-from tracerisk.text.paper import PAPER, Paper
 from tracerisk.trace import Verdict, kind_of
 
 if TYPE_CHECKING:

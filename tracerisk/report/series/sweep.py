@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import csv_of, rendered, share_text, table_of
-from tracerisk.text.paper import PAPER, Paper
 
 _WIDTH, _HEIGHT = 640.0, 360.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 84.0, 20.0, 24.0, 56.0

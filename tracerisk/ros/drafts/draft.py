@@ -7,7 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.compared_values import (
+    compared_in_callback,
+    compared_in_file,
+    ordered_answers,
+    source_tree,
+    without_emergency,
+)
+from tracerisk.instrument.source.filled_messages import listed_names
+from tracerisk.instrument.source.known_keys import known_keys
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver
@@ -27,16 +37,6 @@ from tracerisk.ros.messages.fields import (
     type_of,
 )
 from tracerisk.ros.messages.pictures import PICTURE
-from tracerisk.source.compared_values import (
-    compared_in_callback,
-    compared_in_file,
-    ordered_answers,
-    source_tree,
-    without_emergency,
-)
-from tracerisk.source.filled_messages import listed_names
-from tracerisk.source.known_keys import known_keys
-from tracerisk.text.near_names import likely_meant
 from tracerisk.twin.physics.motion import Pose
 
 SECTIONS: Mapping[NeedKind, str] = {

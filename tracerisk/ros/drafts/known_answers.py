@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator
 
 from tracerisk.errors import Location
+from tracerisk.instrument.source.compared_values import comparisons, ordered_answers
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.ros.drafts.asked_results import (
     calls_of,
     compared_results,
@@ -15,8 +17,6 @@ from tracerisk.ros.drafts.asked_results import (
 )
 from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import UsableValues
-from tracerisk.source.compared_values import comparisons, ordered_answers
-from tracerisk.source.dotted_names import dotted_name, last_name
 
 _OPTION = re.compile(r"^\s*[\[(]?(\w{1,2})(?:[\])]|[.:]\s|\s+[-=:]\s)\s*(\S.*)$", re.MULTILINE)
 _LEAVES = re.compile(r"\b(quit|exit|leave|end|stop|back|cancel)\b", re.IGNORECASE)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from tracerisk.instrument.source.compared_values import Compared
 from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
 from tracerisk.ros.drafts.named_numbers import Reach, Units, named_number, units_of, units_said
 from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw
@@ -29,7 +30,6 @@ from tracerisk.ros.messages.fields import (
     type_of,
 )
 from tracerisk.ros.transforms.poses import compose, inverse
-from tracerisk.source.compared_values import Compared
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Group, Joint, Robot
 from tracerisk.twin.urdf.text import urdf_text

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.ros.transforms.poses import compose, quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.physics.scene_body import HalfSpace, SceneBody

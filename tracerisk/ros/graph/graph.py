@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from tracerisk.common.worlds.world import NOMINAL, World
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
 from tracerisk.ros.controller.node_process import NodeProcess
@@ -26,7 +27,6 @@ from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.ros.world.carrier import Carrier
 from tracerisk.ros.world.connecting import ConnectionTimes, EndKind
-from tracerisk.worlds.world import NOMINAL, World
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.action_goal import ActionGoal

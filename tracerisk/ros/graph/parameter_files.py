@@ -8,10 +8,10 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.common.text.yaml_repeated_keys import OF_NODE
 from tracerisk.errors import Location, ScenarioError
 from tracerisk.ros.graph.parameters import ParameterTree
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
-from tracerisk.text.yaml_repeated_keys import OF_NODE
 
 EVERY_NODE = "/**"
 _EVERY = frozenset({EVERY_NODE, "/*", "**", "*"})

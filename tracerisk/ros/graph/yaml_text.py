@@ -20,8 +20,8 @@ def load_yaml(text: str) -> Any:
     """
     from ruamel.yaml.error import YAMLError
 
-    from tracerisk.text.yaml_bounds import bounded_yaml
-    from tracerisk.text.yaml_repeated_keys import fold_repeated
+    from tracerisk.common.text.yaml_bounds import bounded_yaml
+    from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 
     root = bounded_yaml("safe", (1, 1)).compose(text)
     if root is None:

@@ -16,8 +16,8 @@ from functools import lru_cache
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.ros.controller.removed_names import REMOVED_MODULES
-from tracerisk.source.python_source import parsed
 
 VENDOR_LIBRARIES = frozenset(
     {

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from typing import Any
 
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import one_of
-from tracerisk.text.yaml_reader import YamlMap
 
 PICTURE = "picture"
 """The key that stands in a message for the fields which a picture fills."""

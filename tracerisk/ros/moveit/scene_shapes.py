@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.transforms.poses import (
     IDENTITY,

@@ -7,6 +7,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.actions import Actions
@@ -17,7 +18,6 @@ from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import full_name, interface_type, written_at
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.scenario.topics import NODE
-from tracerisk.text.yaml_reader import YamlMap
 
 _KEYS = {"service": "request", "action": "goal"}
 _LOOK_NS = 500_000_000

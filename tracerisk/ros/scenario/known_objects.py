@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import ScenarioError, one_of
-from tracerisk.geometry.shapes import Shape
 from tracerisk.ros.messages.fields import constants_of
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.scenario.objects import is_known, shape_of
 from tracerisk.ros.transforms.poses import quaternion_from_rpy
-from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Robot
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location
-from tracerisk.text.yaml_reader import YamlMap
 
 MARK = "# assumed"
 """What the comment of an unconfirmed line begins with."""

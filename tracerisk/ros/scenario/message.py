@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.fields import (
@@ -19,7 +20,6 @@ from tracerisk.ros.messages.fields import (
 )
 from tracerisk.ros.messages.pictures import PICTURE, picture_fields
 from tracerisk.ros.time.clock import EPOCH_NS
-from tracerisk.text.yaml_reader import YamlMap
 
 _DRAWN = {"sensor_msgs/Image": False, "sensor_msgs/CompressedImage": True}
 """What a picture can be written for, and whether it is a file of its own."""

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location, ScenarioError, one_of
-from tracerisk.geometry.shapes import Shape
-from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
 from tracerisk.twin.robots.robot import Robot

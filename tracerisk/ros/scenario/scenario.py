@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from tracerisk.acceptances import read_acceptances
+from tracerisk.common.acceptances import read_acceptances
+from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.graph.parameter_files import Parameter, parameters_of
 from tracerisk.ros.scenario.marks import Unconfirmed, entry_name, unconfirmed
 from tracerisk.ros.scenario.message import Written
 from tracerisk.ros.scenario.success import Condition, read_condition
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.trace import Acceptance
 
 Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]

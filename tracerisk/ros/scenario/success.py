@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location
-from tracerisk.text.yaml_reader import YamlMap
 
 ConditionKind = Literal[
     "object",

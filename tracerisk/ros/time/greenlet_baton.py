@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
-from tracerisk import dependencies
+from tracerisk.common import dependencies
 from tracerisk.ros.controller.thread import ControllerThread
 
 _LOCALS_ARE_KEPT = sys.version_info < (3, 13)

@@ -23,6 +23,7 @@ from importlib.machinery import ExtensionFileLoader
 from sys import _getframe
 from typing import Any
 
+from tracerisk.common.sandbox.replaced_names import replaced
 from tracerisk.ros.controller.frames import is_quiet
 from tracerisk.ros.controller.thread import RunOver
 from tracerisk.ros.time.alarm import VirtualAlarm
@@ -32,7 +33,6 @@ from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
 from tracerisk.ros.time.selector import VirtualSelector
 from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter, for_controller
-from tracerisk.sandbox.replaced_names import replaced
 
 _HANDLED = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2})
 """The signals that a controller may send itself and handle."""

@@ -9,11 +9,11 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.worlds.world import World
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.ros.world.connecting import ConnectionTimes, Early, EndKind
-from tracerisk.worlds.world import World
 
 _LONG_PLANS = 0.75  # of the range of times that a plan takes: where long ones begin
 _MOST_LOST = 20  # of one run: the first say what is wrong

@@ -6,9 +6,9 @@ from collections.abc import Collection
 from dataclasses import replace
 from types import MappingProxyType
 
+from tracerisk.common.worlds.world import World
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Robot
-from tracerisk.worlds.world import World
 
 
 def started_in(world: World, robot: Robot, given: Collection[str]) -> Robot:

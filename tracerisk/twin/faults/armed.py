@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.hardware.model import CONTROL, POWER
+from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.motion import STEP_NS
 from tracerisk.twin.robots.gripper_ends import gripper_ends

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast, get_args
 
+from tracerisk.common.hardware.model import CONTROL, FAULTS, POWER, FaultMode
 from tracerisk.errors import InputError, one_of
-from tracerisk.hardware.model import CONTROL, FAULTS, POWER, FaultMode
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot

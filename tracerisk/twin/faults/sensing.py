@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.hardware.model import FaultMode
+from tracerisk.common.hardware.model import FaultMode
 from tracerisk.twin.faults.armed import encoder_offset
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.motion import JointState

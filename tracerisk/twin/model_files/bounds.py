@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import roll_pitch_yaw, triple
-from tracerisk.geometry.shapes import Shape, ShapeKind
+from tracerisk.common.geometry.frames import roll_pitch_yaw, triple
+from tracerisk.common.geometry.shapes import Shape, ShapeKind
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
 
 _MOST = {"bodies": 500, "joints": 300, "geoms": 5000, "actuators": 300}
 

@@ -16,9 +16,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from tracerisk.common.geometry.frames import Triple, about, matrix_of, roll_pitch_yaw, triple
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import Location, RobotError
-from tracerisk.geometry.frames import Triple, about, matrix_of, roll_pitch_yaw, triple
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.model_files.mjcf_joints import BALL, FREE, HINGE, SLIDE, Drives, drives_of
 from tracerisk.twin.model_files.mjcf_model import Data, MjcfModel, shape_of
 from tracerisk.twin.robots.outline import outlined

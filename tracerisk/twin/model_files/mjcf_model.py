@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.geometry.frames import matrix_of, roll_pitch_yaw
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.limits import DEFAULT_LIMITS, Limits
+from tracerisk.common.sandbox.limited_process import last_words, run_limited
 from tracerisk.errors import Location, RobotError
-from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw
-from tracerisk.geometry.shapes import Shape
-from tracerisk.limits import DEFAULT_LIMITS, Limits
-from tracerisk.sandbox.limited_process import last_words, run_limited
 from tracerisk.twin.model_files.mjcf_document import MjcfDocument, error_of_mujoco
 from tracerisk.twin.urdf.urdf import placed
 

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.limits import DEFAULT_LIMITS, Limits
 from tracerisk.errors import Location, RobotError, one_of
-from tracerisk.geometry.shapes import Shape
-from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.model_files.mjcf import mjcf_robot
 from tracerisk.twin.model_files.mjcf_document import read_mjcf_document
 from tracerisk.twin.model_files.mjcf_model import compiled_mjcf, mesh_shapes

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from tracerisk.common.sandbox.ros_prefix import readable_folders
 from tracerisk.errors import Location, RobotError
-from tracerisk.sandbox.ros_prefix import readable_folders
 from tracerisk.twin.urdf.xml_reader import MOST_BYTES, XmlElement
 
 _PACKAGE_SCHEMES = ("package", "model")

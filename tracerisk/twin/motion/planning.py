@@ -13,8 +13,8 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.geometry.frames import triple
 from tracerisk.errors import one_of
-from tracerisk.geometry.frames import triple
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Bounds, Kinematics, turned_near
 from tracerisk.twin.motion.plausible_units import shown_limits

@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.common.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
-from tracerisk.geometry.rotation import quaternion_of
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.physics.motion import STEP_S
 from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import Location, LogError
-from tracerisk.geometry.shapes import Shape
-from tracerisk.text.read_back import read_back
 
 _BODIES = "declared.jsonl"
 _POSES = "declared_poses.bin"

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.geometry.frames import triple
 from tracerisk.errors import TraceRiskError
-from tracerisk.geometry.frames import triple
 
 STEP_NS = 2_000_000
 """The step of the simulation [ns]."""

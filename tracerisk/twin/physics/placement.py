@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.trace import ObjectOffset
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.physics.scene import Goal, GraspableObject

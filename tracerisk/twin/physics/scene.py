@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from tracerisk.common.geometry.shapes import Shape, read_shapes
+from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import RobotError, one_of
-from tracerisk.geometry.shapes import Shape, read_shapes
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
 
 SHIPPED_SCENES = Path(__file__).parent / "scenes"
 """Where the files of the shipped scenes are."""

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
-from tracerisk.geometry.shapes import Shape
 from tracerisk.twin.physics.builder import add_geom, shape_volume
 from tracerisk.twin.physics.motion import Pose
 

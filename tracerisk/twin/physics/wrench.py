@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import Triple, triple
+from tracerisk.common.geometry.frames import Triple, triple
 
 Array = NDArray[np.float64]
 

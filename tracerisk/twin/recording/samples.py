@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.sandbox.process import read_regular
+from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import Location, LogError
-from tracerisk.sandbox.process import read_regular
-from tracerisk.text.read_back import read_back
 from tracerisk.twin.physics.declared_log import DECLARED_FILES, DeclaredLogWriter
 from tracerisk.twin.recording.contact_log import ContactLog, ContactLogWriter, read_contacts
 

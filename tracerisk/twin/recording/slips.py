@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import matrix_of, rotation
-from tracerisk.outcome.arm import tool_pose
+from tracerisk.common.geometry.frames import matrix_of, rotation
+from tracerisk.common.outcome.arm import tool_pose
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples

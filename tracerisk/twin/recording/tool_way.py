@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import rotation, skew
-from tracerisk.outcome.arm import Arm, ArmFrame, Position
+from tracerisk.common.geometry.frames import rotation, skew
+from tracerisk.common.outcome.arm import Arm, ArmFrame, Position
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Attachment, Robot

@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from types import MappingProxyType
 
-from tracerisk.geometry.shapes import Shape
-from tracerisk.source.python_source import parsed
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
 from tracerisk.twin.robots.robot import Controller, Group, Robot
 

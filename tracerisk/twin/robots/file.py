@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tracerisk.text.read_back import read_back
+from tracerisk.common.text.read_back import read_back
 from tracerisk.twin.robots.robot import Robot
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracerisk.geometry.frames import Matrix, about, rotation
+from tracerisk.common.geometry.frames import Matrix, about, rotation
 from tracerisk.twin.robots.robot import Gripper, Robot
 
 _ALIKE_M = 1e-4  # ends at which the pads are as far apart do not differ [m]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from tracerisk.geometry.frames import rotation
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.outline import weight_behind
 from tracerisk.twin.robots.prefix import prefix_in, with_prefix

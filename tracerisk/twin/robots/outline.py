@@ -9,8 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from tracerisk.geometry.frames import Triple, rotation, triple
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.frames import Triple, rotation, triple
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Attachment, Link, Servo
 
 _SHORTEST = 0.005  # a frame nearer than this to its parent has no length to fill [m]

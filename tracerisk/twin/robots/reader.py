@@ -9,9 +9,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
 
+from tracerisk.common.geometry.shapes import read_shapes
+from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.errors import RobotError, one_of
-from tracerisk.geometry.shapes import read_shapes
-from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,

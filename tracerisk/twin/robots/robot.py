@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError, one_of
-from tracerisk.geometry.shapes import Shape
 from tracerisk.trace import Element
 from tracerisk.twin.robots.sensors import Sensor, joint_sensor
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
 
-from tracerisk.text.yaml_reader import YamlMap
+from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.trace import Element, SensorKind
 
 IN_JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")

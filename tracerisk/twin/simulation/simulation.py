@@ -8,9 +8,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.geometry.shapes import is_round
+from tracerisk.common.outcome.outcome import FLOOR
 from tracerisk.errors import RobotError, one_of
-from tracerisk.geometry.shapes import is_round
-from tracerisk.outcome.outcome import FLOOR
 from tracerisk.twin.faults.armed import ArmedFaults
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.faults.sensing import SensorFaults

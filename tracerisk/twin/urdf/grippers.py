@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Gripper, Group, Joint, Link, Servo
 from tracerisk.twin.urdf.srdf import Srdf
 from tracerisk.twin.urdf.tree import Tree, UrdfJoint

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
+from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import RobotError
-from tracerisk.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.twin.robots.robot import Group, Joint, Robot, Scaling
 from tracerisk.twin.urdf.assembly import ASSUMED_ACCELERATION
 

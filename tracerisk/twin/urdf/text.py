@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tracerisk.geometry.frames import rotation
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.frames import rotation
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Robot
 
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")

@@ -14,9 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracerisk.geometry.frames import Triple, roll_pitch_yaw, rotation, triple
-from tracerisk.geometry.shapes import Shape
-from tracerisk.text.bounded import finite_number
+from tracerisk.common.geometry.frames import Triple, roll_pitch_yaw, rotation, triple
+from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.bounded import finite_number
 from tracerisk.twin.robots.outline import outlined
 from tracerisk.twin.robots.robot import Link, Robot
 from tracerisk.twin.urdf.assembly import (

@@ -20,7 +20,7 @@ import sysconfig
 from pathlib import Path
 from typing import Any
 
-from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
 
 MOST_CHARACTERS = 16 * 1024**2
 REFUSED = 7

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.limits import DEFAULT_LIMITS, Limits
+from tracerisk.common.sandbox.limited_process import last_words, run_limited
+from tracerisk.common.sandbox.process import regular_within
+from tracerisk.common.sandbox.ros_prefix import readable_folders
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, RobotError
-from tracerisk.limits import DEFAULT_LIMITS, Limits
-from tracerisk.sandbox.limited_process import last_words, run_limited
-from tracerisk.sandbox.process import regular_within
-from tracerisk.sandbox.ros_prefix import readable_folders
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
 _LONGEST_REASON = 200

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NoReturn
 
+from tracerisk.common.geometry.frames import Triple
 from tracerisk.errors import Location, RobotError, one_of
-from tracerisk.geometry.frames import Triple
 
 MOST_BYTES = 16 * 1024 * 1024
 MOST_ELEMENTS = 200_000

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from tracerisk.common.limits import Limits
 from tracerisk.errors import RobotError
-from tracerisk.limits import Limits
 from tracerisk.twin.robots.names_in_source import LaunchedDescription
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.urdf.xacro_files import Expanded, LackingError, expanded_xacro

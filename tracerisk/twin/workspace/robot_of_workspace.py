@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.common.limits import DEFAULT_LIMITS, Limits
 from tracerisk.errors import RobotError, TraceRiskError
-from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.robots.generic import is_finger_name
 from tracerisk.twin.robots.known_arms import (
     completed_as_ours,

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from tracerisk import dependencies
+from tracerisk.common import dependencies
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording

@@ -18,6 +18,9 @@ from collections.abc import Callable
 from pathlib import Path
 from time import sleep
 
+from tracerisk.common.sandbox.forking import NotForkableError, fork_apart, open_descriptors
+from tracerisk.common.sandbox.limited_process import POLL_S, lower_limit
+from tracerisk.common.sandbox.overlay import Overlay
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.trace.run_files import (
@@ -28,9 +31,6 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     claimed,
 )
-from tracerisk.sandbox.forking import NotForkableError, fork_apart, open_descriptors
-from tracerisk.sandbox.limited_process import POLL_S, lower_limit
-from tracerisk.sandbox.overlay import Overlay
 from tracerisk.twin.faults.armed import step_at
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
 from tracerisk.twin.simulation.twin import Twin

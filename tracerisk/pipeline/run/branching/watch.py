@@ -14,6 +14,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.common.sandbox.process import read_regular
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.controller_run import (
     RunningChild,
@@ -24,8 +26,6 @@ from tracerisk.pipeline.run.controller_run import (
 )
 from tracerisk.pipeline.run.ended_run import ProcessEnd
 from tracerisk.pipeline.trace.run_files import EVENTS, STACKS, RunRequest, WallTime
-from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
-from tracerisk.sandbox.process import read_regular
 
 _MOST_LOG = 16 * 1024**2
 _MOST_WRITTEN = 1024**3

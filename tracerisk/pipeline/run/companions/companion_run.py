@@ -13,8 +13,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
 from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.source.python_source import MODULE_NAME
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import COMPANION, Companion
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
@@ -22,8 +24,6 @@ from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.graph.parameter_files import into_tree
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.time.scheduler import RunOver
-from tracerisk.source.python_source import MODULE_NAME
-from tracerisk.text.printable import cut
 from tracerisk.trace import FunctionRef
 
 

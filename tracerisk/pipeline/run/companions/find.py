@@ -15,6 +15,8 @@ from typing import Literal
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import LimitError, TraceRiskError
+from tracerisk.instrument.source.python_source import parsed
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.launch.find import find_launch_files
 from tracerisk.pipeline.launch.program import program_of
@@ -32,8 +34,6 @@ from tracerisk.pipeline.workspace.workspace import (
     workspace_of,
 )
 from tracerisk.ros.controller.needs import Need
-from tracerisk.source.python_source import parsed
-from tracerisk.source.ros_version import ros_version
 
 _MOST_FILES = 2000
 _MOST_BYTES = 256 * 1024

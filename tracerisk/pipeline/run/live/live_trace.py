@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SandboxError
-from tracerisk.hardware.binding import bind
-from tracerisk.hardware.formats import load_hardware
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -15,7 +16,6 @@ from tracerisk.pipeline.run.controller_run import run_controller
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import LOST, MEASURED, Trace
 
 _MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"

@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.geometry.frames import matrix_of
-from tracerisk.instrument.commands import Command
-from tracerisk.instrument.recording import CELL
-from tracerisk.outcome.arm import Arm, Position
-from tracerisk.outcome.outcome import (
+from tracerisk.common.geometry.frames import matrix_of
+from tracerisk.common.outcome.arm import Arm, Position
+from tracerisk.common.outcome.outcome import (
     CORNER_M,
     TICK_S,
     CellUse,
@@ -28,7 +26,9 @@ from tracerisk.outcome.outcome import (
     rounded,
     rounded_position,
 )
-from tracerisk.outcome.ways import corners
+from tracerisk.common.outcome.ways import corners
+from tracerisk.instrument.commands import Command
+from tracerisk.instrument.recording import CELL
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import OBJECTS
 from tracerisk.twin.physics.declared_log import read_declared

@@ -6,6 +6,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
+from tracerisk.common.strong_components import reached
+from tracerisk.common.text.bounded import whole_number
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.dynamic import (
     Dependency,
@@ -20,8 +22,6 @@ from tracerisk.prm.formats.galileo.statements import Statement, Word, read_state
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
 from tracerisk.prm.trees.fault_tree import FailureModel
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.strong_components import reached
-from tracerisk.text.bounded import whole_number
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")

@@ -1,6 +1,6 @@
 """The Open-PSA Model Exchange Format 2.0d, XML, as SCRAM 0.16 reads it."""
 
-from tracerisk.on_demand import on_demand
+from tracerisk.common.on_demand import on_demand
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa, read_open_psa
 
 TYPE_CHECKING = False

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable
 
+from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, read_formula
@@ -14,7 +15,6 @@ from tracerisk.prm.formats.open_psa.stochastic import UNITS, read_bool, read_exp
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.logic.model import Alignment, Attribute, Container, HouseDefinition, Phase, Place
 from tracerisk.prm.trees.fault_tree import HouseEvent
-from tracerisk.records import dataclass, replace
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa.stochastic import read_bool, read_int
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.logic.model import ALWAYS, NEVER
 from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
-from tracerisk.records import dataclass
 
 _NO_CONNECTIVES = (GateKind.INHIBIT, GateKind.TRANSFER)
 CONNECTIVES = {kind.value: kind for kind in GateKind if kind not in _NO_CONNECTIVES}

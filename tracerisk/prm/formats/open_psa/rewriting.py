@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from tracerisk.common.records import dataclass, replace
+from tracerisk.common.text.patterns import pattern
 from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.records import dataclass, replace
-from tracerisk.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.strong_components import reached
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.expressions import Evaluation, Expression, Number
 from tracerisk.prm.formats.open_psa.rewriting import accepted_form, form_inputs
 from tracerisk.prm.formats.openpra.event_trees import described, event_tree_data
 from tracerisk.prm.formats.openpra.logic import LogicWriter
 from tracerisk.prm.logic.model import ALWAYS, NEVER, EventDefinition, HouseDefinition, LogicModel
-from tracerisk.strong_components import reached
 
 _CONSTANTS = {ALWAYS: 1.0, NEVER: 0.0}
 

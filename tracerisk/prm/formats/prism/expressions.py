@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from tracerisk.common.text.bounded import finite_number, whole_number
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.prism.operations import FUNCTIONS, SIGNS, Value
 from tracerisk.prm.formats.prism.tokens import Token
-from tracerisk.text.bounded import finite_number, whole_number
 
 MOST_DEPTH = 200
 """How deeply operations may stand in one another, formulas counted with what they stand for."""

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import joined_parts, strong_components
 from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage
 from tracerisk.prm.hybrid.groups.group_chain import Group
 from tracerisk.prm.hybrid.hidden_states import HiddenStates
-from tracerisk.strong_components import joined_parts, strong_components
 
 
 @dataclass(frozen=True, slots=True)

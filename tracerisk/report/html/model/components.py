@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
 from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.report.html import figures
 from tracerisk.report.html.names import component_of

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tracerisk.outcome.arm import Position
-from tracerisk.outcome.outcome import CellUse, GripperUse, Outcome, Rest, Step
+from tracerisk.common.outcome.arm import Position
+from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, Rest, Step
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section

@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tracerisk.geometry.rotation import quaternion_of, rotated
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.rotation import quaternion_of, rotated
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.report.html.run.replay_model import Body
 
 Point = tuple[float, float, float]

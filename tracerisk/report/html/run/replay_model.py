@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from tracerisk.geometry.rotation import Quaternion, quaternion_of
-from tracerisk.geometry.shapes import Shape
+from tracerisk.common.geometry.rotation import Quaternion, quaternion_of
+from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.robots.robot import Attachment, Robot
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Table, row_of, texts
 from tracerisk.report.worlds import HEADINGS, world_rows, worlds_line
-from tracerisk.worlds.world_run import WorldRun
 
 
 def worlds_section(runs: Sequence[WorldRun]) -> Section:

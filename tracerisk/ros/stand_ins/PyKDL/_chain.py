@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.geometry import frames
+from tracerisk.common.geometry import frames
 
 from ._frames import Frame, Rotation
 from ._joints import RigidBodyInertia

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.geometry import frames
+from tracerisk.common.geometry import frames
 from tracerisk.ros.readings.euler_angles import look_at_euler
 
 from ._values import (

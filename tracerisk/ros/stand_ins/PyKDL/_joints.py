@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.geometry import frames
+from tracerisk.common.geometry import frames
 from tracerisk.ros.imports.exported import defined as _defined
 
 from ._frames import Frame, Rotation

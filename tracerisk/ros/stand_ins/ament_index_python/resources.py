@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracerisk.sandbox.ros_prefix import AMENT_INDEX
+from tracerisk.common.sandbox.ros_prefix import AMENT_INDEX
 
 from .packages import get_packages_with_prefixes
 

@@ -11,7 +11,7 @@ import numpy as np
 from interbotix_xs_msgs.msg import JointGroupCommand, JointSingleCommand, JointTrajectoryCommand
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from tracerisk.geometry import screw_kinematics
+from tracerisk.common.geometry import screw_kinematics
 from tracerisk.ros.messages.dialect import set_time
 
 from . import mr_descriptions

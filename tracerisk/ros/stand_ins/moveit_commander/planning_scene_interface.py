@@ -17,8 +17,8 @@ from moveit_msgs.msg import (
 )
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
+from tracerisk.common.geometry.triangle_mesh import read_triangles
 from tracerisk.errors import one_of
-from tracerisk.geometry.triangle_mesh import read_triangles
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import fill_poses
 from tracerisk.ros.moveit.path_constraints import message_pose

@@ -18,7 +18,7 @@ from moveit_msgs.msg import (
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
 from shape_msgs.msg import Mesh, MeshTriangle, SolidPrimitive
 
-from tracerisk.geometry.triangle_mesh import read_triangles
+from tracerisk.common.geometry.triangle_mesh import read_triangles
 
 __all__ = ["PlanningSceneInterface"]
 

@@ -12,7 +12,7 @@ from moveit_msgs.msg import AllowedCollisionEntry, AttachedCollisionObject, Coll
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
 from shape_msgs.msg import Mesh, MeshTriangle, SolidPrimitive
 
-from tracerisk.geometry.triangle_mesh import read_triangles
+from tracerisk.common.geometry.triangle_mesh import read_triangles
 
 from ._goals import Goals
 from ._messages import point, quaternion

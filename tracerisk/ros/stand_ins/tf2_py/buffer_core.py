@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from geometry_msgs.msg import TransformStamped
 
+from tracerisk.common.text.near_names import likely_meant
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph.failures import lookup_failed, lookup_succeeded
 from tracerisk.ros.graph.runtime import current
@@ -16,7 +17,6 @@ from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
-from tracerisk.text.near_names import likely_meant
 from tracerisk.twin.physics.motion import Pose
 
 from .exceptions import (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import Quaternion, QuaternionStamped
 
-from tracerisk.geometry import screw_kinematics
+from tracerisk.common.geometry import screw_kinematics
 from tracerisk.ros.homogeneous import turns
 
 

@@ -1,0 +1,317 @@
+"""Hostile controllers: things to try, times ways to try them; none gets out of its run."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.config import Settings
+from tracerisk.pipeline.stages import trace_controller
+from tracerisk.pipeline.workspace.controller import load_controller
+
+pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
+
+# Each thing to try is a statement about what lies outside; `say` sends what was found out.
+READS = {
+    "a key in the home": "{home}/.ssh/id_ed25519",
+    "a token in the home": "{home}/.netrc",
+    "a file of the home": "{home}/notes.txt",
+    "git's settings": "{root}/.git/config",
+    "secrets beside the source": "{root}/.env",
+    "a key beside the source": "{root}/robot.pem",
+    "another project": "{outside}/secret.txt",
+    "the parent's environment": "/proc/{parent}/environ",
+    "the parent's memory map": "/proc/{parent}/maps",
+    "the own environment as a file": "/proc/self/environ",
+    "passwords of the system": "/etc/shadow",
+}
+WRITES = {
+    "the own source": "{root}/cell.py",
+    "a module beside it": "{root}/other.py",
+    "git's hooks": "{root}/.git/hooks/post-commit",
+    "the lock": "{root}/tracerisk.lock",
+    "a start-up file": "{home}/.bashrc",
+    "another project": "{outside}/secret.txt",
+    "a new file elsewhere": "{outside}/new",
+    "the interpreter": "{prefix}/pwned.pth",
+    "our own package": "{package}/pwned.py",
+    "shared memory": "/dev/shm/tracerisk-pwned-{parent}",
+}
+# Ways to read a path P, each leaves bytes in DATA.
+READ_WAYS = {
+    "open": "DATA = open(P, 'rb').read()",
+    "os.open": "DATA = os.read(os.open(P, os.O_RDONLY), 99)",
+    "C library": "f = C.open(P.encode(), 0); b = ctypes.create_string_buffer(99);"
+    " n = C.read(f, b, 99); DATA = b.raw[:max(n, 0)]",
+    "program": "DATA = subprocess.run(['cat', P], capture_output=True).stdout",
+    "link": "L = os.path.join(tempfile.gettempdir(), 'l'); C.symlink(P.encode(), L.encode());"
+    " DATA = subprocess.run(['cat', L], capture_output=True).stdout",
+    "hard link": "L = os.path.join(tempfile.gettempdir(), 'h'); C.link(P.encode(), L.encode());"
+    " DATA = open(L, 'rb').read()",
+}
+WRITE_WAYS = {
+    "open": "open(P, 'a').write('pwned')",
+    "os.open": "os.write(os.open(P, os.O_WRONLY | os.O_CREAT | os.O_APPEND), b'pwned')",
+    "C library": "f = C.open(P.encode(), 0o2101, 0o644); C.write(f, b'pwned', 5)",
+    "shell": "os.system(f\"echo pwned >>'{P}'\")",
+    "program": "subprocess.run(['tee', P], input=b'pwned', capture_output=True)",
+    "move": "L = os.path.join(tempfile.gettempdir(), 'm'); C.close(C.open(L.encode(), 0o2101, 420));"
+    " C.rename(L.encode(), P.encode())",
+    "truncate": "C.truncate(P.encode(), 0)",
+    "mode": "C.chmod(P.encode(), 0o777); C.unlink(P.encode())",
+}
+OTHERS = {
+    "tcp": "socket.create_connection(('127.0.0.1', PORT), 2).sendall(b'pwned')",
+    "tcp by a program": "subprocess.run([sys.executable, '-c', f\"import socket;"
+    " socket.create_connection(('127.0.0.1', {PORT})).sendall(b'pwned')\"])",
+    "tcp with its first packet": "s = socket.socket(); s.sendto(b'pwned', 0x20000000,"
+    " ('127.0.0.1', PORT))",
+    "udp": "socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b'pwned', ('127.0.0.1', PORT))",
+    "udp by sendmsg": "socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendmsg([b'pwned'], [], 0,"
+    " ('127.0.0.1', PORT))",
+    "local stream": "s = socket.socket(socket.AF_UNIX); s.connect(UNIX); s.sendall(b'pwned')",
+    "local datagram": "a, b = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM);"
+    " a.sendmsg([b'pwned'], [], 0, UNIX)",
+    "abstract": "s = socket.socket(socket.AF_UNIX); s.connect('\\0tracerisk-test'); s.send(b'pwned')",
+    "netlink": "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0); say('reached netlink')",
+    "listen": "s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); say('reached listen')",
+    "io_uring": "r = C.syscall(425, 8, ctypes.create_string_buffer(120));"
+    " r >= 0 and say('reached io_uring')",
+    "kill the parent": "os.kill(PARENT, 0); say('reached the parent')",
+    "kill all": "C.kill(-1, 0) == 0 and open('/dev/null') and None; os.kill(1, 0);"
+    " say('reached init')",
+    "ptrace": "C.ptrace(16, PARENT, 0, 0) == 0 and say('reached by ptrace')",
+    "memory": "os.open(f'/proc/{PARENT}/mem', os.O_RDWR); say('reached memory')",
+    "limits": "import resource; resource.prlimit(PARENT, resource.RLIMIT_NOFILE);"
+    " say('reached limits')",
+    "mount": "C.mount(b'none', b'/mnt', b'tmpfs', 0, 0) == 0 and say('reached mount')",
+    "namespace": "C.unshare(0x10000000) == 0 and say('reached a namespace')",
+    "chroot": "os.chroot(tempfile.gettempdir()); say('reached chroot')",
+    "keyring": "C.syscall(250, 0, -3, 1) >= 0 and say('reached keyring')",
+    "shared memory": "C.shmget(4242, 4096, 0o1666) >= 0 and say('reached shared memory')",
+    "queue": "C.msgget(4243, 0o1666) >= 0 and say('reached a queue')",
+    "terminal": "import fcntl; fcntl.ioctl(2, 0x5412, b'x'); say('reached the terminal')",
+    "device": "os.open('/dev/tty', os.O_RDWR); say('reached a device')",
+    "daemon": "subprocess.Popen(['sleep', MARK], start_new_session=True, env={})",
+    "daemon of a daemon": "subprocess.Popen(['sh', '-c', f'setsid sh -c \"setsid sleep {MARK} &\" &'],"
+    " env={})",
+    "forks": "subprocess.Popen(['sh', '-c', f'for i in $(seq 200); do (sleep {MARK} &); done'], env={})",
+    "fork in C": "C.fork() == 0 and (C.setsid(), C.execlp(b'sleep', b'sleep', MARK.encode(), None))",
+    "thread": "import threading; threading.Thread(target=lambda: os.system("
+    "f\"echo pwned >>'{OUTSIDE}'\")).start()",
+    "environment": "say(str([k for k in os.environ if 'TOKEN' in k])) if any('TOKEN' in k for k in"
+    " os.environ) else None",
+    "environment of a program": "t = subprocess.run(['env'], capture_output=True, text=True).stdout;"
+    " 'TOKEN' in t and say(t)",
+    "list the home": "C.opendir.restype = ctypes.c_void_p; C.opendir(HOME.encode())"
+    " and say('reached the home')",
+}
+
+CONTROLLER = """\
+import ctypes, os, socket, subprocess, sys, tempfile
+import rospy, moveit_commander
+PARENT, PORT, UNIX, MARK, HOME, OUTSIDE = {parent}, {port}, {unix!r}, {mark!r}, {home!r}, {outside!r}
+C = ctypes.CDLL(None)
+def say(text):
+    print('FOUND ' + text, flush=True)
+def main():
+    rospy.init_node("cell")
+    arm = moveit_commander.MoveGroupCommander("panda_arm")
+    joints = arm.get_current_joint_values()
+    joints[0] += 0.02
+    arm.go(joints, wait=True)
+    for name, code in {attempts!r}:
+        P, DATA = None, b""
+        space = dict(globals())
+        try:
+            exec(code, space)
+        except BaseException as error:
+            pass
+        if space.get("DATA"):
+            say(name + " " + repr(space["DATA"]))
+    arm.go(joints, wait=True)
+if __name__ == "__main__":
+    main()
+"""
+
+
+class World:
+    """A home, a project and another one, with secrets; and servers that wait to be spoken to."""
+
+    def __init__(self, folder: Path) -> None:
+        self.home, self.root, self.outside = (folder / n for n in ("home", "home/work", "outside"))
+        for each in (self.home / ".ssh", self.root / ".git" / "hooks", self.outside):
+            each.mkdir(parents=True)
+        for path in (
+            *(self.home / name for name in (".ssh/id_ed25519", ".netrc", "notes.txt", ".bashrc")),
+            *(self.root / name for name in (".git/config", ".env", "robot.pem")),
+            self.outside / "secret.txt",
+        ):
+            path.write_text("SECRET\n")
+        (self.root / "other.py").write_text("SPEED = 1\n")
+        self.mark = f"77{os.getpid()}"
+        self.tcp, self.udp = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)
+        self.unix, self.datagram = socket.socket(socket.AF_UNIX), None
+        self.tcp.bind(("127.0.0.1", 0))
+        self.udp.bind(self.tcp.getsockname())
+        self.unix_path = str(folder / "u")
+        self.unix.bind(self.unix_path)
+        self.tcp.listen()
+        self.unix.listen()
+        self.servers = (self.tcp, self.udp, self.unix)
+
+    def state(self) -> dict[str, tuple[bytes, int]]:
+        folders = (self.home, self.outside)
+        return {
+            str(path): (path.read_bytes(), path.stat().st_mode)
+            for folder in folders
+            for path in sorted(folder.rglob("*"))
+            if path.is_file()
+        }
+
+    def reached(self) -> list[str]:
+        found = []
+        for each in self.servers:
+            each.settimeout(0)
+            with contextlib.suppress(BlockingIOError):
+                found.append(str(each.recv(9) if each.type == socket.SOCK_DGRAM else each.accept()))
+        return found
+
+    def left_running(self) -> list[str]:
+        found = []
+        for each in Path("/proc").glob("[0-9]*"):
+            try:
+                words = (each / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if self.mark.encode() in words and b"sleep" in words[0]:
+                found.append(each.name)
+        return found
+
+    def close(self) -> None:
+        for each in self.servers:
+            each.close()
+
+
+@pytest.fixture
+def world(tmp_path, monkeypatch):
+    found = World(tmp_path)
+    monkeypatch.setenv("HOME", str(found.home))
+    monkeypatch.setenv("SECRET_TOKEN", "SECRET")
+    monkeypatch.chdir(found.root)
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    yield found
+    found.close()
+
+
+def attempts(world: World, paths: dict[str, str], ways: dict[str, str]) -> list[tuple[str, str]]:
+    import tracerisk
+
+    places = {
+        "home": world.home,
+        "root": world.root,
+        "outside": world.outside,
+        "parent": os.getpid(),
+        "prefix": sys.prefix,
+        "package": Path(tracerisk.__file__).parent,
+    }
+    return [
+        (f"{what} by {way}", f"P = {path.format(**places)!r}; {code}")
+        for what, path in paths.items()
+        for way, code in ways.items()
+    ]
+
+
+def run(world: World, tried, capfd, **options) -> str:
+    text = CONTROLLER.format(
+        parent=os.getpid(),
+        port=world.tcp.getsockname()[1],
+        unix=world.unix_path,
+        mark=world.mark,
+        home=str(world.home),
+        outside=str(world.outside / "new"),
+        attempts=list(tried),
+    )
+    (world.root / "cell.py").write_text(text)
+    controller = load_controller(world.root / "cell.py")
+    trace = trace_controller(controller, Settings(**options))
+    assert trace.visits, trace.end
+    return "\n".join(
+        line for line in capfd.readouterr().err.splitlines() if line.startswith("FOUND")
+    )
+
+
+def test_nothing_outside_is_read(world, capfd):
+    tried = attempts(world, READS, READ_WAYS)
+    assert len(tried) >= 60
+    assert run(world, tried, capfd, sandbox="require") == ""
+
+
+def test_nothing_outside_is_changed(world, capfd):
+    tried = attempts(world, WRITES, WRITE_WAYS)
+    assert len(tried) >= 70
+    (world.root / "cell.py").write_text("")
+    before = world.state()
+    run(world, tried, capfd, sandbox="require")
+    after = world.state()
+    ours = str(world.root / "cell.py")
+    assert b"attempt" not in before.pop(ours)[0]
+    assert b"moveit_commander" in after.pop(ours)[0]
+    assert after == before
+    for path in WRITES.values():
+        assert "pwned" not in path or not list(Path(sys.prefix).glob("pwned*"))
+    assert not list(Path("/dev/shm").glob("tracerisk-pwned*"))
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_nobody_outside_is_reached(world, capfd, part):
+    reaches_nobody(world, capfd, list(OTHERS)[part::4])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OTHERS)
+def test_nobody_outside_is_reached_by_one_attempt_alone(world, capfd, name):
+    reaches_nobody(world, capfd, [name])
+
+
+def reaches_nobody(world, capfd, names):
+    assert run(world, [(name, OTHERS[name]) for name in names], capfd, sandbox="require") == ""
+    assert world.reached() == []
+    assert world.left_running() == []
+    assert not (world.outside / "new").exists()
+    assert list(Path(tempfile.gettempdir()).iterdir()) == []
+
+
+def test_the_attempts_work_where_nothing_contains_them(world, capfd):
+    """Without the sandbox most of it gets through, so that the tests above can fail."""
+    tried = attempts(world, {k: READS[k] for k in ("a token in the home", "another project")},
+                     READ_WAYS)  # fmt: skip
+    found = run(world, tried, capfd, sandbox="off").splitlines()
+    assert len(found) == len(tried)
+    tried = attempts(world, {"another project": WRITES["another project"]}, WRITE_WAYS)
+    for each in tried:
+        (world.outside / "secret.txt").write_text("SECRET\n")
+        before = world.state()
+        run(world, [each], capfd, sandbox="off")
+        after = world.state()
+        before.pop(str(world.root / "cell.py"), None)
+        after.pop(str(world.root / "cell.py"))
+        assert after != before, each
+        break
+    run(world, [("tcp", OTHERS["tcp"]), ("udp", OTHERS["udp"])], capfd, sandbox="off")
+    assert len(world.reached()) == 2
+
+
+def test_no_process_is_left_without_a_sandbox_either(world, capfd):
+    names = ("daemon", "daemon of a daemon", "fork in C")
+    run(world, [(name, OTHERS[name]) for name in names], capfd, sandbox="off")
+    assert world.left_running() == []

@@ -1,0 +1,240 @@
+"""How much of a unit's hazard ends the mission, visit by visit, as evidence shows it.
+
+The share c of an instant is that of the drawn failure nearest to it, in the time that the unit
+was in use (or idle): each stands for the stretch around it. What of the mission's hazard ends it
+is summed over these stretches, and so does not hang on how visits are cut; a visit has of it by
+how much of its time lies near failures that ended the mission.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from tracerisk.adder.quantify.probability import Term
+from tracerisk.common.evidence.cells import Cell, Evidence, Stratum
+from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.hardware.binding import BoundComponent
+from tracerisk.common.hardware.model import CONTROL, POWER
+from tracerisk.common.hardware.use import STATES, Use
+
+LEAST_OF_UNIT = 10
+"""A unit and mode has shares of its own from this many drawn cells on."""
+
+Shares = tuple[float, ...]
+"""The share c of each visit of the trace; empty where all of the hazard counts."""
+
+
+def twin_units(bound: BoundComponent) -> tuple[str, ...]:
+    """Return the units of the twin in which a component is seen.
+
+    What is always active is the power supply or the control unit, by its name.
+    """
+    if not bound.component.always_active:
+        return tuple(dict.fromkeys(bound.elements))
+    name = bound.component.name.lower()
+    if "power" in name or "supply" in name:
+        return (POWER,)
+    return (CONTROL,) if "control" in name or "computer" in name else ()
+
+
+@dataclass(frozen=True)
+class EvidenceShares:
+    """The evidence of one controller, applied to the visits of its trace.
+
+    Nothing is lowered of redundant units, of a mode that names no fault, while the campaign is
+    not complete, or where no scenario declares what the mission is.
+    """
+
+    evidence: Evidence
+
+    @functools.cached_property
+    def _taken(self) -> dict[Stratum, float]:
+        return self.evidence.shares()
+
+    def applied(
+        self, bound: BoundComponent, unit: str | None, terms: Sequence[Term], uses: Sequence[Use]
+    ) -> tuple[Term, ...]:
+        """Return the terms of one unit, each with the share of every visit; `unit` as bound."""
+        if not self.evidence.counts or bound.component.redundancy.is_redundant:
+            return tuple(terms)
+        names = twin_units(bound) if unit is None else (unit,)
+        if len(names) != 1:
+            return tuple(terms)
+        return tuple(self._of_term(bound, names[0], term, uses) for term in terms)
+
+    def _of_term(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
+        """Return a term with the share of every visit."""
+        is_idle = term.counts == "standby"
+        if term.mode is not None:
+            fault = term.mode.fault
+            return self._of_fault(bound, unit, fault, term, uses) if fault is not None else term
+        if bound.component.modes and (is_idle or not bound.component.modes_by_use):
+            return self._of_modes(bound, unit, term, uses)
+        # Without modes the fault counts that ends the mission most often.
+        tried = sorted({each.mode for each in self._cells(unit, is_idle)})
+        found = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
+        if not found or not all(each.ends for each in found):
+            return term
+        return max(found, key=lambda each: math.fsum(map(each.hazard, uses)))
+
+    def _of_modes(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
+        """Return a figure of all modes; one without a fault counts in full."""
+        left, shares, number = 1.0, [0.0] * len(uses), 0
+        for mode in bound.component.modes:
+            if mode.fault is None:
+                continue
+            found = self._of_fault(bound, unit, mode.fault, term, uses)
+            if found.ends:
+                left -= mode.fraction
+                shares = [s + mode.fraction * c for s, c in zip(shares, found.ends, strict=True)]
+                number += found.cells[1]
+        ends = tuple(min(1.0, max(0.0, left) + share) for share in shares)
+        if not number:
+            return term
+        use = "idle" if term.counts == "standby" else "in use"
+        return replace(term, ends=ends, cells=(f"{unit} {use}", number))
+
+    def _cells(self, unit: str, is_idle: bool, fault: str | None = None) -> list[Cell]:
+        return [
+            each
+            for each in self.evidence.cells
+            if each.drawn
+            and each.unit == unit
+            and each.is_idle == is_idle
+            and fault in (None, each.mode)
+        ]
+
+    def _of_fault(
+        self, bound: BoundComponent, unit: str, fault: str, term: Term, uses: Sequence[Use]
+    ) -> Term:
+        is_idle = term.counts == "standby"
+        cells = self._cells(unit, is_idle, fault)
+        if len(cells) < LEAST_OF_UNIT:
+            # Few cells of one unit say little: those of its like count together.
+            like = [
+                each for name in twin_units(bound) for each in self._cells(name, is_idle, fault)
+            ]
+            if not like:
+                return term
+            ends = (_pooled(like, term),) * len(uses)
+            return replace(term, ends=ends, cells=(f"{fault} {is_idle}", len(like)))
+        described = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
+        if is_idle:
+            places = [(each.time_s - each.active_s, each.fails) for each in cells]
+            shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
+        else:
+            named = [STATES.index(s) for s in STATES if term.mode and s in term.mode.when]
+            places = [
+                (sum(each.states_s[i] for i in named) if named else each.active_s, each.fails)
+                for each in cells
+            ]
+            shares = _nearest(places, [_in_use(use, named) for use in uses])
+        stands_for = [_hazard(term, each) for each in cells]
+        total = sum(stands_for)
+        if total <= 0.0 or term.counts == "visits":
+            return replace(described, ends=shares)
+        ending = sum(s for s, each in zip(stands_for, cells, strict=True) if each.fails)
+        hazards = [term.hazard(use) for use in uses]
+        return replace(described, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
+
+    def _kept(self, cells: Sequence[Cell], share: float) -> float:
+        """Return the share of a stratum's hazard, as it is with the share that figures keep."""
+        counted = sum(1 for each in cells if each.fails) / len(cells)
+        kept = self._taken[cells[0].stratum]
+        if kept == counted:
+            return share
+        return min(1.0, share * kept / counted) if counted else kept
+
+
+def _hazard(term: Term, cell: Cell) -> float:
+    """Return the hazard of the stretch for which a cell stands."""
+    if term.counts == "standby":
+        return cell.idle_s
+    return term.hazard(Use(cell.stretch, is_active=True))
+
+
+def _pooled(cells: Sequence[Cell], term: Term) -> float:
+    """Return one share for cells of several units; of few cells the pessimistic end."""
+    failed = sum(1 for each in cells if each.fails)
+    if len(cells) < LEAST_OF_UNIT:
+        return clopper_pearson(failed, len(cells))[1]
+    hazards = [_hazard(term, each) for each in cells]
+    total = sum(hazards)
+    if total <= 0.0:
+        return failed / len(cells)
+    return sum(h for h, each in zip(hazards, cells, strict=True) if each.fails) / total
+
+
+def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
+    """Return the shares of the visits, scaled so that over all of them `share` is what ends.
+
+    Load and demands are not spread evenly over a visit, so that the sum would hang on how visits
+    are cut; `share` is that of the stretches themselves. None exceeds 1.
+    """
+    wanted = share * sum(hazards)
+    free = [index for index, hazard in enumerate(hazards) if hazard > 0.0]
+    found = list(shares)
+    for _ in range(len(free) + 1):
+        fixed = sum(h for i, h in enumerate(hazards) if h > 0.0 and i not in free)
+        now = sum(hazards[i] * shares[i] for i in free)
+        left = wanted - fixed
+        if not free or left <= 0.0:
+            break
+        if now <= 0.0:
+            # Nothing of these visits lies near a failing cell, and yet some of it ends.
+            whole = sum(hazards[i] for i in free)
+            for i in free:
+                found[i] = min(1.0, left / whole)
+            break
+        factor = left / now
+        above = [i for i in free if shares[i] * factor > 1.0]
+        for i in free:
+            found[i] = min(1.0, shares[i] * factor)
+        if not above:
+            break
+        free = [i for i in free if i not in above]
+    if wanted <= 0.0:
+        return tuple(0.0 for _ in shares)
+    return tuple(found)
+
+
+def _in_use(use: Use, named: Sequence[int]) -> float:
+    exposure = use.exposure
+    if exposure is None:
+        return 0.0
+    states = (exposure.moving_s, exposure.holding_s, exposure.grasping_s)
+    return sum(states[i] for i in named) if named else exposure.active_s
+
+
+def _nearest(cells: Sequence[tuple[float, bool]], lengths: Sequence[float]) -> Shares:
+    """Return the share of each visit that lies nearest to a failing cell.
+
+    `cells` are positions on the unit's clock with whether the mission failed, `lengths` how far
+    the clock goes in each visit [s].
+    """
+    ordered = sorted(cells)
+    places = [place for place, _ in ordered]
+    total = sum(lengths)
+    # Each cell stands for what is nearer to it than to the next.
+    bounds = [0.0, *((a + b) / 2.0 for a, b in itertools.pairwise(places)), total]
+    stretches = [
+        (min(low, total), min(high, total), fails)
+        for (low, high), (_, fails) in zip(itertools.pairwise(bounds), ordered, strict=True)
+    ]
+    shares, begin = [], 0.0
+    for length in lengths:
+        end = begin + length
+        if length <= 0.0:
+            near = min(ordered, key=lambda each: abs(each[0] - begin))
+            shares.append(1.0 if near[1] else 0.0)
+            continue
+        failing = sum(
+            max(0.0, min(high, end) - max(low, begin)) for low, high, fails in stretches if fails
+        )
+        shares.append(min(1.0, failing / length))
+        begin = end
+    return tuple(shares)

@@ -1,0 +1,45 @@
+"""How the units of a component fail in the visits of one function."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tracerisk.adder.quantify.probability import survival_log
+
+Visits = Sequence[Sequence[float]]
+"""For each visit the failure probability of each unit of the group."""
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionUse:
+    """What the units of one group did in one function: see `Visits`.
+
+    `times` is how often a mission visits the function; the visits are a sample of these.
+    """
+
+    visits: Visits
+    times: float
+
+    @property
+    def scale(self) -> float:
+        """How many visits of a mission each of `visits` stands for."""
+        return self.times / len(self.visits)
+
+
+def mission_probability(functions: Sequence[FunctionUse], unit: int) -> float:
+    """Return the failure probability of one unit of a group over a mission."""
+    return 0.0 - math.expm1(-mission_hazard(functions, unit))
+
+
+def mission_hazard(functions: Sequence[FunctionUse], unit: int) -> float:
+    """Return the hazard of one unit of a group over a mission."""
+    logs = (each.scale * survival_log(units[unit]) for each in functions for units in each.visits)
+    return 0.0 - math.fsum(logs)
+
+
+def mean_probability(visits: Visits) -> float:
+    """Return the failure probability of the mean hazard over visits and units."""
+    total = math.fsum(survival_log(p) for units in visits for p in units)
+    return 0.0 - math.expm1(total / math.fsum(len(units) for units in visits))

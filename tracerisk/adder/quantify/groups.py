@@ -1,0 +1,80 @@
+"""The one unit probability that a block holds for units that differ, over several visits.
+
+Own derivation: docs/theory.md#groups. A gate's failures over visits, as the model computes them
+for like units at the block's value, are those that the unlike units give.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from decimal import Decimal
+
+from tracerisk.adder.quantify.function_use import FunctionUse, Visits, mean_probability
+from tracerisk.adder.quantify.group_gates import like_visit, needs_all, stays_hidden, unlike_visit
+from tracerisk.adder.quantify.hidden_groups import hidden_values
+from tracerisk.adder.quantify.outcome import ZERO, after, solve_hazard, with_digits
+from tracerisk.adder.quantify.probability import survival_log
+from tracerisk.common.hardware.redundancy import Redundancy
+
+
+@with_digits
+def group_unit_probabilities(
+    functions: Sequence[FunctionUse], redundancy: Redundancy, missions: float = 1.0
+) -> tuple[float, ...]:
+    """Return for each function the one unit probability that stands for unequal units there.
+
+    A group that is whole again at each visit, or needs every unit, fails over the visits of each
+    function as its units do. One whose failures stay hidden does so over the mission, and the
+    functions share its hazard by what each contributes: a failure hidden in one is there in the
+    next, so that no function has a figure of its own. They may be found only after so many
+    `missions`: then the values give the mean over these.
+    Units that are alike in all visits give back their probability.
+    Raises HardwareError where spares that differ are too many to follow.
+    """
+    quantity = len(functions[0].visits[0])
+    is_kept = missions != 1.0 and stays_hidden(redundancy, quantity)
+    if not is_kept and all(len(set(units)) == 1 for each in functions for units in each.visits):
+        alone = [_of_one_unit(each, redundancy) for each in functions]
+        found = [value for value in alone if value is not None]
+        if len(found) == len(alone):
+            return tuple(found)
+    if quantity == 1 or (needs_all(redundancy, quantity) and not redundancy.common_cause):
+        return tuple(mean_probability(each.visits) for each in functions)
+    if stays_hidden(redundancy, quantity):
+        return hidden_values(functions, redundancy, quantity, missions)
+    return tuple(_renewed(each.visits, redundancy, quantity) for each in functions)
+
+
+def _of_one_unit(each: FunctionUse, redundancy: Redundancy) -> float | None:
+    """Return the probability of like units in one function, where no gate is needed for it."""
+    values = {units[0] for units in each.visits}
+    if len(values) == 1:
+        return values.pop()
+    plain = not redundancy.is_redundant or (
+        redundancy.detected == "mission_start" and not redundancy.common_cause
+    )
+    return mean_probability(each.visits) if plain else None
+
+
+def _renewed(visits: Visits, redundancy: Redundancy, quantity: int) -> float:
+    """Return the value for groups that are whole again at each visit."""
+    # Visits of a cycle come again and again.
+    alike = Counter(map(tuple, visits))
+    hazards = (unlike_visit(units, redundancy).hazard * times for units, times in alike.items())
+    target = sum(hazards, ZERO) / len(visits)
+    if target == ZERO:
+        return 0.0
+    if target.is_infinite():
+        return 1.0
+    hazard = solve_hazard(
+        lambda x: like_visit(after(x), redundancy, quantity).hazard, target, _start(visits)
+    )
+    return float(after(hazard).p)
+
+
+def _start(visits: Visits) -> Decimal:
+    """Return a hazard near that of like units: the mean over visits and units."""
+    hazards = [-survival_log(p) for units in visits for p in units]
+    return min(max(Decimal(math.fsum(hazards)) / len(hazards), Decimal("1e-400")), Decimal(30))

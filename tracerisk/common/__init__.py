@@ -1,0 +1,1 @@
+"""What the elements share; it imports none of them."""

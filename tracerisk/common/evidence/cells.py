@@ -1,0 +1,175 @@
+"""Evidence: what failures of single units did to a mission, as data and as a file.
+
+`tracerisk evidence` fails one unit of the twin at a time, at instants drawn by a seed, and keeps
+what became of each run in `tracerisk.evidence`, committed like a lock. See docs/evidence.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
+
+from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.records import dataclass, field, replace
+from tracerisk.trace import Exposure
+
+Effect = Literal[
+    "collision",
+    "dropped",
+    "not_placed",
+    "ended_badly",
+    "wrong_position",
+    "late",
+    "told",
+    "nothing",
+]
+"""What became of a mission, the worst first; docs/evidence.md says when each holds."""
+EFFECTS: tuple[Effect, ...] = get_args(Effect)
+Use = Literal["moving", "holding", "grasping", "active", "idle"]
+"""What a unit did at the instant of its failure; `active` where it is none of the first three."""
+
+Stratum = tuple[str, str, bool]
+"""A unit, a mode, and whether the unit was idle: what cells are counted by."""
+
+_NO_USE = Exposure()
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One failure that was tried: a unit, its mode, the instant, and what became of the run."""
+
+    component: str
+    """What the hardware description calls the unit."""
+    unit: str
+    mode: str
+    time_s: float
+    """The instant of the failure, in simulated time [s]."""
+    use: Use
+    """What the unit did then."""
+    function: str
+    """The qualified name of the function whose visit it was."""
+    drawn: bool
+    """Whether it was drawn from the time in use or idle; else it only fills the table."""
+    active_s: float
+    """The time in use that the unit had before the instant [s]."""
+    states_s: tuple[float, float, float]
+    """The same time spent moving, holding and grasping [s]."""
+    stretch: Exposure = _NO_USE
+    """The use of the unit for which a drawn cell stands: that nearest to it."""
+    idle_s: float = 0.0
+    """The idle time for which a drawn cell stands, of a unit that was idle [s]."""
+    fails: bool = False
+    """Whether the mission failed."""
+    effect: Effect = "nothing"
+    """The worst that happened."""
+    local: str = ""
+    """What the unit itself did, in words: `sagged by 0.31 rad`."""
+    told_after_s: float | None = None
+    """How long after the failure the controller was notified of one [s]; `None`: never."""
+    told_by: str = ""
+    """The kind of the first report."""
+    effect_after_s: float | None = None
+    """How long after the failure the effect came [s]; `None` for the end of the run."""
+    lost: tuple[str, ...] = ()
+    """What the run without the failure reached and this one did not, in words."""
+    contact: str = ""
+    """The hardest touch that was not to be expected, in words with its force."""
+    followed_s: float | None = None
+    """For how long after the failure the run was followed, where it ended early [s]; `None`: to its
+    end. What came later is not known: it may be worse."""
+
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What distinguishes it from others: unit, mode and instant."""
+        return self.unit, self.mode, self.time_s
+
+    def with_outcome(self, of: Cell) -> Cell:
+        """Return this cell with what became of the run of another, of the same key."""
+        return replace(self, **{name: getattr(of, name) for name in _OUTCOME})
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the unit was not in use when it failed."""
+        return self.use == "idle"
+
+    @property
+    def stratum(self) -> Stratum:
+        """What it is counted by."""
+        return self.unit, self.mode, self.is_idle
+
+
+@dataclass(frozen=True, slots=True)
+class Edited:
+    """What of the evidence in a file does not fit the digests that were written with it."""
+
+    words: str
+    """What was edited, in words."""
+    data: Mapping[str, Any]
+    """The entry as the file holds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The evidence of one controller.
+
+    `fingerprint` is that of the run without failures, `declared` the number of cells to be drawn
+    before figures take it. `success` says in words what a mission is, empty where the scenario
+    declares nothing. `cells` are sorted by unit, mode and instant. `before` is the share of
+    failing cells by stratum that figures took from the evidence that this one replaced.
+
+    `edited` is set where the file was edited since it was written: then `cells` and `before` hold
+    only what is as it was written, and figures take none of it. `has_digest` is false for a file
+    of an earlier version, in which no edit shows.
+    """
+
+    fingerprint: str
+    robot: str
+    seed: int
+    declared: int
+    success: tuple[str, ...] = ()
+    cells: tuple[Cell, ...] = ()
+    before: Mapping[Stratum, float] = field(default_factory=dict)
+    edited: Edited | None = None
+    has_digest: bool = True
+
+    @property
+    def drawn(self) -> int:
+        """How many cells were drawn."""
+        return sum(1 for each in self.cells if each.drawn)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many cells were drawn as declared, and all are as they were written."""
+        return self.drawn >= self.declared and self.edited is None
+
+    @property
+    def counts(self) -> bool:
+        """Whether figures may take it: it is complete, and the mission is declared."""
+        return self.is_complete and bool(self.success)
+
+    def shares(self) -> dict[Stratum, float]:
+        """Return the share of failing cells of each stratum, as figures take it.
+
+        It stays that of the evidence before for as long as that lies in the 90 % interval of
+        these cells, so that a new campaign alone moves no figure.
+        """
+        counts: dict[Stratum, list[int]] = {}
+        for each in self.cells:
+            if each.drawn:
+                count = counts.setdefault(each.stratum, [0, 0])
+                count[0] += each.fails
+                count[1] += 1
+        found = {}
+        for stratum, (failed, tried) in counts.items():
+            kept = self.before.get(stratum)
+            if kept is not None:
+                low, high = clopper_pearson(failed, tried)
+                kept = kept if low <= kept <= high else None
+            found[stratum] = failed / tried if kept is None else kept
+        return found
+
+
+_OUTCOME = (
+    *("fails", "effect", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
+    "followed_s",
+)

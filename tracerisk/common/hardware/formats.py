@@ -1,0 +1,71 @@
+"""The formats of a hardware description, distinguished by the names of files."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePath
+from typing import Literal
+
+from tracerisk.common.hardware.model import Hardware
+from tracerisk.config import Settings
+from tracerisk.errors import HardwareError, Location, one_of
+
+HardwareFormat = Literal["yaml", "sysml"]
+
+_SUFFIXES: dict[str, HardwareFormat] = {".yaml": "yaml", ".yml": "yaml", ".sysml": "sysml"}
+
+
+def format_of_name(name: str) -> HardwareFormat:
+    """Return the format that a file of this name holds; raise HardwareError for another suffix."""
+    suffix = PurePath(name).suffix.lower()
+    if suffix not in _SUFFIXES:
+        found = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
+        raise HardwareError(f"{found}, which is not a format; {one_of(_SUFFIXES)}", Location(name))
+    return _SUFFIXES[suffix]
+
+
+def read_description(path: Path, *, shown: str | None = None) -> Hardware:
+    """Read a hardware description: SysML v2 where the name ends in `.sysml`, else YAML.
+
+    Raises HardwareError with file, line and column where it is malformed.
+    """
+    if path.suffix.lower() == ".sysml":
+        # Imported here: YAML is read without the parser of SysML.
+        from tracerisk.common.hardware.sysml.reader import read_sysml
+
+        return read_sysml(path, shown=shown)
+    from tracerisk.common.hardware.yaml.reader import read_hardware
+
+    return read_hardware(path, shown=shown)
+
+
+def load_hardware(settings: Settings, robot: str) -> Hardware:
+    """Return the hardware description of the settings, else the one shipped for the robot.
+
+    A robot for which none is shipped has the generic one, whose figures are all assumed.
+    One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
+    Raises HardwareError when it is malformed, or is that of another robot.
+    """
+    from tracerisk.common.hardware.shipped import hardware_of
+
+    if settings.hardware is None:
+        return hardware_of(robot)
+    hardware = read_description(Path(settings.hardware))
+    if hardware.robot is not None and robot not in ("", hardware.robot):
+        raise HardwareError(
+            f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
+            "description of that robot, or leave 'robot' out of one that fits several; if the "
+            f"controller drives '{hardware.robot}', say so by --robot or the setting robot",
+            Location(hardware.file),
+        )
+    return hardware
+
+
+def write_description(hardware: Hardware, format_: HardwareFormat) -> str:
+    """Return the description as text; reading it gives an equal one."""
+    if format_ == "sysml":
+        from tracerisk.common.hardware.sysml.writer import write_sysml
+
+        return write_sysml(hardware)
+    from tracerisk.common.hardware.yaml.writer import write_hardware
+
+    return write_hardware(hardware)

@@ -1,0 +1,24 @@
+"""Which figures of a description have no source but an assumption."""
+
+from __future__ import annotations
+
+from tracerisk.common.hardware.model import Hardware, is_assumed
+
+
+def assumed_sources(hardware: Hardware) -> dict[str, str]:
+    """Return what each component with assumed figures says of them, in the order of the file.
+
+    A figure's source is its own, else that of its component, else that of the description; it
+    is assumed where that begins with the word.
+    """
+    found = {}
+    for component in hardware.components:
+        default = component.source or hardware.source
+        stated = [figure.source or default for figure in component.figures]
+        stated += component.law_sources
+        assumed = [source for source in stated if source is not None and is_assumed(source)]
+        if assumed:
+            found[component.name] = "; ".join(
+                " ".join(each.split()) for each in dict.fromkeys(assumed)
+            )
+    return found

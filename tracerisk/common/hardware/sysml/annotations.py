@@ -1,0 +1,274 @@
+"""The metadata on an element that describe hardware, its own or inherited, with their values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.standard_names import (
+    FEATURES,
+    LEVELS,
+    OURS,
+    RISK,
+    RISK_FEATURES,
+    WITH_METADATA,
+    Standard,
+)
+from tracerisk.common.hardware.sysml.language.syntax import (
+    Annotation,
+    Element,
+    Expression,
+    Member,
+    Package,
+    Reference,
+)
+from tracerisk.errors import HardwareError, Location, one_of
+
+KINDS = ("FailureData", "FailureMode", "HardwareData", "Redundancy", "TwinBinding")
+"""Our metadata."""
+
+_NESTED = {
+    "weibull": "Weibull",
+    "loadLaw": "LoadLaw",
+    "totalRisk": "RiskLevel",
+    "technicalRisk": "RiskLevel",
+    "scheduleRisk": "RiskLevel",
+    "costRisk": "RiskLevel",
+}
+_ALL_FEATURES = {**FEATURES, **RISK_FEATURES}
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What a feature of a metadata was given: an expression, or features of its own."""
+
+    expression: Expression | None
+    scope: Symbol
+    at: int
+    nested: dict[str, Given]
+
+    @property
+    def location(self) -> Location:
+        """Where the value, else the feature, stands."""
+        return self.scope.location(self.at if self.expression is None else self.expression.at)
+
+
+@dataclass(frozen=True, slots=True)
+class Metadata:
+    """A metadata usage; `kind` is which of those that are read it is, `None` for any other."""
+
+    symbol: Symbol
+    kind: str | None
+    standard: Standard | None
+
+    @property
+    def location(self) -> Location:
+        """Where it stands."""
+        return self.symbol.location()
+
+    def values(self) -> dict[str, Given]:
+        """Return the values of its features: its own, else those of its definitions.
+
+        Raises HardwareError at a feature that the metadata does not have.
+        """
+        assert self.kind is not None
+        found: dict[str, Given] = {}
+        for each in reversed(ancestors(self.symbol)):
+            if isinstance(each, Symbol):
+                assert isinstance(each.node, Annotation | Element)
+                _read_members(each.node.members, each, self.kind, found)
+        return found
+
+
+def _read_members(
+    members: tuple[Member, ...], scope: Symbol, kind: str, found: dict[str, Given]
+) -> None:
+    for node in members:
+        if not isinstance(node, Element) or node.is_definition:
+            continue
+        steps = _feature_path(node)
+        _read_feature(node, steps, scope, kind, found)
+
+
+def _feature_path(node: Element) -> tuple[str, ...]:
+    """Return the name of the feature that an element binds, of several where it has dots."""
+    target = node.redefines[0] if node.redefines else node.bare
+    if target is not None:
+        return (target.name[-1], *(step[-1] for step in target.steps))
+    return (node.name or "",)
+
+
+def _read_feature(
+    node: Element, steps: tuple[str, ...], scope: Symbol, kind: str, found: dict[str, Given]
+) -> None:
+    name = steps[0]
+    allowed = _ALL_FEATURES[kind]
+    if name not in allowed:
+        is_new = node.kind != "" and not node.redefines
+        if is_new:
+            return  # an attribute of a metadata definition's own, for its values to refer to
+        raise HardwareError(
+            f"{kind} has no feature '{name}'; {one_of(allowed, name)}", scope.location(node.at)
+        )
+    inner = _NESTED.get(name)
+    before = found.get(name)
+    if len(steps) > 1:
+        nested = dict(before.nested) if before is not None else {}
+        if inner is None:
+            raise HardwareError(f"'{name}' has no features of its own", scope.location(node.at))
+        _read_feature(node, steps[1:], scope, inner, nested)
+        found[name] = Given(None, scope, node.at, nested)
+        return
+    if inner is not None and node.value is None:
+        nested = dict(before.nested) if before is not None else {}
+        _read_members(node.members, scope, inner, nested)
+        found[name] = Given(None, scope, node.at, nested)
+    elif node.value is not None:
+        found[name] = Given(node.value.expression, scope, node.at, {})
+
+
+def own_annotations(symbol: Symbol) -> list[Metadata]:
+    """Return the metadata that are written on an element itself."""
+    node = symbol.node
+    if not isinstance(node, Element):
+        return []
+    found = [
+        metadata(each)
+        for each in symbol.members
+        if isinstance(each.node, Annotation) and not each.node.about
+    ]
+    for mark in node.annotations:
+        placed = Symbol(mark, symbol.owner, symbol.source, symbol.find_package)
+        found.append(metadata(placed))
+    return found
+
+
+def metadata(symbol: Symbol) -> Metadata:
+    """Return a metadata usage with its kind.
+
+    Raises HardwareError where its definition is not known.
+    """
+    node = symbol.node
+    assert isinstance(node, Annotation)
+    scope = symbol.scope()
+    hit = scope.lookup(node.type)
+    if hit is None:
+        if scope.may_import(node.type, WITH_METADATA):
+            return Metadata(symbol, None, None)
+        raise scope.unknown(node.type)
+    standards = [hit] if isinstance(hit, Standard) else list(ancestors(hit))
+    for each in standards:
+        if isinstance(each, Standard):
+            kind = _kind(each)
+            if kind is not None:
+                return Metadata(symbol, kind, each)
+    return Metadata(symbol, None, None)
+
+
+def _kind(standard: Standard) -> str | None:
+    if len(standard.path) != 2:
+        return None
+    package, name = standard.path
+    if (package == OURS and name in KINDS) or (package == RISK and name == "Risk"):
+        return name
+    return None
+
+
+class Annotations:
+    """The metadata of elements, those that stand elsewhere and are `about` them included."""
+
+    def __init__(self) -> None:
+        self._about: dict[Symbol, list[Metadata]] = {}
+        self._own: dict[Symbol, list[Metadata]] = {}
+
+    def collect_about(self, top: Symbol) -> None:
+        """Note each metadata of a file that is about other elements."""
+        if "about" not in top.source.text:
+            return
+        waiting = [top]
+        while waiting:
+            symbol = waiting.pop()
+            if isinstance(symbol.node, Annotation) and symbol.node.about:
+                self._note(symbol, symbol.node)
+            elif isinstance(symbol.node, Package | Element):
+                waiting.extend(reversed(symbol.members))
+
+    def _note(self, symbol: Symbol, node: Annotation) -> None:
+        scope = symbol.scope()
+        known = metadata(symbol)
+        if known.kind is None:
+            return
+        for target in node.about:
+            hit = scope.lookup(target)
+            if not isinstance(hit, Symbol):
+                raise scope.unknown(target)
+            full = (*target.name, *(each for step in target.steps for each in step))
+            if len(full) > 1 and hit.owner is not None:
+                outer = scope.lookup(type(target)(full[:-1], target.at))
+                if isinstance(outer, Symbol) and hit.owner is not outer:
+                    raise HardwareError(
+                        f"'{full[-1]}' is inherited by '{full[-2]}', and the data would hold for "
+                        f"all that inherit it; redefine it there ('part :>> {full[-1]}')",
+                        scope.location(target.at),
+                    )
+            self._about.setdefault(hit, []).append(known)
+
+    def targets(self) -> tuple[Symbol, ...]:
+        """Return the elements that metadata elsewhere are about."""
+        return tuple(self._about)
+
+    def own(self, symbol: Symbol) -> list[Metadata]:
+        """Return the metadata on an element itself, those about it included."""
+        found = self._own.get(symbol)
+        if found is None:
+            found = self._own[symbol] = own_annotations(symbol) + self._about.get(symbol, [])
+        return found
+
+    def of(self, symbol: Symbol, *kinds: str) -> list[Metadata]:
+        """Return the metadata of some kinds that hold for an element: its own, else inherited.
+
+        Nearer ones take the place of those further off. Raises HardwareError where two elements
+        of which none specialises the other give some.
+        """
+        sources = self._sources(symbol, kinds)
+        if len(sources) > 1:
+            names = " and ".join(f"'{each}'" for each in sources)
+            raise HardwareError(
+                f"'{symbol.name}' inherits {kinds[0]} from {names}; give it its own",
+                symbol.location(),
+            )
+        return [each for each in self.own(sources[0]) if each.kind in kinds] if sources else []
+
+    def _sources(self, symbol: Symbol, kinds: tuple[str, ...]) -> list[Symbol]:
+        if self._gives(symbol, kinds):
+            return [symbol]
+        givers = [
+            each
+            for each in ancestors(symbol)
+            if isinstance(each, Symbol) and self._gives(each, kinds)
+        ]
+        if len(givers) < 2:
+            return givers
+        return [
+            each
+            for each in givers
+            if not any(each is not other and each in ancestors(other) for other in givers)
+        ]
+
+    def _gives(self, symbol: Symbol, kinds: tuple[str, ...]) -> bool:
+        return any(
+            each.kind in kinds and (each.kind != "Risk" or _has_number(each))
+            for each in self.own(symbol)
+        )
+
+
+def _has_number(risk: Metadata) -> bool:
+    """Whether a `@Risk` may give a probability, and not only a level such as `high`."""
+    total = risk.values().get("totalRisk")
+    if total is None:
+        return False
+    expression = total.expression
+    if not isinstance(expression, Reference):
+        return expression is not None or "probability" in total.nested
+    hit = total.scope.lookup(expression)
+    return not (isinstance(hit, Standard) and hit.path[-1] in LEVELS)

@@ -1,0 +1,272 @@
+"""Turn `FailureData`, `@Risk`, `Redundancy` and `TwinBinding` into what the hardware has."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from tracerisk.common.hardware.load import unmeasured_exponent
+from tracerisk.common.hardware.model import (
+    NOT_OPTIONAL,
+    Basis,
+    Demand,
+    FailureFigure,
+    FailureMode,
+    LoadLaw,
+    TwinBinding,
+    default_detection,
+)
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.common.hardware.sysml.annotations import Metadata
+from tracerisk.common.hardware.sysml.fields import Fields
+from tracerisk.common.hardware.sysml.language.names import Symbol
+from tracerisk.common.hardware.sysml.language.standard_names import (
+    LEVELS,
+    RISK,
+    RISK_FEATURES,
+    Standard,
+)
+from tracerisk.common.hardware.sysml.values import Amount
+from tracerisk.common.hardware.units import rate_from_fit
+from tracerisk.errors import HardwareError
+from tracerisk.trace import WEAR_EXPONENTS
+
+_VALUES = ("probability", "rate", "weibull")
+_SPANS = {60.0: Basis.MINUTE, 3600.0: Basis.HOUR}
+_DEMANDS = frozenset(get_args(Demand))
+_SPARES: dict[str, float | None] = {"hot": 1.0, "warm": None, "cold": 0.0}
+
+
+def read_figure(fields: Fields) -> FailureFigure:
+    """Return the figure of one `FailureData`.
+
+    Raises HardwareError where it gives none or several values, or what does not fit its kind.
+    """
+    given = [key for key in _VALUES if key in fields]
+    if len(given) != 1:
+        what = " and ".join(f"'{key}'" for key in given) if given else "no figure"
+        raise HardwareError(
+            f"FailureData gives {what}; give one of: probability, rate, weibull (several "
+            "FailureData on a part add up)",
+            fields.place(given[1]) if given else fields.location,
+        )
+    kind = given[0]
+    if kind != "probability":
+        for key in ("per", "demand"):
+            if key in fields:
+                fields.fail(key, f"is for a probability; leave it out beside '{kind}'")
+    if kind != "rate" and fields.boolean("standby", default=False):
+        fields.fail("standby", "is for a rate; leave it out")
+    if kind == "probability":
+        return _probability(fields)
+    return _rate(fields) if kind == "rate" else _weibull(fields)
+
+
+def _probability(fields: Fields) -> FailureFigure:
+    value = fields.number("probability", maximum=1.0)
+    per = Basis(fields.word("per", "Basis")) if "per" in fields else Basis.VISIT
+    demand: Any = None
+    if "demand" in fields:
+        demand = fields.word("demand", "Use")
+        if demand not in _DEMANDS:
+            fields.fail(
+                "demand", f"'{demand}' is no demand; allowed: Use::start, Use::grasp, Use::release"
+            )
+        if per is not Basis.DEMAND:
+            fields.fail("demand", f"counts demands, but the figure is per {per.value}")
+    return FailureFigure("probability", value, per, demand=demand, **_uncertainty(fields))
+
+
+def _rate(fields: Fields) -> FailureFigure:
+    value, per = rate_per(fields.rate("rate"))
+    standby = fields.boolean("standby", default=False)
+    return FailureFigure("failure_rate", value, per, standby=standby, **_uncertainty(fields))
+
+
+def rate_per(amount: Amount) -> tuple[float, Basis]:
+    """Return a rate with the span that the hardware description counts it by."""
+    number, unit = float(amount.number), amount.unit
+    if unit.is_fit:
+        return rate_from_fit(number), Basis.HOUR
+    if unit.seconds in _SPANS:
+        return number, _SPANS[unit.seconds]
+    return number * (3600.0 / unit.seconds), Basis.HOUR
+
+
+def _weibull(fields: Fields) -> FailureFigure:
+    law = fields.nested("weibull", "Weibull")
+    law.forbid_unknown(("shape", "characteristicLife"))
+    life = law.long_time("characteristicLife")
+    shape = law.positive("shape")
+    number, seconds = float(life.number), life.unit.seconds
+    per = _SPANS.get(seconds, Basis.HOUR)
+    value = number if seconds in _SPANS else number * seconds / 3600.0
+    return FailureFigure("weibull", value, per, shape=shape, **_uncertainty(fields))
+
+
+def _uncertainty(fields: Fields) -> dict[str, Any]:
+    factor = fields.number("errorFactor", minimum=1.0) if "errorFactor" in fields else None
+    meaning = fields.word("valueIs", "Statistic") if "valueIs" in fields else "median"
+    if "valueIs" in fields and factor is None:
+        fields.fail("valueIs", "says nothing without 'errorFactor'; give it, or leave both out")
+    return {"error_factor": factor, "value_is": meaning, "source": fields.text("source")}
+
+
+def read_risk(fields: Fields) -> FailureFigure | None:
+    """Return the figure of a `@Risk`, per visit; `None` where it gives a level, or none at all."""
+    if "totalRisk" not in fields or _names_level(fields, "totalRisk"):
+        return None
+    total = fields.nested("totalRisk", "RiskLevel", RISK)
+    total.forbid_unknown(RISK_FEATURES["RiskLevel"])
+    if "probability" not in total:
+        return None
+    if _names_level(total, "probability"):
+        return None
+    return FailureFigure("probability", total.number("probability", maximum=1.0), Basis.VISIT)
+
+
+def _names_level(fields: Fields, key: str) -> bool:
+    """Whether a feature is one of the levels low, medium and high, and no number."""
+    if not fields.has_expression(key):
+        return False
+    value = fields.meaning(key)
+    return isinstance(value, Standard) and value.path[0] == RISK and value.path[-1] in LEVELS
+
+
+def read_load_law(fields: Fields) -> LoadLaw:
+    """Return the load law in a `FailureData`."""
+    law = fields.nested("loadLaw", "LoadLaw")
+    law.forbid_unknown(("referenceLoad", "wearingShare", "exponent", "referenceSpeed", "source"))
+    exponent = law.number("exponent") if "exponent" in law else 3.0
+    if exponent not in WEAR_EXPONENTS:
+        law.fail("exponent", unmeasured_exponent(f"{exponent:g}"))
+    speed = law.positive("referenceSpeed", maximum=1.0) if "referenceSpeed" in law else None
+    return LoadLaw(
+        reference_load=law.positive("referenceLoad", maximum=1.0),
+        wearing_share=law.number("wearingShare", maximum=1.0),
+        exponent=exponent,
+        reference_speed=speed,
+        source=law.text("source"),
+    )
+
+
+def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureMode, ...]:
+    """Return the failure modes that metadata of a part name."""
+    modes: dict[str, FailureMode] = {}
+    for each in found:
+        name = each.symbol.name
+        if name is None:
+            raise HardwareError(
+                "a failure mode without a name; write 'metadata jam : FailureMode { ... }'",
+                each.location,
+            )
+        if name in modes:
+            raise HardwareError(f"a second failure mode '{name}'; keep one", each.location)
+        fields = Fields.of(each, way)
+        uses: Any = fields.words("uses", "Use") if "uses" in fields else ()
+        fraction = fields.positive("fraction", maximum=1.0)
+        fault: Any = fields.word("fault", "Fault") if "fault" in fields else None
+        modes[name] = FailureMode(name, fraction, uses, fields.text("source"), fault)
+    return tuple(modes.values())
+
+
+def read_redundancy(
+    fields: Fields, figures: tuple[FailureFigure, ...]
+) -> tuple[Redundancy, float | None]:
+    """Return the redundancy of a part, and the time between the tests of the group [s]."""
+    beyond = [key for key in ("required", "spare") if key in fields]
+    if not fields.boolean("redundant", default=bool(beyond)):
+        for key in ("required", "spare", "dormancy", "switch", "commonCause", "detected"):
+            if key in fields:
+                fields.fail(key, "is for redundant units; write 'redundant = true' too")
+        if "testInterval" in fields:
+            fields.fail("testInterval", "of units that are all needed none stays hidden")
+        return ALL_NEEDED, None
+    interval = fields.time_s("testInterval") if "testInterval" in fields else None
+    if interval is not None and "detected" in fields:
+        fields.fail("detected", "a 'testInterval' says when; leave one of the two out")
+    detected: Any = (
+        fields.word("detected", "Detection")
+        if "detected" in fields
+        else default_detection(figures, interval is not None)
+    )
+    cause = fields.number("commonCause", maximum=1.0) if "commonCause" in fields else 0.0
+    return (
+        Redundancy(
+            True,
+            required=fields.integer("required") if "required" in fields else 1,
+            common_cause=cause,
+            dormancy=_dormancy(fields),
+            switch=_switch(fields),
+            detected=detected,
+        ),
+        interval,
+    )
+
+
+def _dormancy(fields: Fields) -> float:
+    if "spare" not in fields:
+        if "dormancy" in fields:
+            fields.fail("dormancy", "is that of a warm spare; write 'spare = Spare::warm' with it")
+        return 1.0
+    kind = fields.word("spare", "Spare")
+    fixed = _SPARES[kind]
+    if fixed is not None:
+        if "dormancy" in fields:
+            fields.fail("dormancy", f"of a {kind} spare is {fixed:g} already; leave it out")
+        return fixed
+    if "dormancy" not in fields:
+        fields.fail("spare", "a warm spare needs 'dormancy', its share of a working one's rate")
+    dormancy = fields.number("dormancy", maximum=1.0)
+    if dormancy in (0.0, 1.0):
+        word = "cold" if dormancy == 0.0 else "hot"
+        fields.fail("dormancy", f"is that of a {word} spare; write 'spare = Spare::{word}'")
+    return dormancy
+
+
+def _switch(fields: Fields) -> float:
+    if "switch" not in fields:
+        return 0.0
+    if "spare" not in fields:
+        fields.fail("switch", "is that of a spare that fails to take over; give 'spare' too")
+    return fields.number("switch", maximum=1.0)
+
+
+def read_twin(fields: Fields) -> tuple[TwinBinding | None, bool]:
+    """Return where the twin sees a part, and whether it is always active instead."""
+    others = [key for key in TWIN_KEYS if key in fields]
+    if fields.boolean("always", default=False):
+        if others:
+            fields.fail(
+                others[0], "a component is either always active or seen by the twin; leave out one"
+            )
+        return None, True
+    joints = fields.texts("joints")
+    if "sensors" in fields and "sensorKind" in fields:
+        fields.fail("sensorKind", "sensors are given by name or by kind; leave out one of the two")
+    sensors: Any = (
+        fields.word("sensorKind", "SensorKind")
+        if "sensorKind" in fields
+        else fields.texts("sensors")
+    )
+    binding = TwinBinding(
+        joints="*" if joints == ("*",) else joints,
+        gripper=fields.boolean("gripper", default=False),
+        optional=fields.boolean("optional", default=False),
+        actuators=fields.texts("actuators"),
+        sensors=sensors,
+        contacts=fields.texts("contacts"),
+    )
+    if binding.named_units == 0:
+        if not others:
+            return None, False
+        raise HardwareError(
+            "TwinBinding names nothing that the twin could see; give joints, actuators, gripper, "
+            "sensors, sensorKind or contacts, or 'always = true'",
+            fields.location,
+        )
+    if binding.optional and not binding.can_be_optional:
+        fields.fail("optional", NOT_OPTIONAL)
+    return binding, False
+
+
+TWIN_KEYS = ("joints", "actuators", "gripper", "sensors", "sensorKind", "contacts", "optional")

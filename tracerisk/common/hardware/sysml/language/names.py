@@ -1,0 +1,410 @@
+"""Find what a name stands for: members, inherited members, imports, files beside, libraries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+from tracerisk.common.hardware.sysml.language.standard_names import (
+    OURS,
+    RISK,
+    WITH_PARTS,
+    Standard,
+    known_members,
+)
+from tracerisk.common.hardware.sysml.language.syntax import (
+    Alias,
+    Annotation,
+    Element,
+    Import,
+    Name,
+    Package,
+    Reference,
+    SourceText,
+)
+from tracerisk.errors import HardwareError, Location, one_of
+
+MAX_CHAIN = 100
+"""How many definitions may specialise one another in a row, and names lead to names."""
+
+Found: TypeAlias = "Symbol | Standard"
+
+
+class Symbol:
+    """An element of the model, with its place among the others.
+
+    `find_package` finds packages that no file around the element declares.
+    """
+
+    __slots__ = (
+        "_active", "_by_name", "_generals", "_imports", "_members", "_seen", "find_package", "kin",
+        "node", "owner", "source",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        node: Package | Element | Annotation | Alias,
+        owner: Symbol | None,
+        source: SourceText,
+        find_package: Callable[[str, Location], Found | None],
+    ) -> None:
+        self.node = node
+        self.owner = owner
+        self.source = source
+        self.find_package = find_package
+        self._members: tuple[Symbol, ...] | None = None
+        self._by_name: dict[str, Symbol] | None = None
+        self._generals: tuple[Found, ...] | None = None
+        self._imports: list[tuple[Import, Found]] | None = None
+        self._active = False
+        self.kin: tuple[Found, ...] | None = None
+        self._seen: dict[str, Found | None] = {}
+
+    def location(self, at: int | None = None) -> Location:
+        """Return where the element stands, or the offset `at` of its file."""
+        return self.source.location(self.node.at if at is None else at)
+
+    @property
+    def name(self) -> str | None:
+        """The declared name; of an element that only redefines, that of what it redefines."""
+        node = self.node
+        if isinstance(node, Element):
+            if node.name is None and node.short is None and node.redefines:
+                target = node.redefines[0]
+                return (target.steps[-1] if target.steps else target.name)[-1]
+            return node.name if node.name is not None else node.short
+        return node.name
+
+    def __str__(self) -> str:
+        names: list[str] = []
+        symbol: Symbol | None = self
+        while symbol is not None and symbol.owner is not None:
+            names.append(symbol.name or "...")
+            symbol = symbol.owner
+        return "::".join(reversed(names))
+
+    @property
+    def members(self) -> tuple[Symbol, ...]:
+        """The elements declared within, in the order of the file."""
+        if self._members is None:
+            nodes = () if isinstance(self.node, Alias) else self.node.members
+            self._members = tuple(
+                Symbol(each, self, self.source, self.find_package)
+                for each in nodes
+                if isinstance(each, Package | Element | Annotation | Alias)
+            )
+        return self._members
+
+    def own(self, name: str) -> Symbol | None:
+        """Return the element declared within by that name or short name."""
+        if self._by_name is None:
+            found: dict[str, Symbol] = {}
+            for member in self.members:
+                node = member.node
+                names = {member.name, None if isinstance(node, Annotation) else node.short}
+                for each in sorted(filter(None, names)):
+                    if each in found:
+                        before = found[each].location()
+                        raise HardwareError(
+                            f"a second '{each}' here, the first is in line {before.line}; give "
+                            "it another name",
+                            member.location(),
+                        )
+                    found[each] = member
+            self._by_name = found
+        return self._by_name.get(name)
+
+    # What an element specialises.
+
+    def generals(self) -> tuple[Found, ...]:
+        """Return what the element redefines, subsets and has as its type, in this order.
+
+        Raises HardwareError at a name that stands for nothing, where the element can hold
+        failure data.
+        """
+        if self._generals is not None:
+            return self._generals
+        node = self.node
+        if isinstance(node, Annotation):
+            self._generals = (self.scope().resolve(node.type),)
+            return self._generals
+        if not isinstance(node, Element) or self._active:
+            return ()
+        self._active = True
+        try:
+            found = [self._redefined(target) for target in node.redefines]
+            found += [self._resolve_general(target) for target in (*node.subsets, *node.types)]
+            self._generals = tuple(dict.fromkeys(each for each in found if each is not None))
+        finally:
+            self._active = False
+        return self._generals
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether all that the element specialises is known, and it is not being looked up."""
+        return self._generals is not None or not isinstance(self.node, Element | Annotation)
+
+    def scope(self) -> Symbol:
+        """Return the namespace in which the names of the element's declaration are looked up."""
+        return self if self.owner is None else self.owner
+
+    @property
+    def is_structural(self) -> bool:
+        """Whether the element is one whose generals may bring failure data."""
+        return isinstance(self.node, Element) and self.node.kind in ("part", "item", "metadata")
+
+    def redefined(self) -> tuple[Symbol, ...]:
+        """Return the features that the element redefines."""
+        if not isinstance(self.node, Element):
+            return ()
+        targets = (self._redefined(each) for each in self.node.redefines)
+        return tuple(each for each in targets if isinstance(each, Symbol))
+
+    def _redefined(self, target: Reference) -> Found | None:
+        owner = self.scope()
+        if not target.steps and len(target.name) == 1:
+            hit = owner.inherited(target.name[0])
+            if hit is not None:
+                return hit
+            if any(isinstance(each, Standard) for each in ancestors(owner)):
+                return None
+            if not self.is_structural:
+                return None
+            names = sorted({each.name or "" for each in inherited_members(owner)} - {""})
+            raise HardwareError(
+                f"redefines '{target}', which its owner does not inherit; "
+                f"{one_of(names, target.name[0])}",
+                self.location(target.at),
+            )
+        return self._resolve_general(target)
+
+    def _resolve_general(self, target: Reference) -> Found | None:
+        hit = self.scope().lookup(target)
+        if hit is None and self.is_structural:
+            if self.scope().may_import(target, WITH_PARTS):
+                return None
+            raise self.unknown(target)
+        return None if hit is self else hit
+
+    # Looking up names.
+
+    def resolve(self, target: Reference) -> Found:
+        """Return what a name stands for; raise HardwareError where it is nothing."""
+        hit = self.lookup(target)
+        if hit is None:
+            raise self.unknown(target)
+        return hit
+
+    def lookup(self, target: Reference) -> Found | None:
+        """Return what a name stands for as seen from within this namespace."""
+        hit = self.qualified(target.name)
+        for step in target.steps:
+            for name in step:
+                hit = None if hit is None else member_of(hit, name)
+        return hit
+
+    def qualified(self, name: Name) -> Found | None:
+        """Return what a qualified name stands for as seen from within this namespace."""
+        hit = self._first(name[0])
+        for index, segment in enumerate(name[1:], start=1):
+            if hit is None:
+                return None
+            if isinstance(hit, Symbol) and isinstance(hit.node, Package):
+                hit = hit.exported(segment)
+            else:
+                hit = member_of(hit, segment)
+            if index >= MAX_CHAIN:
+                return None
+        return hit
+
+    def _first(self, name: str) -> Found | None:
+        scope: Symbol | None = self
+        while scope is not None:
+            hit = scope.visible(name)
+            if hit is not None:
+                return hit
+            top = scope
+            scope = scope.owner
+        return top.find_package(name, self.location())
+
+    def visible(self, name: str) -> Found | None:
+        """Return what `name` is in this namespace alone: own, inherited, then imported."""
+        if name in self._seen:
+            return self._seen[name]
+        hit = _own(self, name) or self.inherited(name) or self._imported(name)
+        if hit is not None:
+            self._seen[name] = hit
+        return hit
+
+    def inherited(self, name: str) -> Symbol | None:
+        """Return the member of that name that a general of this element has."""
+        if not isinstance(self.node, Element | Annotation):
+            return None
+        for general in ancestors(self):
+            if general is not self and isinstance(general, Symbol):
+                hit = general.own(name)
+                if hit is not None:
+                    return hit
+        return None
+
+    def exported(self, name: str) -> Found | None:
+        """Return what others see by `name` in this package: own, and what it imports publicly."""
+        hit: Found | None = self.own(name)
+        if isinstance(hit, Symbol) and isinstance(hit.node, Alias):
+            return _aliased(hit)
+        if hit is None and isinstance(self.node, Package):
+            hit = self._imported(name, public_only=True)
+        return hit
+
+    def _imported(self, name: str, *, public_only: bool = False) -> Found | None:
+        for each, space in self._spaces():
+            if not (public_only and each.is_private):
+                hit = _through(each, space, name)
+                if hit is not None:
+                    return hit
+        return None
+
+    def _spaces(self) -> list[tuple[Import, Found]]:
+        """Return the imports of this namespace with what they name.
+
+        An import may name what another one brings. Raises HardwareError at one that names
+        nothing.
+        """
+        if self._imports is not None:
+            return self._imports
+        assert not isinstance(self.node, Alias)
+        waiting = [each for each in self.node.members if isinstance(each, Import)]
+        self._imports = []
+        while waiting:
+            left = []
+            for each in waiting:
+                space = self.lookup(each.target)
+                if space is None:
+                    left.append(each)
+                else:
+                    self._imports.append((each, space))
+            if len(left) == len(waiting):
+                raise self.unknown(left[0].target)
+            waiting = left
+        return self._imports
+
+    def open_imports(self) -> Iterator[Standard]:
+        """Yield the library packages that are imported here or around, not all names known."""
+        scope: Symbol | None = self
+        while scope is not None:
+            for each, space in scope._spaces():
+                if isinstance(space, Standard) and not space.is_closed and each.every:
+                    yield space
+            scope = scope.owner
+
+    def may_import(self, target: Reference, packages: frozenset[str]) -> bool:
+        """Whether one of some library packages that are imported here may have the name."""
+        known = known_members((OURS,)) + known_members((RISK,))
+        return (
+            len(target.name) == 1
+            and target.name[0] not in known
+            and any(each.path[0] in packages for each in self.open_imports())
+        )
+
+    def unknown(self, target: Reference) -> HardwareError:
+        """Return the error for a name that stands for nothing."""
+        from tracerisk.common.hardware.sysml.language.unknown_names import unknown_name
+
+        return HardwareError(unknown_name(self, target), self.location(target.at))
+
+
+def _through(each: Import, space: Found, name: str) -> Found | None:
+    """Return what an import brings by a name."""
+    if not (each.every or each.recursive):
+        if each.target.name[-1] == name:
+            return space
+        is_named = isinstance(space, Symbol) and not isinstance(space.node, Annotation)
+        return space if is_named and space.node.short == name else None  # type: ignore[union-attr]
+    if isinstance(space, Standard):
+        return space.member(name) if space.offers(name) else None
+    if each.recursive:
+        return _below(space, name)
+    return space.exported(name) if isinstance(space.node, Package) else member_of(space, name)
+
+
+def _own(space: Symbol, name: str) -> Found | None:
+    """Return what is declared within by that name; of an alias, what it stands for."""
+    hit = space.own(name)
+    return _aliased(hit) if hit is not None and isinstance(hit.node, Alias) else hit
+
+
+def _aliased(alias: Symbol) -> Found | None:
+    """Return what an alias stands for; aliases of aliases are followed."""
+    hit: Found | None = alias
+    for _ in range(MAX_CHAIN):
+        if not (isinstance(hit, Symbol) and isinstance(hit.node, Alias)):
+            return hit
+        target = hit.node.target
+        scope = hit.scope()
+        raw: Found | None = scope.own(target.name[0]) if len(target.name) == 1 else None
+        hit = raw if raw is not None else scope.lookup(target)
+    raise HardwareError(f"alias '{alias.name}' leads to itself", alias.location())
+
+
+def _below(space: Symbol, name: str) -> Found | None:
+    """Return what is called `name` in a namespace or in a package below it."""
+    waiting = [space]
+    while waiting:
+        each = waiting.pop(0)
+        hit = each.exported(name)
+        if hit is not None:
+            return hit
+        waiting += [member for member in each.members if isinstance(member.node, Package)]
+    return None
+
+
+def member_of(space: Found, name: str) -> Found | None:
+    """Return the member of an element by that name, its own or inherited."""
+    if isinstance(space, Standard):
+        return space.member(name)
+    hit = _own(space, name) or space.inherited(name)
+    if hit is None and isinstance(space.node, Package):
+        hit = space.exported(name)
+    return hit
+
+
+def ancestors(symbol: Symbol) -> tuple[Found, ...]:
+    """Return an element and all that it specialises, each once, the nearer first.
+
+    Raises HardwareError where elements specialise each other in a circle.
+    """
+    if symbol.kin is not None:
+        return symbol.kin
+    found: dict[Found, None] = {symbol: None}
+    level: list[Found] = [symbol]
+    for _ in range(MAX_CHAIN):
+        following: list[Found] = []
+        for each in level:
+            if isinstance(each, Symbol):
+                for general in each.generals():
+                    if general is symbol:
+                        raise HardwareError(
+                            f"'{symbol.name}' specialises itself, by way of "
+                            f"'{each.name}'; break the circle",
+                            symbol.location(),
+                        )
+                    if general not in found:
+                        found[general] = None
+                        following.append(general)
+        if not following:
+            kin = tuple(found)
+            if all(each.is_settled for each in kin if isinstance(each, Symbol)):
+                symbol.kin = kin
+            return kin
+        level = following
+    raise HardwareError(
+        f"'{symbol.name}' stands at the end of a chain of more than {MAX_CHAIN} specialisations",
+        symbol.location(),
+    )
+
+
+def inherited_members(symbol: Symbol) -> Iterator[Symbol]:
+    """Yield the members of all that an element specialises."""
+    for general in ancestors(symbol):
+        if general is not symbol and isinstance(general, Symbol):
+            yield from general.members

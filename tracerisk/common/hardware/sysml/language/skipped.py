@@ -1,0 +1,56 @@
+"""List what of a file was skipped, and refuse what would be lost with it."""
+
+from __future__ import annotations
+
+from tracerisk.common.hardware.sysml.annotations import KINDS
+from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.standard_names import OURS, Standard
+from tracerisk.common.hardware.sysml.language.syntax import Element, Package, Reference, Skipped
+from tracerisk.errors import HardwareError
+
+
+def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
+    """Return a line for each kind of element that was skipped in a file, with its first place.
+
+    Raises HardwareError at one that holds our metadata, which would be lost.
+    """
+    warnings = []
+    for top in files:
+        counts: dict[str, list[int]] = {}
+        for scope, node in _skipped(top):
+            for target in node.metadata:
+                if _is_ours(scope, target):
+                    raise HardwareError(
+                        f"'{target}' stands within '{node.word} ...', which is not read; hardware "
+                        "is described by parts",
+                        scope.location(target.at),
+                    )
+            counts.setdefault(node.word, []).append(node.at)
+        for word, offsets in counts.items():
+            number = f"{len(offsets)} elements are" if len(offsets) > 1 else "an element is"
+            warnings.append(
+                f"{top.location(offsets[0])}: '{word}': {number} skipped; what a system does, "
+                "requires or connects is not part of the hardware description"
+            )
+    return tuple(warnings)
+
+
+def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:
+    found = []
+    waiting = [top]
+    while waiting:
+        symbol = waiting.pop()
+        if isinstance(symbol.node, Package | Element):
+            nodes = symbol.node.members
+            found += [(symbol, node) for node in nodes if isinstance(node, Skipped)]
+            waiting.extend(symbol.members)
+    return sorted(found, key=lambda each: each[1].at)
+
+
+def _is_ours(scope: Symbol, target: Reference) -> bool:
+    hit = scope.lookup(target)
+    kin = ancestors(hit) if isinstance(hit, Symbol) else (hit,)
+    return any(
+        isinstance(each, Standard) and each.path[0] == OURS and each.path[-1] in KINDS
+        for each in kin
+    )

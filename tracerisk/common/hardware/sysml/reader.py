@@ -1,0 +1,303 @@
+"""Read a hardware description from SysML v2 textual notation."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tracerisk.common.hardware.checks import check_component
+from tracerisk.common.hardware.model import Component, FailureFigure, Hardware, LoadLaw, TwinBinding
+from tracerisk.common.hardware.redundancy import ALL_NEEDED
+from tracerisk.common.hardware.sysml import figures as meaning
+from tracerisk.common.hardware.sysml.annotations import Annotations, Metadata
+from tracerisk.common.hardware.sysml.composition import Composition, Place, product
+from tracerisk.common.hardware.sysml.fields import Fields
+from tracerisk.common.hardware.sysml.language.names import Symbol
+from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
+from tracerisk.common.hardware.sysml.language.syntax import Element
+from tracerisk.common.hardware.sysml.project import Project
+from tracerisk.common.hardware.sysml.roots import find_root
+from tracerisk.errors import HardwareError, Location
+
+
+def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:
+    """Read the hardware description at `path`, which is SysML v2 textual notation.
+
+    `shown` is the name of the file for messages, the path by default. What is left out, because
+    it cannot describe failures, is listed in the hardware's `warnings`.
+    Raises HardwareError with file, line and column where the file is no SysML v2, uses what is
+    outside the declared subset (docs/sysml.md), or contradicts itself.
+    """
+    name = shown if shown is not None else str(path)
+    with _uncollected():
+        try:
+            return _Reading(Project(path, name)).hardware(name)
+        except RecursionError:
+            raise HardwareError(
+                "names lead to one another too far, by imports or aliases; shorten their way",
+                Location(name, 1, 1),
+            ) from None
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Hold off the collection of garbage: a growing syntax tree has none to find.
+
+    Of the time for 1,000 parts the collector would take a quarter.
+    """
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+class _Reading:
+    """What is known while one description is read."""
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._annotations = Annotations()
+        self._composition = Composition()
+        self._warnings: list[str] = []
+
+    def hardware(self, file: str) -> Hardware:
+        main = self._project.main
+        self._annotations.collect_about(main)
+        root = find_root(main, self._composition, self._annotations)
+        components = self._components(root)
+        if not components:
+            raise HardwareError(
+                f"'{root.name}' has no part with failure data; give one "
+                "'@FailureData { rate = 5.7e-6 [h^-1]; }'",
+                root.location(),
+            )
+        robot, source = self._description(root)
+        skipped = skipped_warnings(self._project.files)
+        return Hardware(
+            file=file,
+            components=tuple(components.values()),
+            robot=robot,
+            source=source,
+            warnings=(*skipped, *self._warnings),
+        )
+
+    def _description(self, root: Symbol) -> tuple[str | None, str | None]:
+        fields = self._single(root, "HardwareData", (root,))
+        return (None, None) if fields is None else (fields.text("robot"), fields.text("source"))
+
+    def _single(self, part: Symbol, kind: str, way: tuple[Symbol, ...]) -> Fields | None:
+        """Return the fields of the one metadata of a kind that a part has."""
+        found = self._annotations.of(part, kind)
+        if len(found) > 1:
+            raise HardwareError(f"a second {kind} on '{part.name}'; keep one", found[1].location)
+        return Fields.of(found[0], way) if found else None
+
+    def _components(self, root: Symbol) -> dict[str, Component]:
+        found: dict[str, Component] = {}
+        for place in self._composition.unfold(root):
+            component = self._component(place)
+            if component is None:
+                continue
+            if component.name in found:
+                before = found[component.name].location
+                line = before.line if before is not None else None
+                raise HardwareError(
+                    f"a second component '{component.name}', the first is in line {line}; "
+                    "give one of the parts another name",
+                    component.location,
+                )
+            found[component.name] = component
+        return found
+
+    def _component(self, place: Place) -> Component | None:
+        part = place.symbol
+        data = self._annotations.of(part, "FailureData", "Risk")
+        if not data:
+            self._warn_without_figure(place)
+            return None
+        name = component_name(place)
+        figures, law, age_s = self._figures(place, data)
+        if not figures:
+            return None
+        location = part.location()
+        binding = self._single(part, "TwinBinding", place.way)
+        twin, always = (None, False) if binding is None else meaning.read_twin(binding)
+        group = self._single(part, "Redundancy", place.way)
+        redundancy, interval = (
+            (ALL_NEEDED, None) if group is None else meaning.read_redundancy(group, figures)
+        )
+        if redundancy:
+            assert group is not None
+            _check_one_group(place, group)
+        modes = self._annotations.of(part, "FailureMode")
+        described = None if len(place.way) == 1 else self._single(part, "HardwareData", place.way)
+        component = Component(
+            name=name,
+            figures=figures,
+            quantity=_quantity(place, twin),
+            redundancy=redundancy,
+            always_active=always,
+            twin=twin,
+            load_law=law,
+            modes=meaning.read_modes(modes, place.way),
+            age_s=age_s,
+            source=None if described is None else described.text("source"),
+            location=location,
+            test_interval_s=interval,
+        )
+        if described is not None and "robot" in described:
+            described.fail("robot", "stands at the system as a whole; leave it out here")
+        known = {each.kind: each.location for each in reversed((*data, *modes))}
+        known |= {each.owner: each.location for each in (group, binding) if each is not None}
+
+        def find(*keys: str) -> Location:
+            kind = _METADATA_OF.get(keys[0], "FailureData") if keys else ""
+            return known.get(kind, location)
+
+        check_component(component, find)
+        return component
+
+    def _figures(
+        self, place: Place, data: list[Metadata]
+    ) -> tuple[tuple[FailureFigure, ...], LoadLaw | None, float]:
+        """Return the figures of a part, its load law and its age [s]."""
+        failures = [each for each in data if each.kind == "FailureData"]
+        risks = [each for each in data if each.kind == "Risk"]
+        if not failures:
+            return self._risk_figures(place, risks), None, 0.0
+        if any(meaning.read_risk(Fields.of(each, place.way)) for each in risks):
+            self._warn(
+                risks[0].location,
+                f"'{place.symbol.name}' has FailureData, so the probability of its @Risk is left "
+                "out",
+            )
+        law: LoadLaw | None = None
+        age_s = 0.0
+        figures = []
+        for each in failures:
+            fields = Fields.of(each, place.way)
+            figures.append(meaning.read_figure(fields))
+            if "loadLaw" in fields:
+                if law is not None:
+                    fields.fail("loadLaw", "a second one on this part; keep one")
+                law = meaning.read_load_law(fields)
+            if "age" in fields:
+                if age_s:
+                    fields.fail("age", "a second one on this part; keep one")
+                age_s = fields.time_s("age")
+        return tuple(figures), law, age_s
+
+    def _risk_figures(self, place: Place, risks: list[Metadata]) -> tuple[FailureFigure, ...]:
+        found = [
+            (each, figure)
+            for each in risks
+            if (figure := meaning.read_risk(Fields.of(each, place.way))) is not None
+        ]
+        if len(found) > 1:
+            raise HardwareError(
+                f"a second @Risk with a probability on '{place.symbol.name}'; keep one, or use "
+                "FailureData, of which several add up",
+                found[1][0].location,
+            )
+        if not found:
+            self._warn_without_figure(place)
+        return tuple(figure for _, figure in found)
+
+    def _warn_without_figure(self, place: Place) -> None:
+        """Warn of a part that is described in part only: a level, or our data without a figure."""
+        own = self._annotations.own(place.symbol)
+        for each in own:
+            if each.kind == "Risk" and "totalRisk" in each.values():
+                self._warn(
+                    each.location,
+                    f"'{place.symbol.name}' has a level of risk but no figure, and is left out; "
+                    "give it a probability or FailureData",
+                )
+                return
+            if each.kind in ("Redundancy", "TwinBinding", "FailureMode"):
+                raise HardwareError(
+                    f"'{place.symbol.name}' has {each.kind} but no failure data; give it "
+                    "'@FailureData { rate = 5.7e-6 [h^-1]; }', or leave it out",
+                    each.location,
+                )
+
+    def _warn(self, location: Location, message: str) -> None:
+        text = f"{location}: {message}"
+        if text not in self._warnings:
+            self._warnings.append(text)
+
+
+_METADATA_OF = {
+    "modes": "FailureMode",
+    "redundancy": "Redundancy",
+    "required": "Redundancy",
+    "spare": "Redundancy",
+    "common_cause": "Redundancy",
+    "detected": "Redundancy",
+    "twin": "TwinBinding",
+    "active": "TwinBinding",
+    "quantity": "",
+}
+
+
+def component_name(place: Place) -> str:
+    """Return the qualified name of a component: the parts around it below the root, and it.
+
+    Raises HardwareError at a part without a name, or with one that is not a component's.
+    """
+    return ".".join(_own_name(each) for each in (place.way[1:] or place.way))
+
+
+def _own_name(part: Symbol) -> str:
+    node = part.node
+    assert isinstance(node, Element)
+    name = part.name
+    if name is None:
+        raise HardwareError("a part with failure data has no name; give it one", part.location())
+    if not _is_plain(name):
+        if node.short is not None and _is_plain(node.short):
+            return node.short
+        raise HardwareError(
+            f"'{name}' is not a component's name (letters, digits, '_', '.', '-'); give it a short "
+            f"name as well: part <short> '{name}'",
+            part.location(),
+        )
+    return name
+
+
+def _is_plain(name: str) -> bool:
+    return bool(name) and all(each.isascii() and (each.isalnum() or each in "_.-") for each in name)
+
+
+def _check_one_group(place: Place, group: Fields) -> None:
+    if place.outer == (1, 1):
+        return
+    around = next(each for each in reversed(place.way[:-1]))
+    raise HardwareError(
+        f"'{place.symbol.name}' is a redundant group, and there are several of it, one in each "
+        f"'{around.name}'; name each of these as a part of its own",
+        group.location,
+    )
+
+
+def _quantity(place: Place, twin: TwinBinding | None) -> int | None:
+    """Return the number of units, `None` where the robot gives it."""
+    if place.own is None and place.outer == (1, 1):
+        return 1 if twin is None else twin.named_units
+    low, high = product(place.outer, place.own or (1, 1))
+    if high is None:
+        return None
+    if low == high:
+        return low
+    if twin is not None and twin.optional and low == 0:
+        return high
+    raise HardwareError(
+        f"'{place.symbol.name}' has {low} to {high} units; give one number, for the figures need "
+        "it",
+        place.symbol.location(),
+    )

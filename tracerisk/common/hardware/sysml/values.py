@@ -1,0 +1,309 @@
+"""Work out what expressions mean: numbers, texts, words of enumerations, quantities with units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NoReturn, TypeAlias
+
+from tracerisk.common.hardware.sysml.language.names import MAX_CHAIN, Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.standard_names import OURS, TIME_UNITS, Standard
+from tracerisk.common.hardware.sysml.language.syntax import (
+    Computed,
+    Element,
+    Expression,
+    Instance,
+    Literal,
+    Operation,
+    Quantity,
+    Reference,
+    Sequence,
+    Unary,
+)
+from tracerisk.errors import HardwareError
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A power of a unit of time, or FIT, failures in 1e9 hours.
+
+    `seconds` is the length of the unit [s]; a `power` of zero is that of a plain number.
+    """
+
+    seconds: float
+    power: int
+    is_fit: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number in a unit."""
+
+    number: float
+    unit: Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A value made of parts; `of` is its type."""
+
+    of: Standard
+    arguments: dict[str, tuple[Expression, Symbol]]
+    at: int
+
+
+Meaning: TypeAlias = (
+    int | float | str | bool | Standard | Unit | Amount | Built | tuple["Meaning", ...] | None
+)
+
+_FIT = Unit(3600.0, -1, is_fit=True)
+_ONE = Unit(1.0, 0)
+_PRECEDENCE = {"+": 1, "-": 1, "*": 2, "/": 2, "%": 2, "**": 4, "^": 4}
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """Where an expression is worked out.
+
+    Its names are looked up in `scope`; an attribute has the value that the nearest part on the
+    `way` gives it, which may redefine it.
+    """
+
+    scope: Symbol
+    way: tuple[Symbol, ...]
+    depth: int = 0
+
+    def fail(self, message: str, at: int) -> NoReturn:
+        """Raise HardwareError at an offset of the expression's file."""
+        raise HardwareError(message, self.scope.location(at))
+
+    def evaluate(self, expression: Expression) -> Meaning:
+        """Return what an expression means.
+
+        Raises HardwareError at one outside the subset, at a name without a value, and at an
+        operator that does not fit its operands.
+        """
+        if self.depth > MAX_CHAIN:
+            self.fail("names whose values lead to one another in a circle", expression.at)
+        return _DISPATCH[type(expression)](self, expression)
+
+
+def _literal(context: Context, node: Literal) -> Meaning:
+    del context
+    return node.value
+
+
+def _computed(context: Context, node: Computed) -> Meaning:
+    return context.fail(
+        "a computed value that is not worked out here; write the value itself, or +, -, *, / and ^ "
+        "of numbers",
+        node.at,
+    )
+
+
+def _sequence(context: Context, node: Sequence) -> Meaning:
+    return tuple(context.evaluate(each) for each in node.items)
+
+
+def _reference(context: Context, node: Reference) -> Meaning:
+    hit = context.scope.lookup(node)
+    if hit is None:
+        for space in context.scope.open_imports():
+            if len(node.name) == 1 and not node.steps:
+                return Standard((*space.path, node.name[0]))
+        raise context.scope.unknown(node)
+    if isinstance(hit, Standard):
+        return _unit_named(hit) or hit
+    attribute, scope_of = _effective(hit, context.way)
+    value = attribute.node.value if isinstance(attribute.node, Element) else None
+    if value is None:
+        context.fail(f"'{node}' has no value; give it one, or write the value here", node.at)
+    inner = Context(scope_of, context.way, context.depth + 1)
+    return inner.evaluate(value.expression)
+
+
+def _effective(attribute: Symbol, way: tuple[Symbol, ...]) -> tuple[Symbol, Symbol]:
+    """Return the attribute that counts in place of `attribute`, and the scope of its value."""
+    for part in reversed(way):
+        kin = ancestors(part)
+        if attribute.owner not in kin:
+            continue
+        for each in kin:
+            if not isinstance(each, Symbol):
+                continue
+            for member in each.members:
+                if member is attribute or _redefines(member, attribute):
+                    node = member.node
+                    if isinstance(node, Element) and node.value is not None:
+                        return member, member.scope()
+    return attribute, attribute.scope()
+
+
+def _redefines(member: Symbol, attribute: Symbol) -> bool:
+    node = member.node
+    if not (isinstance(node, Element) and node.redefines):
+        return False
+    waiting = list(member.redefined())
+    for _ in range(MAX_CHAIN):
+        if not waiting:
+            return False
+        each = waiting.pop()
+        if each is attribute:
+            return True
+        waiting.extend(each.redefined())
+    return False
+
+
+def _unit_named(standard: Standard) -> Unit | None:
+    if standard.path == (OURS, "FIT"):
+        return _FIT
+    if standard.path[0] == "SI" and len(standard.path) == 2:
+        if standard.path[1] == "one":
+            return _ONE
+        seconds = TIME_UNITS.get(standard.path[1])
+        return None if seconds is None else Unit(seconds, 1)
+    return None
+
+
+def _quantity(context: Context, node: Quantity) -> Meaning:
+    number = context.evaluate(node.number)
+    if not _is_number(number):
+        context.fail("a unit stands behind a number only", node.number.at)
+    unit = context.evaluate(node.unit)
+    if not isinstance(unit, Unit):
+        context.fail(
+            "not a unit that is understood; allowed: h, min, s, d of package SI, their inverses "
+            "(h^-1 or 1/h), and FIT",
+            node.unit.at,
+        )
+    assert isinstance(number, int | float)
+    return Amount(number, unit)
+
+
+def _instance(context: Context, node: Instance) -> Meaning:
+    hit = context.scope.lookup(node.of)
+    if hit is None:
+        raise context.scope.unknown(node.of)
+    if not isinstance(hit, Standard) or len(hit.path) != 2:
+        context.fail(f"'{node.of}(...)' is not worked out here; write the value itself", node.at)
+    named: dict[str, tuple[Expression, Symbol]] = {}
+    for name, value in node.arguments:
+        if name is None:
+            context.fail("a value without its name; write 'name = value'", value.at)
+        if name in named:
+            context.fail(f"a second value for '{name}'; keep one", value.at)
+        named[name] = (value, context.scope)
+    return Built(hit, named, node.at)
+
+
+def _unary(context: Context, node: Unary) -> Meaning:
+    operators = [node.operator]
+    inner: Expression = node.operand
+    while isinstance(inner, Unary):
+        operators.append(inner.operator)
+        inner = inner.operand
+    value = context.evaluate(inner)
+    for operator in reversed(operators):
+        if operator == "not" and isinstance(value, bool):
+            value = not value
+        elif operator in ("+", "-") and isinstance(value, Amount):
+            value = value if operator == "+" else Amount(-value.number, value.unit)
+        elif operator in ("+", "-") and _is_number(value):
+            assert isinstance(value, int | float)
+            value = value if operator == "+" else -value
+        else:
+            context.fail(f"'{operator}' does not fit what follows", node.at)
+    return value
+
+
+def _operation(context: Context, node: Operation) -> Meaning:
+    """Apply operators by precedence; powers from the right, the others from the left."""
+    values: list[Meaning] = [context.evaluate(node.operands[0])]
+    pending: list[str] = []
+
+    def apply() -> None:
+        operator = pending.pop()
+        right = values.pop()
+        values.append(_apply(context, operator, values.pop(), right, node.at))
+
+    for operator, operand in zip(node.operators, node.operands[1:], strict=True):
+        rank = _PRECEDENCE.get(operator)
+        if rank is None:
+            context.fail(
+                f"'{operator}' is not worked out here; write the value itself, or +, -, *, / and "
+                "^ of numbers",
+                node.at,
+            )
+        while pending and (
+            _PRECEDENCE[pending[-1]] > rank or (_PRECEDENCE[pending[-1]] == rank and rank < 4)
+        ):
+            apply()
+        pending.append(operator)
+        values.append(context.evaluate(operand))
+    while pending:
+        apply()
+    return values[0]
+
+
+def _apply(context: Context, operator: str, left: Meaning, right: Meaning, at: int) -> Meaning:
+    try:
+        found = _applied(operator, left, right)
+    except (OverflowError, ZeroDivisionError, ValueError):
+        found = None
+    if isinstance(found, complex) or (isinstance(found, float) and not math.isfinite(found)):
+        found = None
+    if found is None:
+        context.fail(f"'{operator}' gives no finite value, or does not fit what is around it", at)
+    return found
+
+
+def _applied(operator: str, left: Meaning, right: Meaning) -> Meaning:
+    if isinstance(left, Unit) or isinstance(right, Unit):
+        return _unit_of(operator, left, right)
+    if isinstance(left, Amount) and _is_number(right) and operator in "*/":
+        return Amount(_ARITHMETIC[operator](left.number, float(right)), left.unit)  # type: ignore[arg-type]
+    if isinstance(right, Amount) and _is_number(left) and operator == "*":
+        return Amount(_ARITHMETIC[operator](float(left), right.number), right.unit)  # type: ignore[arg-type]
+    if _is_number(left) and _is_number(right):
+        if operator in ("**", "^"):
+            # Of whole numbers the power could be of any length.
+            return math.pow(left, right)  # type: ignore[arg-type]
+        return _ARITHMETIC[operator](left, right)  # type: ignore[arg-type]
+    return None
+
+
+_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "+": lambda left, right: left + right,
+    "-": lambda left, right: left - right,
+    "*": lambda left, right: left * right,
+    "/": lambda left, right: left / right,
+    "%": lambda left, right: left % right,
+}
+
+
+def _unit_of(operator: str, left: Meaning, right: Meaning) -> Meaning:
+    """Return the unit that an operator makes of units of time: its inverse, or itself."""
+    if operator == "/" and isinstance(right, Unit) and not right.is_fit:
+        if left == 1 or left == _ONE:
+            return Unit(right.seconds, -right.power)
+        return None
+    if operator in ("^", "**") and isinstance(left, Unit) and not left.is_fit:
+        return Unit(left.seconds, int(left.power * right)) if right in (1, -1) else None
+    return None
+
+
+def _is_number(value: Meaning) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+_DISPATCH: dict[type, Callable[[Context, Any], Meaning]] = {
+    Literal: _literal,
+    Computed: _computed,
+    Sequence: _sequence,
+    Reference: _reference,
+    Quantity: _quantity,
+    Instance: _instance,
+    Unary: _unary,
+    Operation: _operation,
+}

@@ -1,0 +1,90 @@
+"""Read a hardware description from YAML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tracerisk.common.hardware.checks import check_component
+from tracerisk.common.hardware.model import Component, Hardware, TwinBinding
+from tracerisk.common.hardware.yaml.figures import FIGURE_KEYS, read_figures, read_time, word_of
+from tracerisk.common.hardware.yaml.redundancy import REDUNDANCY_KEYS, read_redundancy
+from tracerisk.common.hardware.yaml.twin import read_twin
+from tracerisk.common.hardware.yaml.use import read_load_law, read_modes
+from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
+from tracerisk.errors import HardwareError, Location
+
+ROBOTS_NUMBER = "*"
+"""What `quantity` says where the robot gives how many there are."""
+
+_TOP_KEYS = frozenset({"components", "robot", "source"})
+_COMPONENT_KEYS = (
+    FIGURE_KEYS
+    | REDUNDANCY_KEYS
+    | {"quantity", "age", "load_law", "modes", "twin", "active", "source"}
+)
+
+
+def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
+    """Read the hardware description at `path`, which is YAML.
+
+    `shown` is the name of the file for messages, the path by default.
+    Raises HardwareError with file, line and column at an unknown key, a missing value, a number
+    outside its bounds, a value of the wrong type, or fields that contradict one another.
+    """
+    top = read_large_yaml(path, HardwareError, shown=shown)
+    top.forbid_unknown(_TOP_KEYS)
+    described = top.map("components")
+    components = tuple(
+        _component(name, entry, described.key_location(name))
+        for name, entry in described.items_as_maps()
+    )
+    if not components:
+        top.fail("components", "names no component; give at least one")
+    return Hardware(
+        file=shown if shown is not None else str(path),
+        components=components,
+        robot=top.optional_string("robot"),
+        source=top.optional_string("source"),
+    )
+
+
+def _component(name: str, entry: YamlMap, location: Location) -> Component:
+    entry.forbid_unknown(_COMPONENT_KEYS)
+    figures = read_figures(entry)
+    redundancy, test_interval_s = read_redundancy(entry, figures)
+    twin = read_twin(entry)
+    component = Component(
+        name=name,
+        figures=figures,
+        quantity=_quantity(entry, twin),
+        redundancy=redundancy,
+        always_active="active" in entry and word_of(entry, "active", {"always": True}),
+        twin=twin,
+        load_law=read_load_law(entry),
+        modes=read_modes(entry),
+        age_s=read_time(entry, "age") if "age" in entry else 0.0,
+        source=entry.optional_string("source"),
+        location=location,
+        test_interval_s=test_interval_s,
+    )
+
+    def place(*keys: str) -> Location:
+        return entry.nested_location(keys) if keys and keys[0] in entry else location
+
+    check_component(component, place)
+    return component
+
+
+def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:
+    if "quantity" not in entry:
+        return 1 if twin is None else twin.named_units
+    if isinstance(entry.get("quantity"), str):
+        word = entry.string("quantity")
+        if word != ROBOTS_NUMBER:
+            entry.fail(
+                "quantity",
+                f"'{word}' is not allowed; write a whole number, or \"*\" for as many as the "
+                "robot has",
+            )
+        return None
+    return entry.integer("quantity", minimum=1)

@@ -1,0 +1,87 @@
+"""Read from YAML what a component's use does to it: load law and failure modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tracerisk.common.hardware.load import unmeasured_exponent
+from tracerisk.common.hardware.model import Demand, FailureMode, FaultMode, LoadLaw, State
+from tracerisk.common.hardware.yaml.figures import word_of, words
+from tracerisk.common.text.yaml_reader import YamlMap
+from tracerisk.errors import HardwareError, one_of
+from tracerisk.trace import WEAR_EXPONENTS
+
+USES: Mapping[str, State | Demand] = words(State) | words(Demand)
+"""The words for the uses in which a failure mode can matter."""
+
+_LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
+_MODE_KEYS = frozenset({"fraction", "when", "source", "fault"})
+
+
+def read_load_law(entry: YamlMap) -> LoadLaw | None:
+    """Return the load law of a component, `None` where it has none."""
+    law = entry.optional_map("load_law")
+    if law is None:
+        return None
+    law.forbid_unknown(_LAW_KEYS)
+    return LoadLaw(
+        reference_load=_fraction(law, "reference_load"),
+        wearing_share=law.number("wearing_share", minimum=0.0, maximum=1.0),
+        exponent=_exponent(law),
+        reference_speed=_fraction(law, "reference_speed") if "reference_speed" in law else None,
+        source=law.optional_string("source"),
+    )
+
+
+def read_modes(entry: YamlMap) -> tuple[FailureMode, ...]:
+    """Return the failure modes of a component; empty where it names none."""
+    modes = entry.optional_map("modes")
+    if modes is None:
+        return ()
+    if not modes.keys():
+        entry.fail("modes", "names none; give one such as jam: {fraction: 0.4, when: [moving]}")
+    return tuple(_mode(name, mode) for name, mode in modes.items_as_maps())
+
+
+def _mode(name: str, mode: YamlMap) -> FailureMode:
+    mode.forbid_unknown(_MODE_KEYS)
+    given = mode.strings("when") if "when" in mode else ()
+    if "when" in mode and not given:
+        mode.fail("when", f"is an empty list; {one_of(USES)}")
+    for index, word in enumerate(given):
+        place = mode.entry_location("when", index)
+        if word not in USES:
+            raise HardwareError(
+                f"{mode.name_of('when')}: '{word}' is not allowed; {one_of(USES, word)}", place
+            )
+        if word in given[:index]:
+            raise HardwareError(f"{mode.name_of('when')}: names '{word}' twice", place)
+    return FailureMode(
+        name,
+        _fraction(mode, "fraction"),
+        tuple(USES[word] for word in given),
+        mode.optional_string("source"),
+        word_of(mode, "fault", words(FaultMode)) if "fault" in mode else None,
+    )
+
+
+def _exponent(law: YamlMap) -> float:
+    if "exponent" not in law:
+        return 3.0
+    given = law.require("exponent")
+    if isinstance(given, str):
+        found = 10.0 / 3.0 if given == "10/3" else None
+    else:
+        number = law.number("exponent")
+        found = number if number in WEAR_EXPONENTS else None
+    if found is None:
+        law.fail("exponent", unmeasured_exponent(f"{given}"))
+    return found
+
+
+def _fraction(entry: YamlMap, key: str) -> float:
+    """Return the number at `key`, which is above 0 and at most 1."""
+    value = entry.number(key, minimum=0.0, maximum=1.0)
+    if value == 0.0:
+        entry.fail(key, "is 0; give a fraction above 0 and at most 1")
+    return value

@@ -1,0 +1,73 @@
+"""What a process that runs a stranger's code may take and reach, as plain data."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from tracerisk.common.records import dataclass, field
+
+SandboxMode = Literal["auto", "require", "off"]
+"""Whether strangers' code is contained: where that works, always, or never."""
+
+_MB = 1024 * 1024
+# What people keep beside their sources and no controller needs.
+_SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
+_SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
+
+
+@dataclass(frozen=True, slots=True)
+class Sandbox:
+    """How strangers' code is contained.
+
+    `readable` and `writable` are files and folders that it may reach besides, `env` the names of
+    variables of the environment that it gets besides.
+    """
+
+    mode: SandboxMode = "auto"
+    readable: tuple[str, ...] = ()
+    writable: tuple[str, ...] = ()
+    env: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A limit, and the setting of `[tool.tracerisk]` that raises it."""
+
+    setting: str
+    """The name of the setting."""
+    value: float
+    """Its value, in the unit at the end of its name."""
+
+    @property
+    def advice(self) -> str:
+        """How to raise the limit: option and setting with its value."""
+        option = self.setting.rpartition("_")[0].replace("_", "-")
+        return f"raise it with --{option} or the setting {self.setting} (now {self.value:g})"
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a process that reads a file or draws may take; the defaults are those of `Settings`."""
+
+    own: Limit = Limit("stall_limit_s", 30.0)
+    """Time that it computes or sleeps [s]."""
+    wall: Limit = Limit("wall_limit_s", 1800.0)
+    """Wall time [s]."""
+    memory: Limit = Limit("memory_limit_mb", 8192)
+    """Address space of a controller [MB]; a process that reads a file has a quarter of it."""
+    sandbox: Sandbox = field(default_factory=Sandbox)
+    """What else the process may reach."""
+
+    @property
+    def memory_bytes(self) -> int:
+        """The address space of a process that reads a file [bytes]."""
+        return max(1, int(self.memory.value)) * _MB // 4
+
+
+DEFAULT_LIMITS = Limits()
+"""The limits where no settings are at hand."""
+
+
+def is_secret(name: str) -> bool:
+    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
+    return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)

@@ -1,0 +1,411 @@
+"""Fork the processes of runs from one that has imported what every run imports.
+
+A server is a process that `tracerisk.common.sandbox.start` has started as any other, and that has
+imported the module, but run nothing: no line of a stranger's is read before the fork. A process
+that it forks has the same environment, limits and descriptors as one that is started afresh, and
+is contained in the same way; the server's own sockets are closed in it.
+
+A run ends with the process that asked for it, and the server with the one that started it.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import json
+import os
+import select
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import IO, Any
+
+_LONGEST_START_S = 60.0
+_GRACE_S = 5.0
+_LEAVING_S = 1.0
+_NUMBER = struct.Struct("=i")
+_MOST_DESCRIPTORS = 16
+# What a process inherits besides its environment, and cannot be given later.
+_INHERITED = frozenset(
+    {
+        *("Umask", "Uid", "Gid", "Groups", "SigBlk", "SigIgn", "NoNewPrivs", "Seccomp"),
+        *("CapInh", "CapPrm", "CapEff", "CapBnd", "CapAmb", "Cpus_allowed", "Mems_allowed"),
+    }
+)
+
+OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
+"""How variables begin on which what a library computes depends, to the last digit."""
+READ_ONCE = (
+    *OF_LIBRARIES,
+    *("PYTHON", "LD_", "LANG", "TZ", "MALLOC_", "GLIBC_", "MUJOCO_", "PYOPENGL_", "LIBCST_"),
+    *("GOMP_", "KMP_", "NPY_"),
+)
+"""How variables begin that Python, the C library and other libraries read once."""
+
+Start = Callable[..., "subprocess.Popen[bytes]"]
+"""Starts a process afresh with a plan, an environment and descriptors."""
+
+
+class Forked(subprocess.Popen[bytes]):
+    """A process that a server has forked, which is the server's child and not ours."""
+
+    def __init__(self, arguments: Sequence[str], replies: Any, output: IO[bytes]) -> None:
+        """Wait until it is there. Raises OSError where the server cannot fork it."""
+        import socket
+
+        self.args = arguments
+        self.stdin = self.stderr = None
+        self.stdout = output
+        self.returncode: int | None = None
+        self._replies = replies
+        replies.settimeout(_LONGEST_START_S)
+        data, descriptors, _, _ = socket.recv_fds(replies, _NUMBER.size, 1)
+        if not descriptors:
+            raise ConnectionError("the server has ended")
+        (self.pid,), (self._process,) = _NUMBER.unpack(data), descriptors
+
+    def poll(self) -> int | None:
+        """Return how it ended; None while it runs."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self.wait(0)
+        return None
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end, at most for a time [s]. Raises TimeoutExpired after that."""
+        if self.returncode is None:
+            if not _is_ready(self._replies.fileno(), timeout):
+                raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
+            data = b""
+            with contextlib.suppress(ConnectionError):
+                data = self._replies.recv(_NUMBER.size)
+            if data:
+                self.returncode = os.waitstatus_to_exitcode(*_NUMBER.unpack(data))
+            else:
+                # The server was killed; what it forked ends by itself.
+                if not _is_ready(self._process, _GRACE_S):
+                    self.send_signal(signal.SIGKILL)
+                self.returncode = -signal.SIGKILL
+            self._replies.close()
+            os.close(self._process)
+        return self.returncode
+
+    def send_signal(self, sig: int) -> None:
+        """Send it a signal, unless it has ended."""
+        if self.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(self._process, sig)
+
+
+class _Server:
+    """A server that runs, on the side of who asks it."""
+
+    def __init__(self, key: Any, start: Start, plan: Mapping[str, Any], environment: Any) -> None:
+        import socket
+
+        self.key = key
+        self._environment = dict(environment)
+        self._starter = os.getpid()
+        self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs:
+            # Its output is as that of a run, which Python looks at when it starts.
+            self._process = start(
+                {**plan, "requests": theirs.fileno()},
+                environment=environment,
+                pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+            )
+
+    @property
+    def is_alive(self) -> bool:
+        # Only who started it can ask; to another its end shows at the next request.
+        return self._starter != os.getpid() or self._process.poll() is None
+
+    def fork(
+        self,
+        arguments: Sequence[str],
+        plan: Mapping[str, Any],
+        environment: Mapping[str, str],
+        pass_fds: Sequence[int],
+    ) -> Forked:
+        """Ask for a process. Raises OSError where the server cannot give it."""
+        import socket
+
+        changed = {
+            name: environment.get(name)
+            for name in {**self._environment, **environment}
+            if environment.get(name) != self._environment.get(name)
+        }
+        asked = {
+            "plan": plan,
+            "arguments": list(arguments),
+            "changed": changed,
+            "descriptors": list(pass_fds),
+        }
+        with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as stack:
+            replies, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            # The server ends what it has forked when this end is closed.
+            on_failure.callback(replies.close)
+            stack.callback(theirs.close)
+            reading, writing = os.pipe()
+            stack.callback(os.close, writing)
+            output = on_failure.enter_context(os.fdopen(reading, "rb"))
+            opened = []
+            for path, flags in ((os.curdir, os.O_PATH | os.O_DIRECTORY), (os.devnull, os.O_RDWR)):
+                opened.append(os.open(path, flags | os.O_CLOEXEC))
+                stack.callback(os.close, opened[-1])
+            stream = stack.enter_context(tempfile.TemporaryFile())
+            stream.write(json.dumps(asked).encode())
+            stream.seek(0)
+            given = [stream.fileno(), theirs.fileno(), *opened, writing, writing, *pass_fds]
+            socket.send_fds(self._requests, [b"."], given)
+            stack.close()
+            process = Forked(arguments, replies, output)
+            on_failure.pop_all()
+            return process
+
+    def close(self) -> None:
+        """End the server, once its runs have ended."""
+        self._requests.close()
+        if self._starter == os.getpid():
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_LEAVING_S)
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+
+
+class _Kept:
+    """The server of this process, for the latest kind of process that was asked for."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.server: _Server | None = None
+        self.key: Any = None
+        self.is_wanted = False
+
+    def close(self) -> None:
+        server, self.server = self.server, None
+        if server is not None:
+            server.close()
+
+
+_KEPT = _Kept()
+
+
+def several_come() -> None:
+    """Start a server with the first process, for there will be more."""
+    _KEPT.is_wanted = True
+
+
+def forked(
+    kind: Sequence[str],
+    arguments: Sequence[str],
+    *,
+    plan: Mapping[str, Any],
+    environment: Mapping[str, str],
+    pass_fds: Sequence[int],
+    start: Start,
+) -> Forked | None:
+    """Return a process that a server has forked; None where one is to be started afresh.
+
+    That is so for the first of its kind, and where there can be no server. `kind` is the module
+    with Python's options. Of `environment`, variables that are read once, as a process starts or
+    imports a library, are those of the server: another has other ones.
+    """
+    if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
+        return None
+    read_once = sorted(each for each in environment.items() if each[0].startswith(READ_ONCE))
+    of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
+    with _KEPT.lock:
+        try:
+            key = (list(kind), read_once, plan["paths"], _inherited())
+            server = _KEPT.server
+            if server is None or server.key != key or not server.is_alive:
+                is_first, _KEPT.key = _KEPT.key != key, key
+                if is_first and not _KEPT.is_wanted:
+                    return None
+                _KEPT.close()
+                server = _KEPT.server = _Server(key, start, of_server, environment)
+                atexit.unregister(_KEPT.close)
+                atexit.register(_KEPT.close)
+            return server.fork(arguments, plan, environment, pass_fds)
+        except OSError:
+            _KEPT.close()
+            return None
+
+
+def _inherited() -> list[str]:
+    """Return what a process that starts here inherits, in words of the system."""
+    status = Path("/proc/thread-self/status").read_text(encoding="ascii", errors="replace")
+    lines = [each for each in status.splitlines() if each.partition(":")[0] in _INHERITED]
+    files = [f"/proc/self/{name}" for name in ("limits", "cgroup", "oom_score_adj")]
+    texts = [Path(each).read_text(encoding="utf-8", errors="replace") for each in files]
+    return [*lines, *texts, str(os.getpriority(os.PRIO_PROCESS, 0))]
+
+
+def _is_ready(descriptor: int, timeout_s: float | None) -> bool:
+    poll = select.poll()
+    poll.register(descriptor, select.POLLIN)
+    return bool(poll.poll(None if timeout_s is None else max(0.0, timeout_s) * 1000))
+
+
+def serve(module: str, plan: Mapping[str, Any]) -> dict[str, Any]:
+    """Be a server for a module: return in each process that is forked, with the plan of it.
+
+    In the server itself it does not return. What the module has as `prepare` is called there once.
+    """
+    me = os.getpid()
+    prepare = getattr(import_module(module), "prepare", None)
+    if prepare is not None:
+        prepare()
+    # It is run as `__main__`, and imported by nobody.
+    parent, _, name = module.rpartition(".")
+    del sys.modules[module]
+    if parent:
+        vars(sys.modules[parent]).pop(name, None)
+    _end_threads()
+    found = _Jobs(plan["requests"], plan["owner"]).next_forked()
+    return _begun(module, found, me)
+
+
+def _end_threads() -> None:
+    """End the threads of libraries for linear algebra, which do so before a fork.
+
+    Each process starts them anew when it first needs them.
+    """
+    child = os.fork()
+    if child == 0:
+        os._exit(0)
+    os.waitpid(child, 0)
+    if len(list(Path("/proc/self/task").iterdir())) > 1:
+        # Nobody knows what they hold at a fork: every process is started afresh.
+        os._exit(1)
+
+
+class _Jobs:
+    """The requests that a server gets, and the processes that it has forked for them."""
+
+    def __init__(self, requests: int, owner: int) -> None:
+        import socket
+
+        self._requests = socket.socket(fileno=requests)
+        self._owner = os.pidfd_open(owner)
+        if os.getppid() != owner:
+            os._exit(0)
+        self._is_open = True
+        # The pidfd of each process, with its number and the socket of who asked for it.
+        self._running: dict[int, tuple[int, int]] = {}
+
+    def next_forked(self) -> list[int]:
+        """Serve until this is a process that was forked; return the descriptors given to it."""
+        while self._is_open or self._running:
+            poll = select.poll()
+            poll.register(self._owner, select.POLLIN)
+            if self._is_open:
+                poll.register(self._requests, select.POLLIN)
+            for process, (_, asker) in self._running.items():
+                poll.register(process, select.POLLIN)
+                if asker >= 0:
+                    poll.register(asker, select.POLLIN)
+            ready = {descriptor for descriptor, _ in poll.poll()}
+            if self._owner in ready:
+                break
+            for process, (_, asker) in list(self._running.items()):
+                if process in ready:
+                    self._ended(process)
+                elif asker in ready:
+                    self._abandoned(process)
+            if self._requests.fileno() in ready:
+                found = self._asked()
+                if found is not None:
+                    return found
+        os._exit(0)
+
+    def _asked(self) -> list[int] | None:
+        """Fork what is asked for; return its descriptors in the process that was forked."""
+        import socket
+
+        try:
+            data, found, _, _ = socket.recv_fds(self._requests, 1, _MOST_DESCRIPTORS)
+        except OSError:
+            data, found = b"", []
+        if not data:
+            self._is_open = False
+            return None
+        asker = found[1]
+        try:
+            child = os.fork()
+        except OSError:
+            # Who asked sees that the socket is closed.
+            child = -1
+        if child == 0:
+            # Its number may soon be that of another file.
+            self._requests.detach()
+            return found
+        if child > 0:
+            process = os.pidfd_open(child)
+            self._running[process] = (child, asker)
+            with socket.socket(fileno=os.dup(asker)) as replies, contextlib.suppress(OSError):
+                socket.send_fds(replies, [_NUMBER.pack(child)], [process])
+        for each in found:
+            if each != asker or child < 0:
+                os.close(each)
+        return None
+
+    def _ended(self, process: int) -> None:
+        number, asker = self._running.pop(process)
+        _, status = os.waitpid(number, 0)
+        os.close(process)
+        if asker >= 0:
+            with contextlib.suppress(OSError):
+                os.write(asker, _NUMBER.pack(status))
+            os.close(asker)
+
+    def _abandoned(self, process: int) -> None:
+        """End a process, for who asked for it is gone."""
+        number, asker = self._running[process]
+        os.close(asker)
+        self._running[process] = (number, -1)
+        signal.pidfd_send_signal(process, signal.SIGTERM)
+
+
+def _begun(module: str, found: Sequence[int], server: int) -> dict[str, Any]:
+    """Make this process, which was just forked, what a fresh one would be; return its plan."""
+    asked, _, folder, *given = found
+    os.setsid()
+    os.fchdir(folder)
+    with os.fdopen(os.dup(asked)) as stream:
+        request = json.load(stream)
+    wanted = (0, 1, 2, *request["descriptors"])
+    _keep_only(dict(zip(wanted, given, strict=True)))
+    for name, value in request["changed"].items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
+    sys.argv = [module, *request["arguments"]]
+    sys.orig_argv = [*sys.orig_argv, *request["arguments"]]
+    return {**request["plan"], "parent": server}
+
+
+def _keep_only(given: Mapping[int, int]) -> None:
+    """Give each descriptor the number that it is to have, and close all others."""
+    import fcntl
+
+    free = max(given) + 1
+    moved = {
+        number: fcntl.fcntl(each, fcntl.F_DUPFD_CLOEXEC, free) for number, each in given.items()
+    }
+    for number, each in moved.items():
+        os.dup2(each, number, inheritable=True)
+    for path in list(Path("/proc/self/fd").iterdir()):
+        if int(path.name) not in given:
+            with contextlib.suppress(OSError):
+                os.close(int(path.name))

@@ -1,0 +1,157 @@
+"""What the kernel offers to contain a process: Landlock and seccomp, which need no privilege."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import stat
+import struct
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from tracerisk.common.sandbox.system_calls import is_known_machine, program, rules
+
+_CREATE, _ADD_RULE, _RESTRICT = 444, 445, 446
+_ASK_VERSION = 1
+_PATH_BENEATH = 1
+_SCOPE_ABSTRACT_SOCKETS, _SCOPE_SIGNALS = 1, 2
+_SET_DEATH_SIGNAL, _SET_SECCOMP, _SET_NO_NEW_PRIVILEGES, _SET_SUBREAPER = 1, 22, 38, 36
+_GET_SECCOMP = 21
+_FILTER_MODE = 2
+
+# The rights of Landlock on files, as bits.
+_EXECUTE, _WRITE, _READ, _LIST = 1, 1 << 1, 1 << 2, 1 << 3
+_DEVICES = 1 << 6 | 1 << 11  # to make character and block devices
+_REFER, _TRUNCATE, _DEVICE_IOCTL = 1 << 13, 1 << 14, 1 << 15
+_OF_FILES = _EXECUTE | _WRITE | _READ | _TRUNCATE | _DEVICE_IOCTL
+_SIGNALS_SINCE = 6
+_NEWEST = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """What of the sandbox works here: `landlock` is its version, 0 for none."""
+
+    landlock: int
+    seccomp: bool
+
+    @property
+    def missing(self) -> str:
+        """What is missing, in words; empty where all is there."""
+        parts = {"Landlock (Linux 5.13 or later, and enabled)": self.landlock > 0,
+                 "seccomp filters on x86-64 or ARM64": self.seccomp}  # fmt: skip
+        return " and ".join(name for name, is_there in parts.items() if not is_there)
+
+
+def support() -> Support:
+    """Return what of the sandbox works here."""
+    if sys.platform != "linux":
+        return Support(0, seccomp=False)
+    version = _libc().syscall(_CREATE, None, ctypes.c_size_t(0), ctypes.c_uint32(_ASK_VERSION))
+    has_filters = is_known_machine() and _libc().prctl(_GET_SECCOMP, 0, 0, 0, 0) in (0, 2)
+    return Support(max(0, int(version)), has_filters)
+
+
+def die_with_parent(signal_number: int) -> None:
+    """Send this process a signal when its parent ends."""
+    _called(_libc().prctl(_SET_DEATH_SIGNAL, signal_number, 0, 0, 0))
+
+
+def adopt_orphans() -> None:
+    """Make this process the parent of what its descendants leave behind."""
+    _called(_libc().prctl(_SET_SUBREAPER, 1, 0, 0, 0))
+
+
+def keep_signals_in(version: int) -> bool:
+    """Restrict signals of this process and its descendants to each other; False if not possible."""
+    if version < _SIGNALS_SINCE:
+        return False
+    _restrict(_ruleset(0, 0, _SCOPE_SIGNALS))
+    # Whoever relies on it must know that it holds.
+    for outside in (1, os.getppid()):
+        try:
+            os.kill(outside, 0)
+        except PermissionError:
+            continue
+        except ProcessLookupError:
+            continue
+        return False
+    return True
+
+
+def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterable[str]) -> None:
+    """Contain this process and all that it starts, for good.
+
+    It can read and execute what is `readable`, list the folders that are `listable`, and change
+    what is below a `writable` one; it has no network, and reaches no other process. To be called
+    before there is a second thread. Raises OSError where the kernel refuses.
+    """
+    version = min(support().landlock, _NEWEST)
+    handled = _handled(version)
+    ports = 3 if version >= 4 else 0
+    scope = _SCOPE_ABSTRACT_SOCKETS | _SCOPE_SIGNALS if version >= _SIGNALS_SINCE else 0
+    ruleset = _ruleset(handled, ports, scope)
+    for paths, wanted in (
+        (readable, _EXECUTE | _READ | _LIST),
+        (listable, _LIST),
+        (writable, handled & ~_DEVICES),
+        ((os.devnull,), _READ | _WRITE | _TRUNCATE),
+    ):
+        for path in paths:
+            _allow(ruleset, path, wanted & handled)
+    _restrict(ruleset)
+    text = program(rules(landlock=version, process=os.getpid()))
+    lines = ctypes.create_string_buffer(text, len(text))
+    header = struct.pack("HxxxxxxP", len(text) // 8, ctypes.addressof(lines))
+    _called(_libc().prctl(_SET_SECCOMP, _FILTER_MODE, ctypes.create_string_buffer(header), 0, 0))
+
+
+def _handled(version: int) -> int:
+    rights = (1 << 13) - 1
+    for since, right in ((2, _REFER), (3, _TRUNCATE), (5, _DEVICE_IOCTL)):
+        rights |= right if version >= since else 0
+    return rights
+
+
+def _ruleset(files: int, ports: int, scope: int) -> int:
+    known = struct.pack("=QQQ", files, ports, scope)
+    # An older kernel takes no more than it knows of.
+    known = known if scope else known[:16] if ports else known[:8]
+    answer = _libc().syscall(
+        _CREATE, ctypes.create_string_buffer(known), ctypes.c_size_t(len(known)), ctypes.c_uint32(0)
+    )
+    return _called(answer)
+
+
+def _allow(ruleset: int, path: str, rights: int) -> None:
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError, PermissionError):
+        place = os.open(path, os.O_PATH | os.O_CLOEXEC)
+        try:
+            if not stat.S_ISDIR(os.fstat(place).st_mode):
+                rights &= _OF_FILES
+            if rights:
+                rule = ctypes.create_string_buffer(struct.pack("=Qi", rights, place))
+                _called(
+                    _libc().syscall(_ADD_RULE, ruleset, _PATH_BENEATH, rule, ctypes.c_uint32(0))
+                )
+        finally:
+            os.close(place)
+
+
+def _restrict(ruleset: int) -> None:
+    _called(_libc().prctl(_SET_NO_NEW_PRIVILEGES, 1, 0, 0, 0))
+    _called(_libc().syscall(_RESTRICT, ruleset, ctypes.c_uint32(0)))
+    os.close(ruleset)
+
+
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None, use_errno=True)
+
+
+def _called(answer: int) -> int:
+    if answer < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
+    return answer

@@ -1,0 +1,329 @@
+"""Start processes of ours apart from everything around them, contained where that is asked for.
+
+No current folder, no folder of a user and no variable of the environment decides what they import.
+That is Python's isolated mode but for the seed of hashes, which isolated mode does not let us set.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache, partial
+from importlib.util import cache_from_source
+from pathlib import Path
+from typing import Any
+
+from tracerisk.common.limits import Sandbox, is_secret
+from tracerisk.common.sandbox.fork_server import OF_LIBRARIES, forked
+from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.ros_prefix import without_ros
+from tracerisk.errors import SandboxError
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_START = Path(__file__).with_name("start.py")
+_GRACE_S = 5.0
+
+_SYSTEM = (
+    *("/bin", "/lib", "/lib32", "/lib64", "/libx32", "/sbin", "/usr", "/opt/ros", "/nix/store"),
+    *("/etc/alternatives", "/etc/fonts", "/etc/group", "/etc/ld.so.cache", "/etc/ld.so.conf"),
+    *("/etc/ld.so.conf.d", "/etc/localtime", "/etc/locale.alias", "/etc/magic", "/etc/mime.types"),
+    *("/etc/nsswitch.conf", "/etc/os-release", "/etc/passwd", "/etc/protocols", "/etc/services"),
+    *("/etc/timezone", "/dev/full", "/dev/random", "/dev/urandom", "/dev/zero"),
+    *("/proc/cpuinfo", "/proc/filesystems", "/proc/meminfo", "/proc/stat", "/proc/version"),
+    *("/sys/devices/system/cpu", "/sys/devices/system/node"),
+)
+_PASSED = frozenset(
+    {
+        *("HOME", "LANG", "LANGUAGE", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "SHELL", "TERM"),
+        *("TMPDIR", "TZ", "USER", "VIRTUAL_ENV", "COLUMNS", "LINES"),
+    }
+)
+_SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
+_OF_HOST = ("ROS_", "AMENT_", "CATKIN_", "CMAKE_PREFIX_PATH", "COLCON_", "RMW_")
+_LIBRARIES = "LD_LIBRARY_PATH"
+_INSTALLED = ("site-packages", "dist-packages")
+
+
+OF_FORKED = {
+    "stdin": subprocess.DEVNULL,
+    "stdout": subprocess.PIPE,
+    "stderr": subprocess.STDOUT,
+}
+"""What `subprocess.Popen` is given for a process that a server may fork."""
+
+
+class SandboxWarning(UserWarning):
+    """Strangers' code runs uncontained."""
+
+
+def is_contained(sandbox: Sandbox) -> bool:
+    """Return whether a sandbox contains here; warns once where it should and cannot.
+
+    Raises SandboxError where it is required and cannot.
+    """
+    if sandbox.mode == "off":
+        return False
+    missing = support().missing
+    if not missing:
+        return True
+    if sandbox.mode == "require":
+        raise SandboxError(
+            f"the sandbox is required and does not work here: {missing} is missing; "
+            "tracerisk doctor lists its parts"
+        )
+    _warn_once(missing)
+    return False
+
+
+@lru_cache(maxsize=1)
+def _warn_once(missing: str) -> None:
+    warnings.warn(
+        f"controllers, launch files, xacro and model files run without a sandbox: {missing} is "
+        "missing; --sandbox require refuses, --sandbox off is silent",
+        SandboxWarning,
+        stacklevel=2,
+    )
+
+
+def passed_environment(sandbox: Sandbox) -> dict[str, str]:
+    """Return the variables of the environment that a stranger's code gets.
+
+    All but those of ROS where no sandbox is wanted: what the host has sourced decides nothing, and
+    libraries of it are not loaded.
+    """
+    named = _PASSED.union(sandbox.env)
+    passed = {
+        name: value
+        for name, value in os.environ.items()
+        if name in named
+        or name.startswith(OF_LIBRARIES)
+        or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
+    }
+    if _LIBRARIES in passed and _LIBRARIES not in sandbox.env:
+        kept = without_ros(passed.pop(_LIBRARIES).split(os.pathsep))
+        passed |= {_LIBRARIES: os.pathsep.join(kept)} if kept else {}
+    return passed
+
+
+def start(
+    module: str,
+    *arguments: str,
+    sandbox: Sandbox | None,
+    reads: Iterable[Path] = (),
+    writes: Iterable[Path] = (),
+    environment: Mapping[str, str],
+    options: Sequence[str] = (),
+    pass_fds: Sequence[int] = (),
+    is_repeated: bool = False,
+    **more: Any,
+) -> subprocess.Popen[bytes]:
+    """Start Python, isolated, with a module of ours; what it leaves running ends with it.
+
+    `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
+    what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
+    A module that `is_repeated`, again and again, a server may fork where `more` is `OF_FORKED`.
+    Raises SandboxError where a sandbox is required that does not work here.
+    """
+    paths = _import_paths()
+    plan: dict[str, Any] = {
+        "package": str(_PACKAGE),
+        "paths": paths,
+        "parent": os.getpid(),
+        "readable": None,
+    }
+    if sandbox is not None and is_contained(sandbox):
+        _compile_own()
+        given = [*reads, *map(Path, sandbox.readable)]
+        ours = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]
+        kept = [each for folder in (*ours, *given) for each in _within(folder)]
+        plan |= {
+            "readable": [*_SYSTEM, *(path for path, is_whole in kept if is_whole)],
+            "listable": [path for path, is_whole in kept if not is_whole],
+            "writable": [str(each) for each in writes],
+        }
+    begin = partial(_popen, module, options)
+    common = {**_without_python(environment), "PYTHONHASHSEED": "0"}
+    if is_repeated and more == OF_FORKED:
+        found = forked(
+            (module, *options),
+            arguments,
+            plan=plan,
+            environment=common,
+            pass_fds=pass_fds,
+            start=begin,
+        )
+        if found is not None:
+            return found
+    return begin(plan, *arguments, environment=common, pass_fds=pass_fds, **more)
+
+
+def _popen(
+    module: str,
+    options: Sequence[str],
+    plan: Mapping[str, Any],
+    *arguments: str,
+    environment: Mapping[str, str],
+    pass_fds: Sequence[int],
+    **more: Any,
+) -> subprocess.Popen[bytes]:
+    with tempfile.TemporaryFile() as stream:
+        stream.write(json.dumps(plan).encode())
+        stream.seek(0)
+        return subprocess.Popen(
+            [sys.executable, "-s", *options, str(_START), str(stream.fileno()), module, *arguments],
+            env=dict(environment),
+            pass_fds=(stream.fileno(), *pass_fds),
+            start_new_session=True,
+            **more,
+        )
+
+
+def _without_python(environment: Mapping[str, str]) -> dict[str, str]:
+    return {name: value for name, value in environment.items() if not name.startswith("PYTHON")}
+
+
+def end(child: subprocess.Popen[bytes]) -> None:
+    """End a process that `start` started, with all that descends from it."""
+    if child.poll() is None:
+        child.terminate()
+        try:
+            child.wait(_GRACE_S)
+        except subprocess.TimeoutExpired:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(child.pid, signal.SIGKILL)
+            child.wait()
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Return the bytes of a file that a child has left.
+
+    Raises OSError where it is absent, no regular file, or larger than `most` bytes.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(descriptor, "rb") as stream:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode):
+            raise OSError(errno.EINVAL, "is not a regular file")
+        if found.st_size > most:
+            raise OSError(errno.EFBIG, f"has {found.st_size} bytes; at most {most} are read")
+        return stream.read(most)
+
+
+def regular_within(names: Iterable[str], folders: Iterable[Path]) -> tuple[Path, ...]:
+    """Return those files that a child has named which are regular and lie within the folders."""
+    tops = [folder.resolve() for folder in folders]
+    found = []
+    for name in names:
+        with contextlib.suppress(OSError, ValueError, RuntimeError):
+            path = Path(name).resolve()
+            if any(path.is_relative_to(top) for top in tops) and path.is_file():
+                found.append(Path(name))
+    return tuple(dict.fromkeys(found))
+
+
+def _import_paths() -> list[str]:
+    """Return from where the modules of this process come, but for its current folder's.
+
+    Those of an isolated process come before them.
+    """
+    scripts = [Path(each).parent for each in sys.argv[:1] if each]
+    # The script of a notebook's kernel lies among the packages that are installed.
+    apart = [each for each in scripts if each.name not in _INSTALLED]
+    left_out = {os.path.realpath(each) for each in (os.curdir, *map(str, apart))}
+    own = [
+        each
+        for each in sys.path
+        if Path(each).is_absolute() and os.path.realpath(each) not in left_out
+    ]
+    # What a sourced ROS has put there is for real nodes: stand-ins and our own libraries win.
+    return without_ros(own)
+
+
+def _interpreter() -> list[Path]:
+    paths = sysconfig.get_paths()
+    named = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
+    program = Path(sys.executable)
+    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
+    return list(dict.fromkeys([*map(Path, found), program.parent, program.resolve().parent]))
+
+
+def _within(place: Path) -> list[tuple[str, bool]]:
+    """Return what of a place is readable: itself, or its parts where it holds what is not.
+
+    With each path stands whether it may be read, or only listed.
+    """
+    try:
+        path = place.resolve()
+        if not path.is_dir():
+            return [(str(path), True)]
+        names = sorted(os.listdir(path))  # noqa: PTH208 - hundreds, of which few are looked at
+        homes = _homes(os.environ.get("HOME"))
+    except (OSError, RuntimeError):
+        return []
+    if any(path in home.parents for home in homes):
+        return []
+    if path in homes:
+        # The folder of everything is not a folder of sources, though sources may lie in it.
+        inside = (path / each for each in names)
+        parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
+    elif any(map(is_secret, names)):
+        parts = [path / each for each in names if not is_secret(each)]
+    else:
+        return [(str(path), True)]
+    return [(str(path), False), *((str(each), True) for each in parts)]
+
+
+@lru_cache(maxsize=2)
+def _homes(_: str | None) -> tuple[Path, ...]:
+    """Return the home folders of this user: what HOME says, and what the system knows."""
+    return tuple(Path(each).expanduser().resolve() for each in ("~", _home_on_record()))
+
+
+def _home_on_record() -> str:
+    """Return the home folder of this user that the system knows, whatever HOME says."""
+    import pwd
+
+    try:
+        return pwd.getpwuid(os.getuid()).pw_dir
+    except KeyError:
+        return "/"
+
+
+@lru_cache(maxsize=1)
+def _compile_own() -> None:
+    """Compile our modules: a contained process cannot keep what it compiles."""
+    if any(each.endswith("-packages") for each in _PACKAGE.parts):
+        return
+    with contextlib.suppress(OSError):
+        waiting = [str(_PACKAGE)]
+        while waiting:
+            folder = waiting.pop()
+            with os.scandir(folder) as found:
+                entries = list(found)
+            folders = (each for each in entries if each.is_dir(follow_symlinks=False))
+            waiting += [each.path for each in folders if each.name != "__pycache__"]
+            sources = [each for each in entries if each.name.endswith(".py")]
+            if sources and not _is_compiled(sources):
+                import compileall
+
+                compileall.compile_dir(folder, maxlevels=0, quiet=2)
+
+
+def _is_compiled(sources: Sequence[os.DirEntry[str]]) -> bool:
+    """Return whether the modules of one folder were compiled after the last was written."""
+    written = max(each.stat().st_mtime for each in sources)
+    compiled = cache_from_source(sources[0].path)
+    with contextlib.suppress(FileNotFoundError):
+        os.stat(compiled)  # noqa: PTH116 - a hundred folders, whose paths take as long as all else
+        return os.stat(os.path.dirname(compiled)).st_mtime >= written  # noqa: PTH116, PTH120
+    return False

@@ -1,0 +1,83 @@
+"""What of a C or C++ source is comment or literal, found without a parser."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from tracerisk.common.text.patterns import pattern
+
+# What goes on over lines is only begun here: its end is looked for, which takes no time that
+# grows with the square of a source. A literal that is not closed ends with its line.
+_TOKEN = pattern(
+    rb'(?<![A-Za-z0-9_])(?:u8|u|U|L)?R"(?P<mark>[^()\\\s"]{0,16})\('
+    rb'|(?P<block>""")'
+    rb'|"(?:\\.|[^"\\\n])*"?'
+    rb"|(?<![A-Za-z0-9_])[0-9](?:'?[A-Za-z0-9_.])*"
+    rb"|'(?:\\.|[^'\\\n])*'?"
+    rb"|//(?:\\\r?\n|[^\n])*"
+    rb"|(?P<comment>/\*)",
+    re.DOTALL,
+)
+_SPACES = pattern(rb"[ \t\f\v\r]+")
+
+
+class Token(NamedTuple):
+    """What may hold line ends or the signs of comments: a literal, a number, a comment.
+
+    `is_closed` is False of a comment in stars without an end.
+    """
+
+    start: int
+    end: int
+    is_comment: bool
+    is_closed: bool = True
+
+
+def tokens(source: bytes, *, is_java: bool = False) -> Iterator[Token]:
+    """Yield comments and literals in the order of the source; of Java text blocks too."""
+    at, size = 0, len(source)
+    while (found := _TOKEN.search(source, at)) is not None:
+        start, at = found.span()
+        if found["comment"] is not None:
+            end = source.find(b"*/", at)
+            at = size if end < 0 else end + 2
+            yield Token(start, at, is_comment=True, is_closed=end >= 0)
+            continue
+        if found["mark"] is not None:
+            close = b")" + found["mark"] + b'"'
+            end = source.find(close, at)
+            at = size if end < 0 else end + len(close)
+        elif found["block"] is not None:
+            at = _text_block_end(source, at) if is_java else start + 2
+        yield Token(start, at, is_comment=source.startswith(b"//", start))
+
+
+def _text_block_end(source: bytes, at: int) -> int:
+    while (end := source.find(b'"""', at)) > 0 and source[end - 1 : end] == b"\\":
+        at = end + 1
+    return len(source) if end < 0 else end + 3
+
+
+def code_of(source: bytes) -> bytes:
+    """Return what a source says: without comments, blank lines and spaces between words."""
+    parts, plain, at = [], [], 0
+    for token in tokens(source):
+        plain.append(source[at : token.start])
+        if token.is_comment:
+            plain.append(b" ")
+        else:
+            parts += [_squeezed(b"".join(plain)), source[token.start : token.end]]
+            plain = []
+        at = token.end
+    return b"".join([*parts, _squeezed(b"".join([*plain, source[at:]]))]).strip()
+
+
+def _squeezed(text: bytes) -> bytes:
+    """Return text with single spaces; where a line ends stays, for it matters to directives."""
+    first, *rest = _SPACES.sub(b" ", text).split(b"\n")
+    if not rest:
+        return first
+    inner = [line for each in rest[:-1] if (line := each.strip(b" "))]
+    return b"\n".join([first.rstrip(b" "), *inner, rest[-1].lstrip(b" ")])

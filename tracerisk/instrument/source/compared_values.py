@@ -1,0 +1,433 @@
+"""With which literals a source compares what it is given: fields of messages, parameters, answers.
+
+Read from the source alone. A name that is given a field's value stands for the field, also where
+it is handed to a function of the same file.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.instrument.source.dotted_names import dotted_name, imported_names, last_name
+from tracerisk.instrument.source.named_literals import with_named_literals
+from tracerisk.instrument.source.package_settings import package_settings
+
+_DEEPEST = 3  # of functions to which a value is handed on
+_METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
+_CASTS = frozenset({"str", "int", "float", "bool", "round"})
+_ENDS = frozenset(
+    {"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"}
+    | {"esc", "escape", "estop", "e_stop", "emergency_stop", "emergency", "halt", "abort"}
+)
+_EMERGENCY = frozenset({"estop", "e_stop", "e-stop", "emergency_stop", "emergency"})
+"""Words for the stop of an emergency, after which nothing is to move."""
+_ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
+"""Fields that many messages have, each with another meaning."""
+_THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
+_OF_GOAL = frozenset({"request", "goal"})
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """The literals with which fields are compared, by path, in the order of the source.
+
+    A number stands behind each `<` or `>` on the side on which the comparison holds.
+    """
+
+    values: Mapping[tuple[str, ...], tuple[Any, ...]] = field(default_factory=dict)
+
+    def texts(self, path: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the texts with which a field is compared."""
+        return tuple(each for each in self._of(path) if isinstance(each, str))
+
+    def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
+        """Return the numbers with which a field is compared."""
+        return tuple(each for each in self._of(path) if _is_number(each))
+
+    def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
+        """Return the truth values for each of which the code has a branch for a field."""
+        return tuple(each for each in self._of(path) if isinstance(each, bool))
+
+    def _of(self, path: tuple[str, ...]) -> tuple[Any, ...]:
+        if path in self.values:
+            return self.values[path]
+        # A field that is compared after it was taken out of its message.
+        return self.values.get(path[-1:], ())
+
+
+def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
+    """Return the literals of the callback that a call at `place` names, else of the whole file.
+
+    `argument` counts the callback's parameters behind `self`.
+    """
+    tree = source_tree(place)
+    if tree is None or place is None:
+        return Compared()
+    functions = {**_imported_functions(tree, Path(place.file)), **functions_of(tree)}
+    calls = list(calls_at(tree, place.line))
+    for call in (*calls, *_made_before(tree, calls)):
+        for value in (*call.args, *(each.value for each in call.keywords)):
+            # The callback itself, or within `partial(self.on, ...)`.
+            for node in ast.walk(value):
+                function: _Function | None = functions.get(last_name(node))
+                if isinstance(node, ast.Lambda):
+                    function = node
+                name = None if function is None else parameter_name(function, argument)
+                if function is not None and name is not None:
+                    found = _flow(function, {name: ()}, functions, tree)
+                    return Compared(_frozen({**_words_of_fields(tree, found), **found}))
+    return Compared(_frozen(_by_field(tree)))
+
+
+def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]:
+    """Yield the calls that made what is started by one of `calls`: `server.start()`."""
+    owners = {
+        dotted_name(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)
+    }
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
+            continue
+        if owners & {dotted_name(each) for each in node.targets} - {""}:
+            yield node.value
+
+
+def compared_in_file(place: Location | None) -> Compared:
+    """Return the literals with which a file compares attributes, by their last name."""
+    tree = source_tree(place)
+    return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
+
+
+def asserted(test: ast.expr) -> ast.expr:
+    """Return what a test asks, without a `not` before it."""
+    return test.operand if isinstance(test, ast.UnaryOp) else test
+
+
+def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
+    """Return answers in the order in which a user would give them: what ends the program last."""
+    texts = list(dict.fromkeys(str(each) for each in values if not isinstance(each, bool)))
+    return tuple(sorted((each for each in texts if each), key=lambda each: each.lower() in _ENDS))
+
+
+def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:
+    """Return answers without those for an emergency, unless there are no others."""
+    calm = tuple(each for each in answers if each.lower() not in _EMERGENCY)
+    return calm or tuple(answers)
+
+
+_Found = dict[tuple[str, ...], list[Any]]
+
+
+def source_tree(place: Location | None) -> ast.Module | None:
+    """Return the tree of the source in which a place is; None where it cannot be read."""
+    if place is None:
+        return None
+    try:
+        found = Path(place.file).stat()
+    except (OSError, ValueError):
+        return None
+    return _parsed(place.file, found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=32)
+def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
+    """Return the tree of a source as it is; `changed_ns` and `size` are keys of the cache."""
+    del changed_ns, size
+    try:
+        path = Path(file)
+        settings = partial(package_settings, path)
+        return with_named_literals(ast.parse(path.read_bytes()), settings)
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return None
+
+
+def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
+    return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
+
+
+def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
+    """Yield the calls of a tree that stand, or go on, at a line."""
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    for call in calls if line is not None else ():
+        if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
+            yield call
+
+
+_Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
+
+
+def functions_of(tree: ast.AST) -> dict[str, _Function]:
+    """Return the functions of a source by name."""
+    return {
+        node.name: node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    }
+
+
+def _imported_functions(tree: ast.Module, file: Path) -> dict[str, _Function]:
+    """Return the functions of a source that it has from files near it, with what these call."""
+    found: dict[str, _Function] = {}
+    for name, there, path in imported_names(tree, file):
+        inner = source_tree(Location(str(path)))
+        own = {} if inner is None else functions_of(inner)
+        if there in own:
+            found |= {other: function for other, function in own.items() if other not in found}
+            found[name] = own[there]
+    return found
+
+
+def parameter_name(function: _Function, number: int) -> str | None:
+    """Return the name of a parameter, counted from 0 behind `self`; None where there is none."""
+    names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
+    if names[:1] in (["self"], ["cls"]):
+        del names[0]
+    return names[number] if number < len(names) else None
+
+
+def _flow(
+    function: _Function,
+    roots: Mapping[str, tuple[str, ...]],
+    functions: Mapping[str, _Function],
+    tree: ast.AST,
+    depth: int = 0,
+) -> _Found:
+    """Follow names that hold a message or a field of it through a function."""
+    known = dict(roots)
+    found: _Found = {}
+    kept: dict[str, tuple[str, ...]] = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            path = _path(node.value, known)
+            if path is None:
+                path = _read_out(node.value, known, functions)
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            for name, is_kept in _given(targets) if path is not None else ():
+                known[name] = path or ()
+                if is_kept:
+                    kept[name] = path or ()
+        elif isinstance(node, ast.For | ast.comprehension):
+            # What is in a list has the path of the list.
+            item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
+            if path is not None and item:
+                known[item] = path
+    refused = set(_refused(function))
+    for node in ast.walk(function):
+        if node not in refused:
+            _compare(node, known, found)
+        if depth < _DEEPEST:
+            _follow_call(node, known, function, functions, tree, depth, found)
+    for node in ast.walk(tree) if kept else ():
+        _compare(node, kept, found)
+        if depth < _DEEPEST:
+            _follow_call(node, kept, function, functions, tree, depth, found)
+    return found
+
+
+def _given(targets: Iterable[ast.expr]) -> Iterator[tuple[str, bool]]:
+    """Yield the names that an assignment gives, and whether each is one of an object's."""
+    for target in targets:
+        for part in target.elts if isinstance(target, ast.Tuple) else [target]:
+            if dotted_name(part):
+                yield dotted_name(part), isinstance(part, ast.Attribute)
+
+
+def _follow_call(
+    node: ast.AST,
+    known: Mapping[str, tuple[str, ...]],
+    function: _Function,
+    functions: Mapping[str, _Function],
+    tree: ast.AST,
+    depth: int,
+    found: _Found,
+) -> None:
+    """Add what a function that is called with known names compares them with."""
+    callee = functions.get(last_name(node.func)) if isinstance(node, ast.Call) else None
+    if not isinstance(node, ast.Call) or callee is None or callee is function:
+        return
+    given = {
+        name: path
+        for index, value in enumerate(node.args)
+        if (path := _path(value, known)) is not None
+        and (name := parameter_name(callee, index)) is not None
+    }
+    for path, values in _flow(callee, given, functions, tree, depth + 1).items() if given else ():
+        found.setdefault(path, []).extend(values)
+
+
+def _read_out(
+    value: ast.expr, known: Mapping[str, tuple[str, ...]], functions: Mapping[str, _Function]
+) -> tuple[str, ...] | None:
+    """Return the path of a text of which a function of the controller's makes what is assigned."""
+    if not isinstance(value, ast.Call) or last_name(value.func) not in functions:
+        return None
+    path = _path(value.args[0], known) if len(value.args) == 1 else None
+    return path or None
+
+
+def _refused(function: _Function) -> Iterator[ast.AST]:
+    """Yield the comparisons that hold for what a function refuses: `if mode == 9: return False`."""
+    for node in ast.walk(function):
+        if not isinstance(node, ast.If) or node.orelse or not _is_refusal(node.body):
+            continue
+        for inner in ast.walk(node.test):
+            if isinstance(inner, ast.Compare) and isinstance(inner.ops[0], ast.Eq | ast.In):
+                yield inner
+
+
+def _is_refusal(body: list[ast.stmt]) -> bool:
+    *others, last = body
+    if not all(isinstance(each, ast.Expr) for each in others):
+        return False
+    value = last.value if isinstance(last, ast.Return) else None
+    if isinstance(value, ast.Tuple) and value.elts:
+        value = value.elts[0]
+    return isinstance(last, ast.Raise) or (isinstance(value, ast.Constant) and value.value is False)
+
+
+def _listed(iterated: ast.expr) -> ast.expr:
+    """Return the list that a loop goes through: `messages` of `enumerate(messages)`."""
+    if isinstance(iterated, ast.Call) and last_name(iterated.func) in _THROUGH and iterated.args:
+        return iterated.args[0]
+    return iterated
+
+
+def _item(target: ast.expr, iterated: ast.expr) -> str:
+    """Return the name that each item of a list is given in a loop; empty for none."""
+    if isinstance(target, ast.Tuple) and _listed(iterated) is not iterated:
+        target = target.elts[-1]
+    return target.id if isinstance(target, ast.Name) else ""
+
+
+def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
+    for subject, value in comparisons(node):
+        path = None if subject is None else _path(subject, known)
+        if path is not None:
+            found.setdefault(path, []).append(value)
+
+
+def _words_of_fields(tree: ast.AST, but: _Found) -> _Found:
+    """Return the words that the file knows for fields of these names, `but` what is known of."""
+    known = {path[-1] for path in but}
+    return {
+        path: values
+        for path, values in _by_field(tree).items()
+        if path[-1] not in known | _ANY_FIELD and all(isinstance(each, str) for each in values)
+    }
+
+
+def _by_field(tree: ast.AST) -> _Found:
+    """Return the literals by the last name of the attribute that is compared with them."""
+    found: _Found = {}
+    for node in ast.walk(tree):
+        for subject, value in comparisons(node):
+            bare = None if subject is None else bare_value(subject)
+            if isinstance(bare, ast.Attribute):
+                found.setdefault((bare.attr,), []).append(value)
+    return found
+
+
+def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
+    """Yield what is compared and a literal for which the comparison holds."""
+    if isinstance(node, ast.Match):
+        for case in node.cases:
+            for pattern in ast.walk(case.pattern):
+                if isinstance(pattern, ast.MatchValue) and isinstance(pattern.value, ast.Constant):
+                    yield node.subject, pattern.value.value
+        return
+    if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
+        yield from ((asserted(node.test), each) for each in (True, False))
+        return
+    if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
+        for key in node.value.keys:
+            if isinstance(key, ast.Constant):
+                yield node.slice, key.value
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
+            keys = (each for each in node.func.value.keys if isinstance(each, ast.Constant))
+            yield from ((node.args[0], each.value) for each in keys)
+        if node.func.attr in ("startswith", "endswith"):
+            yield from ((node.func.value, each) for each in _literals(node.args[0]))
+        return
+    if not isinstance(node, ast.Compare) or len(node.ops) != 1:
+        return
+    left, operator, right = node.left, node.ops[0], node.comparators[0]
+    if isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
+        # What is unequal is most often turned away.
+        yield from ((left, each) for each in _literals(right))
+        yield from ((right, each) for each in _literals(left) if isinstance(operator, ast.Eq))
+        if isinstance(operator, ast.In):
+            yield from ((right, each) for each in _literals(left) if not isinstance(each, bool))
+    elif isinstance(operator, ast.Gt | ast.GtE):
+        yield from ((left, _beyond(each, +1)) for each in _literals(right) if _is_number(each))
+        yield from ((right, _beyond(each, -1)) for each in _literals(left) if _is_number(each))
+    elif isinstance(operator, ast.Lt | ast.LtE):
+        yield from ((left, _beyond(each, -1)) for each in _literals(right) if _is_number(each))
+        yield from ((right, _beyond(each, +1)) for each in _literals(left) if _is_number(each))
+
+
+def _returns_late(node: ast.AST) -> bool:
+    """Return whether a branch does something and returns: what follows it is the other one."""
+    if not isinstance(node, ast.If) or len(node.body) < 2:
+        return False
+    return isinstance(node.body[-1], ast.Return)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _beyond(value: float, side: int) -> float:
+    return value + side * max(abs(value) / 10, 1 if isinstance(value, int) else 0.1)
+
+
+def _literals(node: ast.expr) -> Iterator[Any]:
+    try:
+        value = ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return
+    several = value if isinstance(value, list | tuple | set | dict) else (value,)
+    if stops := _EMERGENCY & {each for each in several if isinstance(each, str)}:
+        # What stands beside one means the same.
+        several = tuple(each for each in several if each in stops)
+    for each in several:
+        if isinstance(each, bool | int | float | str) and each != "":
+            yield each
+
+
+def bare_value(node: ast.expr) -> ast.expr:
+    """Return an expression without the conversions around it: `str(a.b).lower()` is `a.b`."""
+    while isinstance(node, ast.Call):
+        if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
+            node = node.func.value
+        elif last_name(node.func) in _CASTS and len(node.args) == 1:
+            node = node.args[0]
+        else:
+            break
+    return node
+
+
+def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
+    """Return the path of the field that an expression is; None where it is none."""
+    bare = bare_value(node)
+    names: list[str] = []
+    while True:
+        dotted = dotted_name(bare)
+        if dotted in known:
+            rest = tuple(reversed(names))
+            path = (*known[dotted], *rest)
+            # The goal of a goal handle is the message.
+            return path[1:] if path[:1] and path[0] in _OF_GOAL and len(path) > 1 else path
+        if isinstance(bare, ast.Subscript):
+            # What is in a list has the path of the list.
+            bare = bare.value
+            continue
+        if not isinstance(bare, ast.Attribute):
+            return None
+        names.append(bare.attr)
+        bare = bare.value

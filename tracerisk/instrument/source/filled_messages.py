@@ -1,0 +1,94 @@
+"""The literals with which a source fills a message, a request or a goal before it sends it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from typing import Any
+
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
+
+
+def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], int]:
+    """Return the literals that a source sets in a message of a type, and the first one's line.
+
+    `kind` is the last name of the type, `need` the kind of the need that the message meets.
+    """
+    tree = parsed(source)
+    if tree is None:
+        return {}, 0
+    part = {"call": "Request", "goal": "Goal"}.get(need)
+    classes = {kind, f"{kind}Request", f"{kind}Goal"}
+    fields: dict[str, Any] = {}
+    first = 0
+
+    def is_made(node: ast.AST) -> bool:
+        if not isinstance(node, ast.Call):
+            return False
+        name = ast.unparse(node.func).split(".")
+        return name[-1] in classes if name[-1] != part else name[-2:-1] == [kind]
+
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and is_made(node.value):
+            names |= {ast.unparse(each) for each in node.targets}
+        if isinstance(node, ast.Call) and is_made(node):
+            for keyword in node.keywords:
+                if keyword.arg and (value := _literal(keyword.value)) is not None:
+                    fields.setdefault(keyword.arg, value)
+                    first = first or node.lineno
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Assign) or (value := _literal(node.value)) is None:
+            continue
+        for target in node.targets:
+            owner = next((n for n in sorted(names) if ast.unparse(target).startswith(f"{n}.")), "")
+            path = ast.unparse(target)[len(owner) + 1 :].split(".")
+            if owner and all(each.isidentifier() for each in path):
+                _put(fields, path, value)
+                first = first or node.lineno
+    return fields, first
+
+
+def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
+    """Return the names of what a source puts into lists, by the field that each list is given to.
+
+    `request.angle = [command.force, command.position]` gives `angle: (force, position)`.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for node in () if tree is None else ast.walk(tree):
+        given: list[tuple[str, ast.expr]] = []
+        if isinstance(node, ast.Assign):
+            fields = (each for each in node.targets if isinstance(each, ast.Attribute))
+            given = [(each.attr, node.value) for each in fields]
+        elif isinstance(node, ast.Call):
+            given = [(each.arg, each.value) for each in node.keywords if each.arg]
+        for name, value in given:
+            if isinstance(value, ast.List | ast.Tuple) and value.elts:
+                found.setdefault(name, tuple(last_name(each) for each in value.elts))
+    return found
+
+
+def _literal(node: ast.expr) -> Any:
+    try:
+        return plain_value(ast.literal_eval(node))
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return None
+
+
+def _put(fields: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    for key in path[:-1]:
+        inner = fields.setdefault(key, {})
+        if not isinstance(inner, dict):
+            return
+        fields = inner
+    fields.setdefault(path[-1], value)
+
+
+def plain_value(value: Any) -> Any:
+    """Return a value with nothing but what a scenario holds; what it cannot hold is None."""
+    if isinstance(value, dict):
+        return {str(key): plain_value(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [plain_value(inner) for inner in value]
+    return value if isinstance(value, bool | int | float | str) else None

@@ -1,0 +1,213 @@
+"""Literals that a source names once and then uses by name: `RED = 3`, `self.poses = {RED: 0.1}`."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+from tracerisk.instrument.source.dotted_names import dotted_name
+
+
+def with_named_literals(
+    tree: ast.Module, settings: Callable[[], Mapping[str, ast.expr]] = dict
+) -> ast.Module:
+    """Return the tree with literals where it compares with, or looks up in, a name given once.
+
+    A name that is given twice, counted up or a parameter's keeps its place. Of a mapping that is
+    compared with (`in`) stand its keys. `settings` returns literals by their keys in files of
+    settings: they stand for `config["key"]` and `config.get("key")`.
+    """
+    return _Inlined(_named(tree), settings).visit(tree)  # type: ignore[no-any-return]
+
+
+def _named(tree: ast.Module) -> dict[str, ast.expr]:
+    """Return the literals, and the mappings with keys, by the one name that each is given."""
+    given: Counter[str] = Counter()
+    values: dict[str, ast.expr] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                values |= {dotted_name(name): value for name, value in _pairs(target, node.value)}
+        if isinstance(node, ast.Name | ast.Attribute) and not isinstance(node.ctx, ast.Load):
+            given[dotted_name(node)] += 1
+        if isinstance(node, ast.arg):
+            given[node.arg] += 1
+    for name, short, value in _in_classes(tree):
+        if given[short] == 1:
+            values |= {name: value, f"{name}.value": value, f"self.{short}": value}
+            given[name] = given[f"{name}.value"] = 1
+            given[f"self.{short}"] += 1
+    return {
+        name: value
+        for name, value in values.items()
+        if name and given[name] == 1 and isinstance(value, _WHOLE)
+    }
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """Return what is given what: `a, b = 1, 2` gives two names."""
+    are_tuples = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+    if are_tuples and len(target.elts) == len(value.elts):  # type: ignore[attr-defined]
+        return list(zip(target.elts, value.elts, strict=True))  # type: ignore[attr-defined]
+    return [(target, value)]
+
+
+_MOST_COUNTED = 64
+_WHOLE = (ast.Constant, ast.UnaryOp, ast.Dict, ast.List, ast.Tuple, ast.Set)
+
+
+def _in_classes(tree: ast.Module) -> Iterator[tuple[str, str, ast.expr]]:
+    for owner in ast.walk(tree):
+        if not isinstance(owner, ast.ClassDef):
+            continue
+        for node in owner.body:
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+                short = node.targets[0].id
+                yield f"{owner.name}.{short}", short, node.value
+
+
+class _Inlined(ast.NodeTransformer):
+    def __init__(
+        self, named: dict[str, ast.expr], settings: Callable[[], Mapping[str, ast.expr]]
+    ) -> None:
+        self._named = named
+        self._settings = settings
+
+    def _found(self, node: ast.expr) -> ast.expr | None:
+        """Return the literal that a name or a setting stands for, None for what is neither."""
+        found = self._named.get(dotted_name(node))
+        if found is None and (key := _setting(node)) is not None:
+            found = self._settings().get(key)
+        return found
+
+    def visit_Compare(self, node: ast.Compare) -> ast.AST:
+        self.generic_visit(node)
+        node.left = self._value(node.left)
+        node.comparators = [self._value(each) for each in node.comparators]
+        return node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        self.generic_visit(node)
+        if isinstance(node.ctx, ast.Load):
+            node.value = self._mapping(node.value)
+        return node
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        self.generic_visit(node)
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "get":
+            node.func.value = self._mapping(node.func.value)
+        return node
+
+    def visit_match_case(self, node: ast.match_case) -> ast.AST:
+        self.generic_visit(node)
+        for each in ast.walk(node.pattern):
+            if isinstance(each, ast.MatchValue):
+                each.value = self._value(each.value)
+        return node
+
+    def _mapping(self, node: ast.expr) -> ast.expr:
+        found = self._found(node)
+        if not isinstance(found, ast.Dict):
+            return node
+        return ast.Dict(self._keys(found), found.values)
+
+    def _keys(self, mapping: ast.Dict) -> list[ast.expr | None]:
+        return [None if each is None else self._value(each) for each in mapping.keys]
+
+    def _value(self, node: ast.expr) -> ast.expr:
+        """Return the literal that a name in a comparison stands for; what is no name as it is."""
+        named = node
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not node.args:
+            named = node.func.value if node.func.attr == "keys" else node
+        found = self._found(named) or node
+        if isinstance(found, ast.Dict):
+            parts = [each for each in self._keys(found) if isinstance(each, ast.Constant)]
+            return ast.List(list(parts), ast.Load())
+        if isinstance(found, ast.List | ast.Tuple | ast.Set):
+            return ast.List([self._value(each) for each in found.elts], ast.Load())
+        return found
+
+
+def _setting(node: ast.expr) -> str | None:
+    """Return the key of `config["key"]` and `config.get("key")`."""
+    key: ast.expr | None = None
+    if isinstance(node, ast.Subscript):
+        key = node.slice
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        key = node.args[0] if node.func.attr == "get" else None
+    is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
+    return key.value if is_text else None  # type: ignore[union-attr]
+
+
+def counted_names(node: ast.AST) -> tuple[str, ...]:
+    """Return what a list holds that is made by counting: `[f"joint_{i}" for i in range(1, 7)]`.
+
+    What is no such list, or made of more than its number and texts, holds nothing.
+    """
+    if not isinstance(node, ast.ListComp | ast.GeneratorExp) or len(node.generators) != 1:
+        return ()
+    loop = node.generators[0]
+    if loop.ifs or not isinstance(loop.target, ast.Name):
+        return ()
+    texts = [_text(node.elt, loop.target.id, each) for each in _counted(loop.iter)]
+    return tuple(each for each in texts if each is not None)
+
+
+def _counted(node: ast.expr) -> Sequence[int]:
+    if isinstance(node, ast.Call) and dotted_name(node.func) == "range":
+        bounds = [_number(each, "", 0) for each in node.args]
+        if 1 <= len(bounds) <= 3 and None not in bounds and 0 not in bounds[2:]:
+            return range(*(each or 0 for each in bounds))[:_MOST_COUNTED]
+    if isinstance(node, ast.List | ast.Tuple):
+        numbers = [_number(each, "", 0) for each in node.elts]
+        return [each for each in numbers if each is not None]
+    return ()
+
+
+def _number(node: ast.expr, name: str, value: int) -> int | None:
+    if isinstance(node, ast.Name):
+        return value if node.id == name else None
+    if isinstance(node, ast.Constant) and type(node.value) is int:
+        return node.value
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        left, right = _number(node.left, name, value), _number(node.right, name, value)
+        if left is not None and right is not None:
+            return left + right if isinstance(node.op, ast.Add) else left - right
+    return None
+
+
+def _text(node: ast.expr, name: str, value: int) -> str | None:
+    """Return the text that an expression makes of a number, None for what is none."""
+    parts: list[str | None] = [None]
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        parts = [node.value]
+    elif isinstance(node, ast.JoinedStr):
+        parts = [_text(each, name, value) for each in node.values]
+    elif isinstance(node, ast.FormattedValue) and node.format_spec is None:
+        parts = [_shown(node.value, name, value)]
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        parts = [_text(node.left, name, value), _text(node.right, name, value)]
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mod):
+        parts = [_filled(node.left, ("%d", "%i", "%s"), _shown(node.right, name, value))]
+    elif isinstance(node, ast.Call) and len(node.args) == 1:
+        shown = _shown(node.args[0], name, value)
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "format":
+            parts = [_filled(node.func.value, ("{}", "{0}"), shown)]
+        elif dotted_name(node.func) == "str":
+            parts = [shown]
+    return None if None in parts else "".join(each or "" for each in parts)
+
+
+def _shown(node: ast.expr, name: str, value: int) -> str | None:
+    number = _number(node, name, value)
+    return None if number is None else str(number)
+
+
+def _filled(node: ast.expr, places: Iterable[str], shown: str | None) -> str | None:
+    text = node.value if isinstance(node, ast.Constant) else None
+    if isinstance(text, str) and shown is not None:
+        for place in places:
+            if text.count(place) == 1 and text.count(place[0]) == 1:
+                return text.replace(place, shown)
+    return None

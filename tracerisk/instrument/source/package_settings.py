@@ -1,0 +1,77 @@
+"""What the YAML files of a source's package hold, as literals by their keys."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from tracerisk.common.text.yaml_reader import plain_yaml
+
+_MANIFEST = "package.xml"
+_UPWARDS = 4
+_MOST_FILES = 40
+_MOST_BYTES = 32 * 1024  # of one file
+_LONGEST = 200  # entries of one mapping or list
+
+
+def package_settings(file: Path) -> Mapping[str, ast.expr]:
+    """Return mappings, lists and plain values by the key that each has in the package of a file.
+
+    A key that means different things at different places is left out.
+    """
+    folder = file.resolve().parent
+    for above in (folder, *folder.parents[:_UPWARDS]):
+        if (above / _MANIFEST).is_file():
+            return _settings_in(above)
+    return _settings_in(folder)
+
+
+@lru_cache(maxsize=8)
+def _settings_in(folder: Path) -> Mapping[str, ast.expr]:
+    found: dict[str, ast.expr | None] = {}
+    for path in sorted(folder.rglob("*.y*ml"))[:_MOST_FILES]:
+        for key, value in _entries(_read(path)):
+            literal = _literal(value)
+            if key in found and not _are_same(found[key], literal):
+                literal = None
+            found[key] = literal
+    return {key: literal for key, literal in found.items() if literal is not None}
+
+
+def _read(path: Path) -> Any:
+    try:
+        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
+            return None
+        return plain_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
+def _entries(value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield each key with its value, however deep it lies."""
+    if not isinstance(value, dict):
+        return
+    for key, inner in value.items():
+        if isinstance(key, str):
+            yield key, inner
+        yield from _entries(inner)
+
+
+def _literal(value: Any) -> ast.expr | None:
+    """Return a value as code: of a mapping its keys, of a list its plain entries."""
+    if isinstance(value, str | int | float):
+        return ast.Constant(value)
+    if isinstance(value, list) and len(value) <= _LONGEST:
+        plain = [each for each in value if isinstance(each, str | int | float)]
+        return ast.List([ast.Constant(each) for each in plain], ast.Load())
+    if isinstance(value, dict) and len(value) <= _LONGEST:
+        keys = [each for each in value if isinstance(each, str | int | float)]
+        return ast.Dict([ast.Constant(each) for each in keys], [ast.Constant(None) for _ in keys])
+    return None
+
+
+def _are_same(one: ast.expr | None, other: ast.expr | None) -> bool:
+    return one is not None and other is not None and ast.dump(one) == ast.dump(other)

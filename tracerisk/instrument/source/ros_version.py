@@ -1,0 +1,104 @@
+"""Which ROS a controller is written for, by what its own sources import."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.instrument.source.dotted_names import imports_in
+from tracerisk.instrument.source.python_source import parsed
+
+RosVersion = Literal[1, 2]
+
+_ROS2 = re.compile(
+    r"(rclpy|rclcpp|rcl_interfaces|builtin_interfaces|action_msgs|unique_identifier_msgs"
+    r"|lifecycle_msgs|ament_index_python|launch|launch_ros|rosidl_runtime_py|rosbag2_py|moveit|pymoveit2"
+    r"|moveit_configs_utils|tf_transformations|composition_interfaces|ros2cli|ros2_numpy"
+    r"|interbotix_xs_modules\.xs_robot|interbotix_common_modules\.common_robot)(\..*)?"
+)
+_ROS1 = re.compile(
+    r"(rospy|roslib|rospkg|roscpp|actionlib|actionlib_msgs|moveit_commander|tf|tf_conversions"
+    r"|dynamic_reconfigure|genpy|rosbag|roslaunch|smach|smach_ros|ros_numpy"
+    r"|baxter_interface|baxter_dataflow|intera_interface"
+    r"|interbotix_xs_modules\.(arm|core|gripper|turret|mr_descriptions|locobot))(\..*)?"
+)
+# `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
+# may have that name too, so that it decides only where nothing else does.
+_ACTIONS = re.compile(r"\w+\.action(\..*)?")
+_AMENT = re.compile(r"<(build_type|buildtool_depend)[^>]*>\s*ament_")
+_IMPORT = re.compile(r"\s*(?:from\s+([\w.]+)\s+import|import\s+([\w., ]+))")
+
+
+def ros_version(script: Path, root: Path) -> RosVersion:
+    """Return the ROS of a script: that of the first module which imports what only one of them has.
+
+    The script comes first, then the modules below `root` that it imports, the nearest first.
+    For a script that imports neither the build tool of its package decides; without one it is of
+    ROS 1, whose message packages take more forms of call.
+    """
+    waiting, seen = deque([script]), {script}
+    while waiting:
+        path = waiting.popleft()
+        names = list(_imported(path))
+        for name in names:
+            if _ROS2.fullmatch(name):
+                return 2
+            if _ROS1.fullmatch(name):
+                return 1
+        if any(_ACTIONS.fullmatch(name) for name in names):
+            return 2
+        for name in names:
+            for found in _own(name, path.parent, root):
+                if found not in seen:
+                    seen.add(found)
+                    waiting.append(found)
+    return 2 if _is_built_by_ament(root) else 1
+
+
+def _is_built_by_ament(root: Path) -> bool:
+    try:
+        manifest = (root / "package.xml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return _AMENT.search(manifest) is not None
+
+
+def _imported(path: Path) -> Iterator[str]:
+    try:
+        text = path.read_bytes()
+    except OSError:
+        return
+    tree = parsed(text)
+    if tree is None:
+        yield from _imported_by_lines(text.decode("utf-8", "replace"))
+        return
+    yield from ("." * level + ".".join(parts) for level, parts in imports_in(tree))
+
+
+def _imported_by_lines(text: str) -> Iterator[str]:
+    # A source that Python 3 cannot parse still says what it imports.
+    for line in text.splitlines():
+        match = _IMPORT.match(line)
+        if match is not None:
+            for name in (match[1] or match[2]).split(","):
+                yield name.split()[0] if name.split() else ""
+
+
+def _own(name: str, folder: Path, root: Path) -> Iterator[Path]:
+    """Find the file of an imported module beside the importing one, or below the root."""
+    dots = len(name) - len(name.lstrip("."))
+    parts = [part for part in name.split(".") if part]
+    if not parts:
+        return
+    bases = [folder, root, root / parts[0], root / "src", root / "scripts"]
+    if dots:
+        bases = [folder.joinpath(*[".."] * (dots - 1)).resolve()]
+    for base in bases:
+        target = base.joinpath(*parts)
+        for file in (target.with_suffix(".py"), target / "__init__.py"):
+            if file.is_file():
+                yield file
+                return

@@ -1,0 +1,91 @@
+"""The type of a service that a source waits for by its name alone, as it stands further down.
+
+`rospy.wait_for_service("detect")` names no type; the `ServiceProxy("detect", Trigger)` that is made
+afterwards does.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from tracerisk.errors import Location
+from tracerisk.instrument.source.compared_values import source_tree
+from tracerisk.instrument.source.dotted_names import last_name
+
+_SERVICES = "srv"
+
+
+def lines_of_function(place: Location) -> tuple[int, int]:
+    """Return the first and last line of the innermost function in which a place is; none: 0, -1."""
+    tree, line = source_tree(place), place.line or 0
+    functions = (
+        (node.lineno, node.end_lineno or node.lineno)
+        for node in (() if tree is None else ast.walk(tree))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    )
+    return max((each for each in functions if each[0] <= line <= each[1]), default=(0, -1))
+
+
+def service_type(name: str, waited_at: Location | None) -> str:
+    """Return the type of the service `name` that a source waits for; empty where it shows none.
+
+    It is that of a proxy of the same name, given as a text or by the same expression.
+    """
+    if waited_at is None:
+        return ""
+    try:
+        tree = ast.parse(Path(waited_at.file).read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return ""
+    waited = {
+        ast.dump(call.args[0])
+        for call in _calls(tree, "wait_for_service")
+        if call.args and call.lineno <= (waited_at.line or 0) <= (call.end_lineno or call.lineno)
+    }
+    imported = dict(_imported(tree))
+    for call in _calls(tree, "ServiceProxy"):
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
+        named = call.args[0] if call.args else given.get("name")
+        kind = call.args[1] if len(call.args) > 1 else given.get("service_class")
+        if named is None or kind is None:
+            continue
+        is_text = isinstance(named, ast.Constant) and isinstance(named.value, str)
+        if ast.dump(named) in waited or (is_text and _is_called(name, ast.literal_eval(named))):
+            found = _type(kind, imported)
+            if found:
+                return found
+    return ""
+
+
+def _calls(tree: ast.AST, function: str) -> Iterator[ast.Call]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and last_name(node.func) == function:
+            yield node
+
+
+def _imported(tree: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield each imported name with the dotted one that it stands for."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.asname or alias.name, alias.name
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            for alias in node.names:
+                yield alias.asname or alias.name, f"{node.module}.{alias.name}"
+
+
+def _type(kind: ast.expr, imported: dict[str, str]) -> str:
+    dotted = ast.unparse(kind)
+    for known, full in imported.items():
+        if dotted == known or dotted.startswith(f"{known}."):
+            parts = (full + dotted[len(known) :]).split(".")
+            if len(parts) == 3 and parts[1] == _SERVICES:
+                return f"{parts[0]}/{parts[2]}"
+    return ""
+
+
+def _is_called(name: str, text: str) -> bool:
+    plain = text.strip("/~")
+    return bool(plain) and f"/{name.strip('/')}".endswith(f"/{plain}")
