@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from tests.other_python import python_with
 from tests.slow import slow_but
+from tracerisk import __version__
 from tracerisk.common import dependencies
 from tracerisk.errors import DependencyError, ExitCode
 
@@ -81,3 +83,40 @@ def test_a_namespace_package_is_installed_and_a_folder_of_a_name_is_not(tmp_path
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setitem(dependencies.MODULES, "spare", "spare")
     assert not dependencies.is_installed("spare")
+
+
+def test_an_internal_error_keeps_a_log_to_send(tmp_path):
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "libcst.py").write_text("raise RuntimeError('no such node')\n")
+    (tmp_path / "cell.py").write_text(CONTROLLER)
+    python = python_with(tmp_path / "python", tmp_path / "broken")
+    cache = tmp_path / "cache"
+
+    def trace() -> tuple[int, str]:
+        done = subprocess.run(
+            [python, "-m", "tracerisk", "trace", "cell.py", "--robot", "panda"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            env={**os.environ, "XDG_CACHE_HOME": str(cache)},
+        )
+        return done.returncode, done.stderr.strip().splitlines()[-1]
+
+    log = cache / "tracerisk" / "error.log"
+    code, last = trace()
+    assert code == ExitCode.INTERNAL_FAULT
+    assert last == (
+        f"tracerisk: this is an internal error of tracerisk; please report it with the file {log}"
+    )
+    kept = log.read_text()
+    assert kept.startswith(f"tracerisk {__version__}\ncommand: ['trace', 'cell.py',")
+    assert "mujoco 3." in kept
+    assert kept.endswith("RuntimeError: no such node\n")
+    # Without a place for the log the lines above have to do.
+    log.unlink()
+    log.parent.rmdir()
+    log.parent.write_text("a file")
+    assert trace() == (
+        ExitCode.INTERNAL_FAULT,
+        "tracerisk: this is an internal error of tracerisk; please report it with the lines above",
+    )

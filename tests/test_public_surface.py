@@ -46,7 +46,7 @@ def options_of(verb: str) -> list[str]:
 
 
 def codes_of(kind: type) -> set[str]:
-    for room in ("adder.lock.lock", "api", "pipeline.history.file_lock", "text.bounded"):
+    for room in ("adder.lock.lock", "api", "pipeline.history.file_lock", "common.text.bounded"):
         importlib.import_module(f"tracerisk.{room}")
     found = {vars(kind)["code"]} if isinstance(vars(kind).get("code"), str) else set()
     return found.union(*(codes_of(each) for each in kind.__subclasses__()))

@@ -51,10 +51,19 @@ def test_every_verb_of_the_table_has_a_help(verb, capsys):
     assert "usage: tracerisk" in capsys.readouterr().out
 
 
-def test_every_verb_stands_in_the_table():
+def test_every_verb_stands_in_a_table_and_the_first_ones_here():
     from tracerisk.cli import VERBS
 
-    assert set(re.findall(r"^\| `tracerisk ([\w-]+)", README, re.MULTILINE)) == set(VERBS)
+    row = re.compile(r"^\| `tracerisk ([\w-]+)", re.MULTILINE)
+    page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")
+    assert set(row.findall(page)) == set(VERBS)
+    assert row.findall(README) == ["init", "run", "check", "diff", "report"]
+
+
+def test_the_files_that_show_the_elements_are_there():
+    rows = re.findall(r"\| `(tracerisk/\w+)`[^|]*\| `([\w/]+\.py)` \|$", README, re.MULTILINE)
+    assert len(rows) == 4
+    assert [name for name in rows if not ROOT.joinpath(*name).is_file()] == []
 
 
 def test_links_lead_to_files():

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 _format = warnings.formatwarning
-_FAULT_ADVICE = "this is an internal error of tracerisk; please report it with the lines above"
 
 
 def guarded(options: argparse.Namespace) -> int:
@@ -82,8 +81,12 @@ def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
 def _internal_error() -> int:
     import traceback
 
+    from tracerisk.cli.shared.error_log import write_error_log
+
     traceback.print_exc()
-    note(f"tracerisk: {_FAULT_ADVICE}")
+    log = write_error_log(traceback.format_exc())
+    what = "the lines above" if log is None else f"the file {log}"
+    note(f"tracerisk: this is an internal error of tracerisk; please report it with {what}")
     return int(ExitCode.INTERNAL_FAULT)
 
 
