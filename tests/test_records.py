@@ -19,7 +19,7 @@ import pytest
 from tracerisk.common import records
 
 T = TypeVar("T")
-PACKAGE = Path(records.__file__).parent
+PACKAGE = Path(records.__file__).parents[1]
 
 
 def classes_by(library: types.ModuleType) -> types.SimpleNamespace:

@@ -227,7 +227,7 @@ EVIDENCE = Evidence(
     ),
 )
 EXAMPLES = Path(__file__).parent / "examples"
-SYSML = Path(__file__).parents[1] / "hardware" / "sysml"
+SYSML = Path(__file__).parents[1] / "common" / "hardware" / "sysml"
 ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots" / "shipped"
 
 
