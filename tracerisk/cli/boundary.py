@@ -83,8 +83,9 @@ def _internal_error() -> int:
 
     from tracerisk.cli.shared.error_log import write_error_log
 
-    traceback.print_exc()
-    log = write_error_log(traceback.format_exc())
+    lines = traceback.format_exc()
+    sys.stderr.write(lines)
+    log = write_error_log(lines)
     what = "the lines above" if log is None else f"the file {log}"
     note(f"tracerisk: this is an internal error of tracerisk; please report it with {what}")
     return int(ExitCode.INTERNAL_FAULT)

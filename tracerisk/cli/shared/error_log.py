@@ -16,7 +16,8 @@ def write_error_log(traceback: str) -> Path | None:
 
     It replaces the last one. It holds the command, versions and the traceback; no source.
     """
-    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    # Unlike Path.home(), expanduser raises nothing for a user without a home.
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111
     path = Path(cache) / "tracerisk" / "error.log"
     installed = sorted({f"{item.name} {item.version}" for item in distributions()})
     text = (

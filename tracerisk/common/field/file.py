@@ -12,7 +12,7 @@ from typing import Any
 from tracerisk.common.field.profile import QUANTITIES, Estimate, FieldProfile, FieldStep, following
 from tracerisk.errors import InputError, Location
 
-SCHEMA = "tracerisk/common/field/1"
+SCHEMA = "tracerisk/field/1"
 _MOST_BYTES = 64 * 1024**2
 
 
