@@ -75,7 +75,7 @@ def test_links_of_the_description_lead_to_the_tag(made):
     assert all(link.startswith("https://") for link in links)
     here = f"https://git.example.org/tracerisk/blob/v{__version__}/docs/blocks.md"
     assert f"]({here})" in text
-    assert f"]({here}#the-lock)" in text
+    assert f"]({here.replace('blocks.md', 'report.md#films')})" in text
     pictures = re.findall(r"!\[[^\]]*\]\(([^)\s]+)\)", text)
     raw = f"https://git.example.org/tracerisk/raw/v{__version__}/docs/pictures/"
     assert pictures
