@@ -44,10 +44,10 @@ from xml.etree import ElementTree as ET
 import quick
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd import SharedTree
-from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.bdd import SharedTree
+from tracerisk.prm.trees.bdd.diagram import Limits
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 QUICK_MODELS = {

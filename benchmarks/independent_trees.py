@@ -17,7 +17,9 @@ from collections.abc import Callable
 import numpy as np
 import quick
 
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def one_or(count: int) -> FaultTree:

@@ -4,7 +4,7 @@
 
 PACKAGE is the folder of another checkout's package, to compare two of them. Lines are lines of
 code: neither comments, docstrings nor blank ones count. An import within a function counts as an
-import, and is counted apart; one under TYPE_CHECKING counts too, for a reader has to follow it.
+import, and is counted apart; one under TYPE_CHECKING does not count, for nothing is loaded by it.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ TANGLED = """
 import random
 from tracerisk.errors import DependencyError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, minimal_cut_sets
-from tracerisk.prm.bdd import SharedTree
-from tracerisk.prm.bdd.diagram import Limits
+from tracerisk.prm.trees.bdd import SharedTree
+from tracerisk.prm.trees.bdd.diagram import Limits
 from tracerisk.prm.numbers.probability import Probability
 
 source = random.Random(7)

@@ -17,8 +17,8 @@ from tracerisk.prm import (
     failure_probabilities,
     solve,
 )
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.failure_models import Constant, Exponential
-from tracerisk.prm.trees.fault_tree import HouseEvent
 
 
 def test_formulas_make_gates_and_formulas_within_them_too():

@@ -16,14 +16,16 @@ from unittest.mock import patch
 
 import pytest
 
-from tracerisk.prm.bdd import SharedTree, bounds, diagram
-from tracerisk.prm.bdd.bounds import tree_bounds
-from tracerisk.prm.bdd.diagram import Limits
-from tracerisk.prm.bdd.speed import fastest_loops, plain_loops
 from tracerisk.prm.compiled import library
 from tracerisk.prm.cut_sets import family, minimal_cut_sets
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.bdd import SharedTree, bounds, diagram
+from tracerisk.prm.trees.bdd.bounds import tree_bounds
+from tracerisk.prm.trees.bdd.diagram import Limits
+from tracerisk.prm.trees.bdd.speed import fastest_loops, plain_loops
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "tracerisk" / "prm" / "compiled"

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 
 MANY = [
     GateKind.OR,

@@ -27,7 +27,9 @@ from tracerisk.prm.event_trees.elements import (
 from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import ExpressionModel, MissionTime, Number, Product
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 OR, AND = GateKind.OR, GateKind.AND
 

@@ -23,7 +23,7 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.prm.formats.expanded_chain import expanded_chain
-from tracerisk.prm.hybrid.hidden_states import hidden_states
+from tracerisk.prm.hybrid.hidden.hidden_states import hidden_states
 from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.binomial import failure_counts
 

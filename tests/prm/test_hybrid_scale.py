@@ -11,7 +11,8 @@ import pytest
 from tracerisk.adder.blocks.block import Field, Transition
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.hybrid import importance
-from tracerisk.prm.hybrid.hybrid import DONE, endless_states
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hybrid import endless_states
 from tracerisk.prm.hybrid.solve import solve_figures
 
 TWICE = 2.3

@@ -28,7 +28,8 @@ from tracerisk.prm.logic.model import (
     LogicModel,
     Substitution,
 )
-from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 INPUTS = Path("/usr/share/scram/input")
 needs_scram = pytest.mark.skipif(

@@ -22,7 +22,7 @@ from tracerisk.prm.logic.model import (
     Substitution,
 )
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 

@@ -27,7 +27,7 @@ from tracerisk.prm import (
 from tracerisk.prm.formats import assessment_to_json, dumps, loads
 from tracerisk.prm.formats.model_json import model_data, model_schema
 from tracerisk.prm.numbers.distributions import Lognormal, Uniform
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.prm.bdd import SharedTree
-from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.bdd import SharedTree
+from tracerisk.prm.trees.bdd.diagram import Limits
 
 ROOT = Path(__file__).parents[2]
 ARALIA = ROOT.parent / "shared" / "data" / "aralia"

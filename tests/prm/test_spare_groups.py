@@ -18,7 +18,8 @@ from tracerisk.prm.linked import linked
 from tracerisk.prm.linked.conversion import FAILURE
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.what_if import with_values
-from tracerisk.prm.trees.fault_tree import BasicEvent, Gate, GateKind
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares
 
 

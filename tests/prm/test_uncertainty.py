@@ -23,8 +23,8 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.expressions import LatinHypercube
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.questions.draws import MOST_TOGETHER, InputDraws, UncertainInput
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples

@@ -4,7 +4,8 @@ from tracerisk.common.on_demand import on_demand
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.bayes.network import BayesianNetwork, Given
+    from tracerisk.prm.bayes.network import BayesianNetwork
+    from tracerisk.prm.bayes.tables import Given
     from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
     from tracerisk.prm.dynamic import (
         Dependency,
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
     )
     from tracerisk.prm.event_trees.event_tree import EventTree
     from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
+    from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
     from tracerisk.prm.hybrid.from_blocks import build_model
-    from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
+    from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.hybrid.solve import solve
     from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.markov import ContinuousChain, MarkovChain
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
         CommonCauseLaw,
         expand_common_cause,
     )
+    from tracerisk.prm.trees.events import BasicEvent
     from tracerisk.prm.trees.failure_models import (
         GLM,
         Constant,
@@ -39,7 +42,7 @@ if TYPE_CHECKING:
         PeriodicTest,
         Weibull,
     )
-    from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
+    from tracerisk.prm.trees.fault_tree import FaultTree
     from tracerisk.prm.trees.gates import Gate, GateKind
 
 __all__ = [
@@ -91,7 +94,8 @@ __all__ = [
 __getattr__ = on_demand(
     __name__,
     {
-        "bayes.network": "BayesianNetwork Given",
+        "bayes.network": "BayesianNetwork",
+        "bayes.tables": "Given",
         "cut_sets": "CutSet CutSets minimal_cut_sets prime_implicants",
         "dynamic": (
             "Dependency DynamicEvent DynamicGate DynamicKind DynamicTree Restriction "
@@ -100,7 +104,8 @@ __getattr__ = on_demand(
         "event_trees.event_tree": "EventTree",
         "hybrid.assessment": "Assessment FIGURE_STATEMENT",
         "hybrid.from_blocks": "build_model",
-        "hybrid.hybrid": "FunctionState HybridModel NextStep Parameter",
+        "hybrid.elements": "FunctionState NextStep Parameter",
+        "hybrid.hybrid": "HybridModel",
         "hybrid.solve": "solve",
         "linked": "LinkedModel",
         "markov": "MarkovChain",
@@ -111,7 +116,8 @@ __getattr__ = on_demand(
         "trees.failure_models": (
             "Constant Erlang Exponential GLM Lognormal PerDemand PeriodicTest Weibull"
         ),
-        "trees.fault_tree": "BasicEvent FaultTree",
+        "trees.events": "BasicEvent",
+        "trees.fault_tree": "FaultTree",
         "trees.gates": "Gate GateKind",
     },
 )

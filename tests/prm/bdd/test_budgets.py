@@ -8,11 +8,13 @@ import pytest
 
 from tests.slow import slow_but
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.bdd import SharedTree, with_bounds
-from tracerisk.prm.bdd.bounds import tree_bounds
-from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.bdd import SharedTree, with_bounds
+from tracerisk.prm.trees.bdd.bounds import tree_bounds
+from tracerisk.prm.trees.bdd.diagram import Limits
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def tangled_tree(events, sums):
@@ -97,7 +99,9 @@ def test_the_error_says_the_bounds(tangled, diagram):
 def test_a_shared_tree_is_solved_without_numpy():
     program = """
 import sys
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 gates = [Gate("top", GateKind.ATLEAST, ("x0", "x1", "x2", "x3"), 2)]
 gates += [Gate(f"x{i}", GateKind.OR, (f"a{i}", f"a{(i + 1) % 4}")) for i in range(4)]
 tree = FaultTree("top", tuple(gates), tuple(BasicEvent(f"a{i}", "p") for i in range(4)))

@@ -4,8 +4,10 @@ from itertools import product
 
 import pytest
 
-from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicBuilder, logic_graph
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicBuilder, logic_graph
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def evaluate(graph, happened):

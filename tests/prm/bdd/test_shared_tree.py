@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bdd import SharedTree, diagram
-from tracerisk.prm.bdd.diagram import Limits
-from tracerisk.prm.bdd.speed import fastest_loops, plain_loops
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.bdd import SharedTree, diagram
+from tracerisk.prm.trees.bdd.diagram import Limits
+from tracerisk.prm.trees.bdd.speed import fastest_loops, plain_loops
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 COHERENT = (GateKind.OR, GateKind.AND, GateKind.ATLEAST, GateKind.INHIBIT, GateKind.TRANSFER)
 OR, AND, XOR = GateKind.OR, GateKind.AND, GateKind.XOR

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.cut_sets import CutSet, minimal_cut_sets, prime_implicants
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 OR, AND, ATLEAST, NOT, XOR = (
     GateKind.OR,

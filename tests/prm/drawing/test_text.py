@@ -8,7 +8,7 @@ import pytest
 from lxml import html
 
 from tracerisk.prm import EventTree, FaultTree, HybridModel, MarkovChain, solve
-from tracerisk.prm.drawing import text_of
+from tracerisk.prm.notebook.drawings import text_of
 
 TREE = FaultTree.of("top", {"top": ("or", "a", "b")}, {"a": 1e-7, "b": 2e-7})
 MODEL = HybridModel.of("arm", {"pick": TREE})

@@ -16,7 +16,7 @@ import pytest
 
 from tracerisk.prm.dynamic import DynamicKind, DynamicTree, RestrictionKind
 from tracerisk.prm.formats import galileo
-from tracerisk.prm.trees.fault_tree import GateKind
+from tracerisk.prm.trees.gates import GateKind
 
 EVENTS = """
 "K" lambda=2 dorm=1; "L" lambda=1.5; "M" lambda=0.7; "K2" lambda=0.9; "K3" lambda=0.5;

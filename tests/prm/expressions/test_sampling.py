@@ -15,7 +15,6 @@ from tracerisk.prm.expressions import (
     GammaDeviate,
     Glm,
     Histogram,
-    LatinHypercube,
     LognormalDeviate,
     MissionTime,
     Negation,
@@ -32,6 +31,7 @@ from tracerisk.prm.expressions import (
     evaluate,
     sample,
 )
+from tracerisk.prm.numbers.strata import LatinHypercube
 
 DRAWS = LatinHypercube(2000, seed=1)
 

@@ -43,7 +43,7 @@ from tracerisk.prm.logic.model import (
     Place,
 )
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 LETTERS = string.ascii_letters + string.digits + "_-. []/#éЖ"

@@ -22,6 +22,7 @@ from tracerisk.prm.dynamic import (
     RestrictionKind,
 )
 from tracerisk.prm.formats import galileo
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.failure_models import (
     Constant,
     Erlang,
@@ -31,7 +32,6 @@ from tracerisk.prm.trees.failure_models import (
     PeriodicTest,
     Weibull,
 )
-from tracerisk.prm.trees.fault_tree import HouseEvent
 
 DOCS = Path(__file__).parents[3] / "docs" / "formats.md"
 

@@ -48,7 +48,8 @@ from tracerisk.prm.linked import (
     linked,
 )
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
-from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 X, Y = Reference("x"), Number(0.25)
 VALUES: tuple[Expression, ...] = (

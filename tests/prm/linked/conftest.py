@@ -33,8 +33,7 @@ from tracerisk.prm.linked import (
     Transition,
     complement,
 )
-from tracerisk.prm.trees.fault_tree import Gate
-from tracerisk.prm.trees.gates import GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath is the oracle of linked models")
 mp = mpmath.mp.clone()

@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bayes.network import BayesianNetwork, Given
+from tracerisk.prm.bayes.network import BayesianNetwork
+from tracerisk.prm.bayes.tables import Given
 from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Number, Reference
 from tracerisk.prm.formats.linked_json import dumps, loads
@@ -19,7 +20,7 @@ from tracerisk.prm.linked import (
     Transition,
 )
 from tracerisk.prm.linked.outcomes import outcome_trees, over_conditions
-from tracerisk.prm.trees.fault_tree import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def pair(name, *events, values=("p", "q")):

@@ -20,7 +20,7 @@ from tracerisk.prm.linked import (
     Transition,
     complement,
 )
-from tracerisk.prm.trees.fault_tree import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 PARAMETERS = ("p", "q", "r")
 SIZES = st.floats(-22.0, -0.5).map(lambda exponent: 10.0**exponent)

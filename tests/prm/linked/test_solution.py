@@ -38,7 +38,7 @@ from tracerisk.prm.linked import (
     linked,
 )
 from tracerisk.prm.markov import ContinuousChain
-from tracerisk.prm.trees.fault_tree import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
 PARAMETERS = ("power", "motor", "jam", "sensor", "wear rate", "repair rate")

@@ -8,10 +8,11 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bayes.network import Given
+from tracerisk.prm.bayes.tables import Given
 
 if TYPE_CHECKING:
-    from tracerisk.prm.bayes.network import BayesianNetwork, Distribution
+    from tracerisk.prm.bayes.network import BayesianNetwork
+    from tracerisk.prm.bayes.tables import Distribution
 
 
 def joint_probabilities(

@@ -14,62 +14,18 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import product
-from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.notebook.display import Displayed
+from tracerisk.prm.bayes.tables import Case, Distribution, Entry, Figure, Given, States
+from tracerisk.prm.display import Displayed
 
 if TYPE_CHECKING:
     from tracerisk.prm.bayes.solution import BayesianSolution
-    from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 _MOST_CASES = 100_000
 _TOLERANCE = 1e-9
-
-States: TypeAlias = Mapping[str, str]
-"""A state of each of some conditions."""
-_Entry = TypeVar("_Entry")
-
-
-@dataclass(frozen=True, slots=True)
-class Given(Generic[_Entry]):
-    """A table over the states of one or several parents.
-
-    The keys of `table` are states of the parent, or tuples of one state for each parent.
-    """
-
-    parents: str | tuple[str, ...]
-    table: Mapping[str | tuple[str, ...], _Entry]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parents, in the order of the keys."""
-        return (self.parents,) if isinstance(self.parents, str) else self.parents
-
-    def rows(self) -> dict[tuple[str, ...], _Entry]:
-        """Return the entries by the states of the parents."""
-        return {
-            (states,) if isinstance(states, str) else states: entry
-            for states, entry in self.table.items()
-        }
-
-
-Distribution: TypeAlias = Mapping[str, float]
-"""The states of a condition, and the probability of each."""
-Figure: TypeAlias = "float | FailureModel"
-"""What a basic event has in one state of its conditions."""
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """A joint state of conditions: its probability, and what it gives to the events.
-
-    `values` are the probabilities of the fault trees' parameters.
-    """
-
-    states: States
-    probability: float
-    values: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +183,7 @@ class BayesianNetwork(Displayed):
 
         return solve_network(self, tree, values or {}, mission_time_h, evidence or {})
 
-    def _check_table(self, where: str, given: Given[_Entry]) -> None:
+    def _check_table(self, where: str, given: Given[Entry]) -> None:
         for parent in given.names:
             if parent not in self.conditions:
                 raise ModelError(

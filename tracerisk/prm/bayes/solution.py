@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bayes.network import BayesianNetwork, States
 from tracerisk.prm.numbers.probability import Probability, mean_of
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.trees.fault_tree import FaultTree
+
+if TYPE_CHECKING:
+    from tracerisk.prm.bayes.network import BayesianNetwork
+    from tracerisk.prm.bayes.tables import States
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-/* Decision diagrams, compiled: tracerisk/prm/bdd/kernel.py, sweeps.py and thinning.py say what
+/* Decision diagrams, compiled: tracerisk/prm/trees/bdd/kernel.py, sweeps.py and thinning.py say what
    each function does, and what its arguments are. */
 
 #include "loops.h"

@@ -1,4 +1,4 @@
-/* Families of sets, compiled: tracerisk/prm/cut_sets/kernel.py says what each function does, and
+/* Families of sets, compiled: tracerisk/prm/trees/bdd/families.py says what each function does, and
    what its arguments are. */
 
 #include "loops.h"

@@ -1,4 +1,4 @@
-/* Orders of variables by FORCE, compiled: tracerisk/prm/bdd/force.py says what it gives. */
+/* Orders of variables by FORCE, compiled: tracerisk/prm/trees/bdd/force.py says what it gives. */
 
 #include <stdlib.h>
 

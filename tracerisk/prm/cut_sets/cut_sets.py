@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph
 from tracerisk.prm.cut_sets.family import EMPTY_SET, Family
 from tracerisk.prm.numbers.probability import pair_of
+from tracerisk.prm.trees.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph
 
 _ROUNDING = 1e-9
 """More than the rounding of a product of a million factors; see `CutSets._in_order`."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd.diagram import Diagram
-from tracerisk.prm.bdd.logic import LogicGraph
-from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.speed import Loops, fastest_loops, plain_loops
-from tracerisk.prm.cut_sets import kernel
+from tracerisk.prm.trees.bdd import families
+from tracerisk.prm.trees.bdd.diagram import Diagram
+from tracerisk.prm.trees.bdd.logic import LogicGraph
+from tracerisk.prm.trees.bdd.modules import Module
+from tracerisk.prm.trees.bdd.speed import Loops, fastest_loops, plain_loops
 
 _MOST_PAIRS = 1 << 22
 """How many pairs are kept where few nodes have many: those of a gate of many inputs."""
@@ -159,7 +159,7 @@ def of_diagram(
             loops.integers(4 * (len(literals) + 3)),
             used,
         )
-        if root != kernel.OUT_OF_NODES:
+        if root != families.OUT_OF_NODES:
             count = int(used[0])
             kept = loops.compact(root, count, *made, loops.integers(count))
             # The root is the last of those kept, but for the constants.

@@ -6,13 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Limits
-from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE
-from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.shared_tree import SharedTree
 from tracerisk.prm.cut_sets.cut_sets import CutSets
 from tracerisk.prm.cut_sets.family import Family, of_conjunction, of_diagram, of_disjunction, phases
 from tracerisk.prm.cut_sets.primes import primes_of_diagram
+from tracerisk.prm.trees.bdd.diagram import DEFAULT_LIMITS, Limits
+from tracerisk.prm.trees.bdd.logic import FIRST_EVENT, TRUE
+from tracerisk.prm.trees.bdd.modules import Module
+from tracerisk.prm.trees.bdd.shared_tree import SharedTree
 from tracerisk.prm.trees.gates import GateKind
 
 if TYPE_CHECKING:

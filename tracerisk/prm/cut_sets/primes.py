@@ -8,9 +8,9 @@ f1 that are none of these; with its complement, those of f0 that are none of the
 from __future__ import annotations
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd.diagram import Diagram
-from tracerisk.prm.bdd.speed import plain_loops
 from tracerisk.prm.cut_sets.family import EMPTY_SET, NO_SET, Family
+from tracerisk.prm.trees.bdd.diagram import Diagram
+from tracerisk.prm.trees.bdd.speed import plain_loops
 
 
 def primes_of_diagram(diagram: Diagram, sign: int, budget: int) -> Family:

@@ -1,4 +1,4 @@
-"""Markov chains, hybrid models and Bayesian networks as drawings."""
+"""Markov chains and hybrid models as drawings."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import islice
 
-from tracerisk.prm.bayes.network import BayesianNetwork
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
-from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hybrid import HybridModel
 
 _MOST_BEGUN = 80
 _MOST_ENDS = 80
@@ -37,7 +37,7 @@ def chain_svg(
         if p > 0.0
     }
     count = len(transitions) + len(absorbing)
-    return _svg(begun, absorbing, arrows, count, title)
+    return states_svg(begun, absorbing, arrows, count, title)
 
 
 def hybrid_svg(model: HybridModel) -> str:
@@ -52,26 +52,10 @@ def hybrid_svg(model: HybridModel) -> str:
         arrows[state.name, failures[state.name]] = Arrow("", fails=True)
     begun = [state.name for state in model.states[:_MOST_BEGUN]]
     ends = (DONE, *failures.values())
-    return _svg(begun, ends, arrows, len(model.states) + len(ends), model.name)
+    return states_svg(begun, ends, arrows, len(model.states) + len(ends), model.name)
 
 
-def network_svg(network: BayesianNetwork) -> str:
-    """Return the drawing of a network: its conditions, and the events that depend on them."""
-    events = {
-        name: f"{name} (event)" if name in network.conditions else name for name in network.events
-    }
-    arrows = {
-        (parent, name): Arrow("") for name in network.conditions for parent in network.parents(name)
-    }
-    for name, shown in events.items():
-        for parent in network.events[name].names:
-            arrows[parent, shown] = Arrow("")
-    count = len(network.conditions) + len(events)
-    begun = list(network.conditions)
-    return _svg(begun, tuple(events.values()), arrows, count, "Bayesian network")
-
-
-def _svg(
+def states_svg(
     begun: list[str],
     ends: tuple[str, ...],
     arrows: Mapping[tuple[str, str], Arrow],

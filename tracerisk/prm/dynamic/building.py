@@ -13,9 +13,8 @@ from tracerisk.prm.dynamic.elements import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.dynamic.tree import DynamicTree
+from tracerisk.prm.trees.events import FailureModel
 from tracerisk.prm.trees.failure_models import Constant
-from tracerisk.prm.trees.fault_tree import FailureModel
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 Formula = Sequence[str | int | float]
@@ -28,12 +27,16 @@ _KINDS = {*_STATIC, *_DYNAMIC, *_RESTRICTIONS, "fdep", "pdep"}
 _NUMBERED = {"atleast", "pdep"}
 
 
-def built_dynamic_tree(
-    top: str,
+def tree_parts(
     formulas: Mapping[str, Formula],
     events: Mapping[str, float | FailureModel | DynamicEvent],
-) -> DynamicTree:
-    """Return the dynamic tree of some formulas; see DynamicTree.of."""
+) -> tuple[
+    tuple[Gate | DynamicGate, ...],
+    tuple[DynamicEvent, ...],
+    tuple[Dependency, ...],
+    tuple[Restriction, ...],
+]:
+    """Return the gates, events, dependencies and restrictions of formulas; see DynamicTree.of."""
     gates: list[Gate | DynamicGate] = []
     dependencies: list[Dependency] = []
     restrictions: list[Restriction] = []
@@ -50,8 +53,7 @@ def built_dynamic_tree(
             gates.append(DynamicGate(name, _DYNAMIC[kind], inputs))
         else:
             gates.append(Gate(name, _STATIC[kind], inputs, None if number is None else int(number)))
-    return DynamicTree(
-        top,
+    return (
         tuple(gates),
         tuple(_event(name, figure) for name, figure in events.items()),
         tuple(dependencies),

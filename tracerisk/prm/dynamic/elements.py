@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.quantities import check_share
-from tracerisk.prm.trees.fault_tree import FailureModel
+from tracerisk.prm.trees.events import FailureModel
 
 
 class DynamicKind(enum.Enum):

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from tracerisk.prm.dynamic.elements import DynamicEvent
-from tracerisk.prm.dynamic.tree import DynamicGroup, DynamicTree
+from tracerisk.prm.dynamic.group_model import DynamicGroup
 from tracerisk.prm.numbers.probability import Probability, worth
 from tracerisk.prm.numbers.table import Table
+from tracerisk.prm.trees.events import FailureModel
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential
-from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
+from tracerisk.prm.trees.fault_tree import FaultTree
+
+if TYPE_CHECKING:
+    from tracerisk.prm.dynamic.tree import DynamicTree
 
 
 @dataclass(frozen=True, slots=True)

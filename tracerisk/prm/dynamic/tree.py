@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import AsGraph
 from tracerisk.prm.dynamic.elements import Dependency, DynamicEvent, DynamicGate, Restriction
-from tracerisk.prm.dynamic.exploration import explore
+from tracerisk.prm.dynamic.group_model import DynamicGroup
 from tracerisk.prm.dynamic.groups import find_groups
-from tracerisk.prm.dynamic.layout import AnyGate, lay_out
-from tracerisk.prm.notebook.display import AsGraph
+from tracerisk.prm.dynamic.layout import AnyGate
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.numbers.quantities import check_mission_time
-from tracerisk.prm.trees.failure_chain import FailureChain
-from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree
+from tracerisk.prm.trees.events import BasicEvent, FailureModel
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, check_gate
 
 if TYPE_CHECKING:
@@ -65,9 +65,9 @@ class DynamicTree(AsGraph):
         dormancy too.
         Raises ModelError, naming the element, when they make no tree.
         """
-        from tracerisk.prm.dynamic.building import built_dynamic_tree
+        from tracerisk.prm.dynamic.building import tree_parts
 
-        return built_dynamic_tree(top, gates, events)
+        return cls(top, *tree_parts(gates, events))
 
     @property
     def upwards(self) -> tuple[AnyGate, ...]:
@@ -126,37 +126,6 @@ class DynamicTree(AsGraph):
             if model is not None:
                 return model.probability(mission_time_h)
         return tree.probability(tree.values_at(mission_time_h))
-
-
-@dataclass(frozen=True, slots=True)
-class DynamicGroup:
-    """A dynamic tree that is solved as a whole by one Markov chain: a failure model."""
-
-    tree: DynamicTree
-    _chain: FailureChain | None = field(init=False, repr=False, compare=False, default=None)
-
-    @property
-    def chain(self) -> FailureChain:
-        """The chain of the group's states, made when it is first asked for.
-
-        Raises as `probability` does.
-        """
-        if self._chain is None:
-            tree = self.tree
-            layout = lay_out(
-                tree.top, tree.upwards, tree.events, tree.dependencies, tree.restrictions
-            )
-            object.__setattr__(self, "_chain", explore(layout, tree.state_limit))
-        assert self._chain is not None
-        return self._chain
-
-    def probability(self, mission_time_h: float) -> Probability:
-        """Return the probability that the group fails within the mission, [h].
-
-        Raises TooLargeError when there are too many states or steps, ModelError when an event or a
-        gate has no meaning in a Markov model.
-        """
-        return self.chain.failed_by(mission_time_h)
 
 
 def _part(tree: DynamicTree, top: str, members: Sequence[str]) -> DynamicTree:

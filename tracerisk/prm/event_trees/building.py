@@ -19,7 +19,7 @@ from tracerisk.prm.event_trees.elements import (
 )
 
 if TYPE_CHECKING:
-    from tracerisk.prm.trees.fault_tree import FailureModel
+    from tracerisk.prm.trees.events import FailureModel
 
 Alternatives: TypeAlias = "str | float | FailureModel | Mapping[str, float | FailureModel]"
 """What fails a function, by name, as a probability or its model; or its states with theirs."""

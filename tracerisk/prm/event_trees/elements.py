@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from tracerisk.errors import ModelError
 
 if TYPE_CHECKING:
-    from tracerisk.prm.trees.fault_tree import FailureModel
+    from tracerisk.prm.trees.events import FailureModel
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import Displayed
 from tracerisk.prm.event_trees.elements import Branch, EventSequence, InitiatingEvent
-from tracerisk.prm.notebook.display import Displayed
 
 if TYPE_CHECKING:
     from tracerisk.prm.event_trees.building import Alternatives

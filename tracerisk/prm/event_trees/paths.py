@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.event_trees.elements import (
@@ -22,9 +22,11 @@ from tracerisk.prm.event_trees.elements import (
     Weight,
     When,
 )
-from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.forest import Occurrence, Settings
+
+if TYPE_CHECKING:
+    from tracerisk.prm.event_trees.event_tree import EventTree
 
 _MOST_PATHS = 100_000
 

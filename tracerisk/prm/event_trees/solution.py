@@ -11,14 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_trees.elements import InitiatingEvent
-from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.event_trees.paths import CollectedPath, collected_paths
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.forest import Forest
+
+if TYPE_CHECKING:
+    from tracerisk.prm.event_trees.event_tree import EventTree
 
 _TOLERANCE = 1e-9
 

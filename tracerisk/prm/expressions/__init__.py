@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     )
     from tracerisk.prm.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
     from tracerisk.prm.expressions.node import Expression, MissionTime, Number, Reference
-    from tracerisk.prm.expressions.sampling import LatinHypercube, Sampling, sample
+    from tracerisk.prm.expressions.sampling import Sampling, sample
 
 __all__ = [
     "BetaDeviate",
@@ -51,7 +51,6 @@ __all__ = [
     "GammaDeviate",
     "Glm",
     "Histogram",
-    "LatinHypercube",
     "LognormalDeviate",
     "MissionTime",
     "Negation",
@@ -84,6 +83,6 @@ __getattr__ = on_demand(
         ),
         "laws": "Exponential Glm PeriodicTest Weibull",
         "node": "Expression MissionTime Number Reference",
-        "sampling": "LatinHypercube Sampling sample",
+        "sampling": "Sampling sample",
     },
 )

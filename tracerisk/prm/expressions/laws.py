@@ -13,7 +13,7 @@ from tracerisk.errors import ModelError
 from tracerisk.prm.expressions.node import Expression
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees import failure_models
-from tracerisk.prm.trees.fault_tree import FailureModel
+from tracerisk.prm.trees.events import FailureModel
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array

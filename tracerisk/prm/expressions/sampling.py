@@ -8,18 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
-from zlib import crc32
 
-from tracerisk.errors import ModelError
 from tracerisk.prm.expressions.deviates import Deviate
 from tracerisk.prm.expressions.evaluation import Names, Walk
 from tracerisk.prm.expressions.node import Expression
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.random import Generator
-    from numpy.typing import NDArray
-
     from tracerisk.prm.expressions.node import Array
 
 
@@ -34,48 +28,6 @@ class Draws(Protocol):
     def uniform(self, key: str) -> Array:
         """Return the uniform numbers in (0, 1) of one deviate: (size,), equal for equal keys."""
         ...
-
-
-class LatinHypercube:
-    """Uniform numbers of which each of `size` equal strata of (0, 1) holds one.
-
-    They follow from the seed and the key alone, in whatever order the keys come
-    (McKay, Beckman and Conover 1979).
-    """
-
-    def __init__(self, size: int, seed: int) -> None:
-        if size < 1:
-            raise ModelError(f"{size} draws; give 1 or more")
-        self.size = size
-        self._seed = seed
-
-    def uniform(self, key: str) -> Array:
-        """Return the uniform numbers of one deviate: (size,)."""
-        return stratified(generator_of(key, self._seed), self.size)
-
-
-def generator_of(key: str, seed: int) -> Generator:
-    """Return the generator of a deviate's numbers, from the seed and the key alone."""
-    from tracerisk.prm.numbers.arrays import np
-
-    text = key.encode()
-    return np.random.default_rng([seed, crc32(text), len(text), *text])
-
-
-def stratified(generator: Generator, size: int) -> Array:
-    """Return uniform numbers within (0, 1), one in each of `size` equal strata: (size,)."""
-    return within(generator.permutation(size), generator)
-
-
-def within(strata: NDArray[np.int64], generator: Generator) -> Array:
-    """Return a uniform number in each of the strata, which are numbered from 0 on: (n,)."""
-    from tracerisk.prm.numbers.arrays import np
-
-    size = len(strata)
-    found: Array = (strata + generator.random(size)) / size
-    # The ends themselves have no quantile.
-    tiny = np.finfo(np.float64)
-    return np.clip(found, tiny.tiny, 1.0 - tiny.epsneg)
 
 
 def sample(

@@ -34,7 +34,8 @@ from tracerisk.prm.logic.model import (
 )
 from tracerisk.prm.trees import failure_models
 from tracerisk.prm.trees.common_cause import ShareOf
-from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree, HouseEvent
+from tracerisk.prm.trees.events import FailureModel, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 _SHOWN = 5

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.hybrid.hidden_chain import HiddenChain
-from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
-from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hidden.hidden_chain import HiddenChain
+from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.markov import MarkovChain
 
 

@@ -27,7 +27,7 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import ElementKey
 from tracerisk.prm.linked.model import LinkedModel
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, check_gate
 
 SCHEMA = "tracerisk-linked-model"

@@ -10,8 +10,10 @@ from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
-from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
 
 SCHEMA = "tracerisk-hybrid-model"

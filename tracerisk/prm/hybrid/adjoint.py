@@ -20,8 +20,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import accumulate
 
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Spread, unit_pair
-from tracerisk.prm.hybrid.hybrid import Parameter
+from tracerisk.prm.hybrid.elements import Parameter
+from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain, Spread, unit_pair
 from tracerisk.prm.numbers.binomial import failure_counts, failure_tails
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, any_of, total

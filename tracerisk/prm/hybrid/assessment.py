@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
 
-from tracerisk.prm.notebook.display import Displayed
+from tracerisk.prm.display import Displayed
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.table import Table

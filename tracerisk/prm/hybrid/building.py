@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel, NextStep, Parameter
+from tracerisk.prm.hybrid.elements import DONE, FunctionState, NextStep, Parameter
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.trees.failure_models import Constant
 from tracerisk.prm.trees.fault_tree import FaultTree
@@ -19,16 +19,14 @@ Following: TypeAlias = "str | Mapping[str, float | Fraction]"
 _TOLERANCE = 1e-9
 
 
-def built_hybrid(
+def state_parts(
     name: str,
     trees: Mapping[str, FaultTree],
     following: Mapping[str, Following] | None,
     values: Mapping[str, float],
     visit_h: float | Mapping[str, float] | None,
-    entry: str | None,
-    latent: tuple[str, ...],
-) -> HybridModel:
-    """Return the hybrid model of some fault trees; see HybridModel.of."""
+) -> tuple[tuple[FunctionState, ...], tuple[Parameter, ...]]:
+    """Return the states and parameters of fault trees; see HybridModel.of."""
     if not trees:
         raise ModelError(f"model '{name}': no state; give a fault tree for each")
     names = list(trees)
@@ -56,12 +54,9 @@ def built_hybrid(
             NextStep(target, share) for target, share in _shares(state, following[state]).items()
         )
         states.append(FunctionState(state, rank, tree, found, steps))
-    return HybridModel(
-        name,
-        names[0] if entry is None else entry,
+    return (
         tuple(states),
         tuple(Parameter(parameter, value) for parameter, value in theta.items()),
-        latent,
     )
 
 

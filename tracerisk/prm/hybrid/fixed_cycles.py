@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from tracerisk.common.strong_components import strong_components
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
-from tracerisk.prm.hybrid.hidden_states import HiddenStates
+from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain, Round
+from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 from tracerisk.prm.numbers.elimination import Elimination, Pattern
 from tracerisk.prm.numbers.probability import Probability, log_complement, total
 

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
+from tracerisk.prm.hybrid.elements import DONE, FunctionState, NextStep, Parameter
 from tracerisk.prm.hybrid.function_fault_tree import (
     component_figures,
     component_spares,
@@ -16,15 +17,9 @@ from tracerisk.prm.hybrid.function_fault_tree import (
     in_one_visit,
     latent_units,
 )
-from tracerisk.prm.hybrid.hybrid import (
-    DONE,
-    FunctionState,
-    HybridModel,
-    NextStep,
-    Parameter,
-    endless_states,
-)
-from tracerisk.prm.trees.fault_tree import FaultTree, Gate, GateKind
+from tracerisk.prm.hybrid.hybrid import HybridModel, endless_states
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 MAX_QUANTITY = 10_000
 """The most units of one component: each becomes a basic event."""

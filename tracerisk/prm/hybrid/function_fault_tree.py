@@ -6,9 +6,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from tracerisk.adder.blocks.block import ComponentEntry
-from tracerisk.prm.hybrid.hybrid import FunctionState
+from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.numbers.probability import Probability, value_of
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares, spare_group_failure
 
 # No component can have a name with braces.

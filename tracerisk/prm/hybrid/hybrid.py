@@ -3,65 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tracerisk.common.strong_components import reached, strong_components
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.hybrid.latent_units import check_latent
-from tracerisk.prm.notebook.display import DisplayedGraph
+from tracerisk.prm.display import DisplayedGraph
+from tracerisk.prm.hybrid.elements import DONE, FunctionState, NextStep, Parameter
+from tracerisk.prm.hybrid.hidden.latent_units import check_latent
 from tracerisk.prm.numbers.quantities import check_names
 from tracerisk.prm.trees.fault_tree import FaultTree
-from tracerisk.prm.trees.spares import Spares
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.building import Following
-    from tracerisk.prm.numbers.distributions import Distribution
-
-DONE = "done"
-"""The absorbing state of a mission that succeeded."""
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A component's figure theta, common to all states and instances.
-
-    `theta` is the greatest of its per-visit probabilities over the states; a state that lists
-    a smaller one holds theta times a fixed factor.
-    `distribution` says how far theta may be off, where that is known.
-    """
-
-    name: str
-    theta: float
-    distribution: Distribution | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class NextStep:
-    """What follows a state that did not fail: a state or `done`, and how often."""
-
-    target: str
-    weight: Fraction
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionState:
-    """One function as a state of the chain.
-
-    `probabilities` gives each parameter of the fault tree the probability that one unit fails
-    during one visit.
-    `next` holds the distribution of what follows, given that nothing failed.
-    `spares` names the gates of latent units some of which wait as spares, and says how; the units
-    below any other gate all work.
-    """
-
-    name: str
-    call_sequence: int
-    tree: FaultTree
-    probabilities: Mapping[str, float]
-    next: tuple[NextStep, ...]
-    spares: Mapping[str, Spares] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,9 +86,16 @@ class HybridModel(DisplayedGraph):
         The first state is the entry unless another is named.
         Raises ModelError, naming the state, as the class does and when a figure is missing.
         """
-        from tracerisk.prm.hybrid.building import built_hybrid
+        from tracerisk.prm.hybrid.building import state_parts
 
-        return built_hybrid(name, trees, following, values or {}, visit_h, entry, tuple(latent))
+        states, parameters = state_parts(name, trees, following, values or {}, visit_h)
+        return cls(
+            name,
+            states[0].name if entry is None else entry,
+            states,
+            parameters,
+            tuple(latent),
+        )
 
     @property
     def reachable(self) -> tuple[str, ...]:

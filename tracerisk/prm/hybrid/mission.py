@@ -17,8 +17,8 @@ from tracerisk.prm.hybrid.fixed_cycles import (
 )
 from tracerisk.prm.hybrid.groups.group_chain import groups_of
 from tracerisk.prm.hybrid.groups.grouped import Bound, Grouped
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
-from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain, Round
+from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, at_least, log_complement, pair_of

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.expressions import Call, Expression, Negation, Number, Product, Reference, Sum
-from tracerisk.prm.hybrid.hidden_states import hidden_states, survives
-from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.hybrid.elements import DONE, FunctionState
+from tracerisk.prm.hybrid.hidden.hidden_states import hidden_states, survives
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.linked.elements import (
     Figure,
     LinkedChain,
@@ -23,10 +24,11 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import Absorption, Occupancy, TopEvent, complement
 from tracerisk.prm.linked.model import LinkedModel
-from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 if TYPE_CHECKING:
-    from tracerisk.prm.hybrid.hidden_states import Function, Hidden, HiddenStates
+    from tracerisk.prm.hybrid.hidden.hidden_states import Function, Hidden, HiddenStates
 
 MISSION = "mission"
 FAILURE = "mission failure"

@@ -13,7 +13,9 @@ from tracerisk.prm.expressions import Expression
 from tracerisk.prm.linked.links import FAULT_TREE, MARKOV_CHAIN, PARAMETER, ElementKey
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.numbers.quantities import is_number
-from tracerisk.prm.trees.fault_tree import FaultTree, Gate, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate
 
 TimeKind = Literal["discrete", "continuous"]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.strong_components import upwards
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import AsGraph
 from tracerisk.prm.expressions import Expression, MissionTime, Number
 from tracerisk.prm.linked.chain_solution import ChainToSolve, chain_to_solve
 from tracerisk.prm.linked.derivative_tape import Tape
@@ -20,7 +21,6 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import ElementKey, Link, Occupancy, leaf_key
 from tracerisk.prm.linked.tree_solution import TreeToSolve, tree_to_solve
-from tracerisk.prm.notebook.display import AsGraph
 from tracerisk.prm.numbers.quantities import check_names
 
 if TYPE_CHECKING:

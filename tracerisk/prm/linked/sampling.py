@@ -11,7 +11,6 @@ from tracerisk.prm.expressions import (
     Deviate,
     Difference,
     Expression,
-    LatinHypercube,
     Number,
     Product,
     Reference,
@@ -24,11 +23,12 @@ from tracerisk.prm.linked.occupancy import SPARE, poisson_weights
 from tracerisk.prm.linked.tree_solution import TreeToSolve
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.trees.sampled_tree import top_samples
 
 if TYPE_CHECKING:
-    from tracerisk.prm.questions.sampled_chain import Samples, Values
+    from tracerisk.prm.numbers.distributions import Samples, Values
 
 _MOST_STEPS = 100_000
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions import Expression, Reference
@@ -12,9 +12,11 @@ from tracerisk.prm.expressions.rules import apart
 from tracerisk.prm.linked.chain_solution import SolvedChain
 from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.links import ElementKey, Link, leaf_key
-from tracerisk.prm.linked.model import LinkedModel, Prepared
 from tracerisk.prm.linked.tree_solution import SolvedTree
 from tracerisk.prm.numbers.probability import Probability
+
+if TYPE_CHECKING:
+    from tracerisk.prm.linked.model import LinkedModel, Prepared
 
 TapeValues = tuple[Probability, ...]
 

@@ -14,11 +14,12 @@ from tracerisk.prm.expressions.rules import along, within
 from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.links import Link
 from tracerisk.prm.numbers.probability import Probability
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, gate_shares, slopes, swept
 
 if TYPE_CHECKING:
-    from tracerisk.prm.bdd import SharedTree
+    from tracerisk.prm.trees.bdd import SharedTree
 
 _LOSES = 1e-2
 """An event whose probability changes by a smaller part is integrated over in a shared tree."""
@@ -35,7 +36,7 @@ class TreeToSolve:
     @cached_property
     def compiled(self) -> SharedTree:
         """The tree made ready for many solutions, for one that shares events or gates."""
-        from tracerisk.prm import bdd
+        from tracerisk.prm.trees import bdd
 
         try:
             return bdd.SharedTree(self.tree)

@@ -15,7 +15,7 @@ from tracerisk.prm.questions.draws import UncertainInput
 from tracerisk.prm.questions.uncertainty import SAMPLES, Uncertainty, spread_of
 
 if TYPE_CHECKING:
-    from tracerisk.prm.questions.sampled_chain import Samples
+    from tracerisk.prm.numbers.distributions import Samples
 
 _CELLS = 4_000_000
 """How many numbers one pass may hold; more draws are taken in passes."""

@@ -11,7 +11,8 @@ from tracerisk.prm.logic.checks import ALWAYS as ALWAYS
 from tracerisk.prm.logic.checks import NEVER as NEVER
 from tracerisk.prm.logic.checks import ElementError as ElementError
 from tracerisk.prm.logic.checks import check_model
-from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate
 
 TYPE_CHECKING = False

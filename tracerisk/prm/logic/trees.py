@@ -7,14 +7,16 @@ from functools import partial
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Evaluation, ExpressionModel, Reference
-from tracerisk.prm.logic.model import ALWAYS, NEVER, GroupDefinition, LogicModel
+from tracerisk.prm.logic.checks import ALWAYS, NEVER
 from tracerisk.prm.numbers.gc_pause import collection_paused
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.forest import Forest
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from tracerisk.prm.logic.model import GroupDefinition, LogicModel
     from tracerisk.prm.trees.common_cause import CommonCauseGroup
 
 

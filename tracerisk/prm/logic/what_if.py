@@ -13,7 +13,6 @@ from tracerisk.prm.expressions import (
     Evaluation,
     Expression,
     ExpressionModel,
-    LatinHypercube,
     Number,
     Reference,
     Sampling,
@@ -21,9 +20,10 @@ from tracerisk.prm.expressions import (
 )
 from tracerisk.prm.expressions.evaluation import nodes
 from tracerisk.prm.logic.model import LogicModel
+from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.questions.uncertainty import SAMPLES, InputShare, Uncertainty, percentiles_of
 from tracerisk.prm.trees.common_cause import ShareOf
-from tracerisk.prm.trees.fault_tree import FailureModel, HouseEvent
+from tracerisk.prm.trees.events import FailureModel, HouseEvent
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.strong_components import reached
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.steps import distribution_after
-from tracerisk.prm.notebook.display import DisplayedGraph
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.matrix_chain import MatrixChain

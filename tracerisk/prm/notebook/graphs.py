@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.dynamic import DynamicTree
-from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.linked.links import leaf_key
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.markov import MarkovChain

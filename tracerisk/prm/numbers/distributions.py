@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Samples = NDArray[np.float64]
+    Values = float | Samples
 
 NORMAL_95 = 1.6448536269514722
 """The 95 % quantile of the standard normal distribution."""

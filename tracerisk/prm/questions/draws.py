@@ -106,8 +106,8 @@ class InputDraws:
 
         A block is overwritten by the next one. What is cut is counted.
         """
-        from tracerisk.prm.expressions.sampling import generator_of
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of
 
         laws: dict[object, list[str]] = {}
         for name, each in self.inputs.items():
@@ -151,8 +151,8 @@ class InputDraws:
 
     def whole(self, names: Sequence[str]) -> dict[str, Samples]:
         """Return all values of some inputs."""
-        from tracerisk.prm.expressions.sampling import generator_of, stratified
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of, stratified
 
         makers = [generator_of(_key(name), self._seed) for name in names]
         if self.are_many:
@@ -170,8 +170,8 @@ class InputDraws:
 
     def _table(self, number: int, size: int) -> Samples:
         """Return the uniform numbers that a block takes its own from, in order."""
-        from tracerisk.prm.expressions.sampling import generator_of, within
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of, within
 
         count = size << _finer(size)
         return within(np.arange(count), generator_of(f"block:{number}", self._seed))

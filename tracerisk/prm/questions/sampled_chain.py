@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
 from heapq import heapify, heappop, heappush
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Samples: TypeAlias = NDArray[np.float64]
-    Values: TypeAlias = float | Samples
+    from tracerisk.prm.numbers.distributions import Values
 
 
 def absorption_samples(

@@ -7,8 +7,9 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.hybrid.elements import DONE, FunctionState
 from tracerisk.prm.hybrid.groups.group_chain import groups_of, states_with
-from tracerisk.prm.hybrid.hidden_states import (
+from tracerisk.prm.hybrid.hidden.hidden_states import (
     Function,
     Hidden,
     HiddenStates,
@@ -16,7 +17,7 @@ from tracerisk.prm.hybrid.hidden_states import (
     survives,
     with_more,
 )
-from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, at_least
 from tracerisk.prm.numbers.quantities import check_parameters
@@ -26,7 +27,7 @@ from tracerisk.prm.trees.sampled_tree import samples_of, tree_samples
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from tracerisk.prm.questions.sampled_chain import Samples, Values
+    from tracerisk.prm.numbers.distributions import Samples, Values
 
 _CELLS = 6_000_000
 """How many numbers the chain of one pass may hold; more draws are taken in passes."""

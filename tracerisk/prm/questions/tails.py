@@ -70,8 +70,8 @@ def tail_mean(
     square is at most twice that of plain draws (defensive mixture: Hesterberg, Technometrics 37
     (1995)).
     """
-    from tracerisk.prm.expressions.sampling import LatinHypercube
     from tracerisk.prm.numbers.arrays import np
+    from tracerisk.prm.numbers.strata import LatinHypercube
 
     shifted = [(name, by) for name in leading[:_MOST_SHIFTED] for by in _SHIFTS]
     plain = samples - int((1.0 - _PLAIN) * samples)

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.hybrid.assessment import MissionFigures
-from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, Parameter
+from tracerisk.prm.hybrid.elements import FunctionState, Parameter
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
 
 _PARTS = ("own}", "common cause}")

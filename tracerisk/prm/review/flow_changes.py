@@ -12,7 +12,7 @@ from typing import Any
 
 from tracerisk.adder.blocks.block import Field
 from tracerisk.common.strong_components import joined_parts
-from tracerisk.prm.hybrid.hybrid import DONE
+from tracerisk.prm.hybrid.elements import DONE
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, Steps
 from tracerisk.prm.review.risk_change import ENTRY, ChangedField, Mark, is_noise
 

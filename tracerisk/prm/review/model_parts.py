@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.prm.hybrid.elements import FunctionState, NextStep
 from tracerisk.prm.hybrid.from_blocks import build_model, function_state, model_of_states
-from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import ModelFigures, solve_figures
 from tracerisk.prm.trees.fault_tree import FaultTree
 

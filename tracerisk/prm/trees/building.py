@@ -7,11 +7,11 @@ from numbers import Integral, Number, Real
 from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 if TYPE_CHECKING:
-    from tracerisk.prm.trees.fault_tree import FailureModel
+    from tracerisk.prm.trees.events import FailureModel
 
 Formula: TypeAlias = "Sequence[str | int | Formula]"
 """A kind of gate, its numbers if it has any, and its inputs: `("atleast", 2, "a", "b", "c")`."""
@@ -21,13 +21,13 @@ Figure: TypeAlias = "float | FailureModel | None"
 _NUMBERS = {GateKind.ATLEAST: 1, GateKind.CARDINALITY: 2}
 
 
-def built_tree(
+def tree_parts(
     top: str,
     gates: Mapping[str, Formula],
     events: Mapping[str, Figure | BasicEvent] | None,
     houses: Mapping[str, bool],
-) -> FaultTree:
-    """Return the fault tree of some formulas; see FaultTree.of."""
+) -> tuple[tuple[Gate, ...], tuple[BasicEvent, ...], tuple[HouseEvent, ...]]:
+    """Return the gates, basic events and house events of formulas; see FaultTree.of."""
     made: dict[str, Gate] = {}
     for name, formula in gates.items():
         _grow(name, formula, made)
@@ -35,8 +35,7 @@ def built_tree(
     if events is None:
         known = {*made, *houses}
         events = dict.fromkeys(name for name in (top, *inputs) if name not in known)
-    return FaultTree(
-        top,
+    return (
         tuple(made.values()),
         tuple(_event(name, figure) for name, figure in events.items()),
         tuple(_house(name, state) for name, state in houses.items()),

@@ -20,8 +20,10 @@ from operator import mul
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
 from tracerisk.prm.numbers.quantities import check_share
+from tracerisk.prm.trees.events import BasicEvent, FailureModel
 from tracerisk.prm.trees.failure_models import Constant
-from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 __all__ = [
     "CommonCauseGroup",

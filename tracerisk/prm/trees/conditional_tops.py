@@ -17,7 +17,7 @@ from tracerisk.prm.numbers.probability import MANY, Probability, log_products
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability
 
 if TYPE_CHECKING:
-    from tracerisk.prm.bdd import SharedTree
+    from tracerisk.prm.trees.bdd import SharedTree
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 SURE, NEVER = Probability(1.0, 0.0), Probability(0.0, 1.0)

@@ -1,7 +1,7 @@
 """Fault trees as data, and their exact probability.
 
 A tree in which each event and gate is an input once takes the closed form of independent inputs,
-gate by gate; any other goes to `tracerisk.prm.bdd`, which is imported only then.
+gate by gate; any other goes to `tracerisk.prm.trees.bdd`, which is imported only then.
 """
 
 from __future__ import annotations
@@ -11,67 +11,25 @@ from operator import mul
 
 from tracerisk.common.records import dataclass, field
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.notebook.display import DisplayedGraph
+from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.numbers.probability import Probability, pair_of, total, value_of
 from tracerisk.prm.numbers.quantities import check_mission_time
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Protocol
-
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from tracerisk.prm.bdd import SharedTree
+    from tracerisk.prm.trees.bdd import SharedTree
     from tracerisk.prm.trees.building import Figure, Formula
     from tracerisk.prm.trees.conditional_tops import Conditional
     from tracerisk.prm.trees.fault_tree_solution import FaultTreeSolution
 
-else:
-    Protocol = object
-
 _pair = tuple.__new__
-
-__all__ = ["BasicEvent", "FailureModel", "FaultTree", "Gate", "GateKind", "HouseEvent"]
-
-
-class FailureModel(Protocol):
-    """What gives a basic event its probability over a mission; see `failure_models`.
-
-    One whose probability is the same for every mission says so: `needs_mission_time = False`.
-    """
-
-    def probability(self, mission_time_h: float) -> Probability:
-        """Return the probability that the event happens within the mission, [h]."""
-
-
-@dataclass(frozen=True, slots=True)
-class BasicEvent:
-    """The failure of one unit; `parameter` names the figure that it shares with others.
-
-    Instances of a component, and the states of a chain, share one parameter; an event that is
-    given none has a parameter of its own name.
-    `model` says where the figure comes from; one without is given it when the tree is solved.
-    """
-
-    name: str
-    parameter: str = ""
-    model: FailureModel | None = None
-
-    def __post_init__(self) -> None:
-        if not self.parameter:
-            object.__setattr__(self, "parameter", self.name)
-
-
-@dataclass(frozen=True, slots=True)
-class HouseEvent:
-    """A condition that is known to hold (`state` true: it happens) or known not to."""
-
-    name: str
-    state: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,9 +71,9 @@ class FaultTree(DisplayedGraph):
         without it, every input that is not a gate or house event is one.
         Raises ModelError, naming the gate or event, when they make no tree.
         """
-        from tracerisk.prm.trees.building import built_tree
+        from tracerisk.prm.trees.building import tree_parts
 
-        return built_tree(top, gates, events, houses or {})
+        return cls(top, *tree_parts(top, gates, events, houses or {}))
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -186,7 +144,7 @@ class FaultTree(DisplayedGraph):
             try:
                 return self._compiled().probability(pairs)
             except TooLargeError as error:
-                from tracerisk.prm.bdd import with_bounds
+                from tracerisk.prm.trees.bdd import with_bounds
 
                 raise with_bounds(error, self, pairs) from error
         return self._swept(values)[self._numbering.top]
@@ -269,7 +227,7 @@ class FaultTree(DisplayedGraph):
     def _compiled(self) -> SharedTree:
         """Return the tree's decision diagrams, made when first asked for."""
         if self._solver is None:
-            from tracerisk.prm import bdd
+            from tracerisk.prm.trees import bdd
 
             object.__setattr__(self, "_solver", bdd.SharedTree(self))
         assert self._solver is not None

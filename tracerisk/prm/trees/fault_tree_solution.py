@@ -9,13 +9,13 @@ from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters
-from tracerisk.prm.trees.fault_tree import FaultTree
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Literal
 
     from tracerisk.prm.numbers.table import Table
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 TYPE_CHECKING = False

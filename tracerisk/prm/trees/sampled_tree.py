@@ -13,8 +13,8 @@ from tracerisk.prm.trees.gates import swept
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from tracerisk.prm.bdd import SharedTree
-    from tracerisk.prm.questions.sampled_chain import Values
+    from tracerisk.prm.numbers.distributions import Values
+    from tracerisk.prm.trees.bdd import SharedTree
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 _CELLS = 4_000_000

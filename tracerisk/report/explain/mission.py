@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tracerisk.prm.hybrid.assessment import FIXED, Assessment
+from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
-from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.model_parts import component_of
 from tracerisk.report.explain.function import aligned_table
 from tracerisk.report.explain.words import number

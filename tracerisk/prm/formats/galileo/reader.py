@@ -19,8 +19,8 @@ from tracerisk.prm.dynamic import (
     RestrictionKind,
 )
 from tracerisk.prm.formats.galileo.statements import Statement, Word, read_statements
+from tracerisk.prm.trees.events import FailureModel
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
-from tracerisk.prm.trees.fault_tree import FailureModel
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")

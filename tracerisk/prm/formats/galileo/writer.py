@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.dynamic import DynamicGate, DynamicKind, DynamicTree
+from tracerisk.prm.trees.events import FailureModel
 from tracerisk.prm.trees.failure_models import (
     Constant,
     Erlang,
@@ -16,7 +17,7 @@ from tracerisk.prm.trees.failure_models import (
     PerDemand,
     Weibull,
 )
-from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 _KINDS = {

@@ -14,7 +14,7 @@ from tracerisk.prm.formats.open_psa.scopes import Scope
 from tracerisk.prm.formats.open_psa.stochastic import UNITS, read_bool, read_expression, read_float
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.logic.model import Alignment, Attribute, Container, HouseDefinition, Phase, Place
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

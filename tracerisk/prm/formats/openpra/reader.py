@@ -27,7 +27,7 @@ from tracerisk.prm.logic.model import (
 )
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate
 
 _LAWS = {law.value: law for law in CommonCauseLaw}

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
-from tracerisk.prm.hybrid.hidden_chain import HiddenChain, Round, Spread
-from tracerisk.prm.hybrid.hidden_states import Function, HiddenStates, Part, states_of
+from tracerisk.prm.hybrid.hidden.hidden_chain import HiddenChain, Round, Spread
+from tracerisk.prm.hybrid.hidden.hidden_states import Function, HiddenStates, Part, states_of
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability
 

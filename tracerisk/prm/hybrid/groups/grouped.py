@@ -17,8 +17,8 @@ from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage, failure_of, outcome
 from tracerisk.prm.hybrid.groups.bounds import Moments, any_block, any_group
 from tracerisk.prm.hybrid.groups.group_chain import GroupChain, groups_of, states_with
 from tracerisk.prm.hybrid.groups.independence import blocks_of
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
-from tracerisk.prm.hybrid.hidden_states import HiddenStates
+from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain, Round
+from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 from tracerisk.prm.numbers.probability import Probability
 
 _MOST_PAIRS = 200

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from tracerisk.common.strong_components import joined_parts, strong_components
 from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage
 from tracerisk.prm.hybrid.groups.group_chain import Group
-from tracerisk.prm.hybrid.hidden_states import HiddenStates
+from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 
 
 @dataclass(frozen=True, slots=True)

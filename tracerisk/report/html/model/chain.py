@@ -9,7 +9,8 @@ from fractions import Fraction
 from markupsafe import Markup
 
 from tracerisk.prm.hybrid.assessment import StateAssessment
-from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput

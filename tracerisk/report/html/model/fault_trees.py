@@ -11,8 +11,8 @@ from markupsafe import Markup
 from tracerisk.prm.drawing.fault_tree import NEGATED, gate_mark
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.hybrid.assessment import StateAssessment
+from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
-from tracerisk.prm.hybrid.hybrid import FunctionState
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.report.html import figures

@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.adder.figures.instances import ComponentInstances
-from tracerisk.prm.hybrid.hybrid import FunctionState
-from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
+from tracerisk.prm.hybrid.elements import FunctionState
+from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.trace import FunctionRef
 

@@ -5,11 +5,11 @@ The nodes and edges are those of `kernel`; as there, `compiled/diagrams.c` has t
 
 from __future__ import annotations
 
-from tracerisk.prm.bdd.kernel import OUT_OF_NODES, Store
+from tracerisk.prm.trees.bdd.kernel import OUT_OF_NODES, Store
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.bdd.kernel import Floats, Integers
+    from tracerisk.prm.trees.bdd.kernel import Floats, Integers
 
 
 def thinned(

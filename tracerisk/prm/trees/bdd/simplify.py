@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import chain
 
-from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph, renamed
+from tracerisk.prm.trees.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph, renamed
 
 MOST_ROUNDS = 12
 _MOST_WORK = 3_000_000

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import accumulate, chain
 
 from tracerisk.common.records import dataclass
-from tracerisk.prm.bdd.logic import LogicGraph
-from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.speed import Loops
+from tracerisk.prm.trees.bdd.logic import LogicGraph
+from tracerisk.prm.trees.bdd.modules import Module
+from tracerisk.prm.trees.bdd.speed import Loops
 
 _ROUNDS = 30
 """With 30 rounds the diagrams were up to half as large as with 12."""

@@ -10,7 +10,8 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate
 from tracerisk.prm.trees.spares import Spares
 

@@ -1,5 +1,5 @@
 """Binary decision diagrams: the exact probability of fault trees that share events."""
 
-from tracerisk.prm.bdd.shared_tree import SharedTree, with_bounds
+from tracerisk.prm.trees.bdd.shared_tree import SharedTree, with_bounds
 
 __all__ = ["SharedTree", "with_bounds"]

@@ -17,16 +17,16 @@ class Displayed:
     __slots__ = ()
 
     def _repr_svg_(self) -> str:
-        drawn: str = _by_name("tracerisk.prm.drawing", "svg_of", self)
+        drawn: str = _by_name("tracerisk.prm.notebook.drawings", "svg_of", self)
         return drawn
 
     def _repr_html_(self) -> str:
-        drawn: str = _by_name("tracerisk.prm.drawing", "html_of", self)
+        drawn: str = _by_name("tracerisk.prm.notebook.drawings", "html_of", self)
         return drawn
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         # The text that stands beside the drawing: all the fields of a large model are no help.
-        return {"text/plain": _by_name("tracerisk.prm.drawing", "text_of", self)}
+        return {"text/plain": _by_name("tracerisk.prm.notebook.drawings", "text_of", self)}
 
 
 class AsGraph:

@@ -45,7 +45,7 @@ def minimal_solutions(
 
     Returns OUT_OF_NODES when it needs more nodes than there is room for.
 
-    root, level, low, high: the decision diagram, see `tracerisk.prm.bdd.kernel`.
+    root, level, low, high: the decision diagram, see `tracerisk.prm.trees.bdd.kernel`.
     rising: (levels,) whether the function rises with the variable (1), or falls (0): then the
         element stands for its complement.
     weight: (levels,) of each element; a set whose elements weigh more than `most` is left out.

@@ -1,7 +1,7 @@
 """The loops of decision diagrams, on flat sequences, as Python.
 
 `tracerisk/prm/compiled/diagrams.c` has the same functions, which run where they were compiled
-(`tracerisk.prm.bdd.speed`); these run elsewhere, on lists, and say what each does.
+(`tracerisk.prm.trees.bdd.speed`); these run elsewhere, on lists, and say what each does.
 Integer hashes stay below 2^63, and the stack is a sequence, so that both do the same.
 
 An edge is twice a node's number, plus one for the complement; node 0 is the constant that always

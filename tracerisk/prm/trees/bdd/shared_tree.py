@@ -7,11 +7,17 @@ from itertools import accumulate
 from operator import mul
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram, module_pair
-from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph, logic_graph
-from tracerisk.prm.bdd.modules import Module, grouped, modules
-from tracerisk.prm.bdd.simplify import simplified
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.bdd.diagram import (
+    DEFAULT_LIMITS,
+    Diagram,
+    Limits,
+    build_diagram,
+    module_pair,
+)
+from tracerisk.prm.trees.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph, logic_graph
+from tracerisk.prm.trees.bdd.modules import Module, grouped, modules
+from tracerisk.prm.trees.bdd.simplify import simplified
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -202,7 +208,7 @@ def with_bounds(
 
     Where more than four modules outgrew them there are none, and the error stays as it is.
     """
-    from tracerisk.prm.bdd.bounds import tree_bounds
+    from tracerisk.prm.trees.bdd.bounds import tree_bounds
 
     try:
         lower, upper = tree_bounds(tree, values, limits)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Loops:
-    """The functions of `kernel`, `sweeps`, `thinning`, `force` and `cut_sets.kernel`.
+    """The functions of `kernel`, `sweeps`, `thinning`, `force` and `families`.
 
     And how the sequences that they take are made.
     """
@@ -53,8 +53,8 @@ def fastest_loops() -> Loops:
 @cache
 def plain_loops() -> Loops:
     """Return the loops as Python."""
-    from tracerisk.prm.bdd import force, kernel, sweeps, thinning
-    from tracerisk.prm.cut_sets import kernel as sets
+    from tracerisk.prm.trees.bdd import families as sets
+    from tracerisk.prm.trees.bdd import force, kernel, sweeps, thinning
 
     return Loops(
         kernel.build,

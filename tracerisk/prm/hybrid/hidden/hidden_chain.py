@@ -12,8 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tracerisk.prm.hybrid.hidden_states import HiddenStates, Part
-from tracerisk.prm.hybrid.rest_trees import RestTrees
+from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates, Part
+from tracerisk.prm.hybrid.hidden.rest_trees import RestTrees
 from tracerisk.prm.numbers.binomial import failure_counts, group_failures
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, any_of, pair_of, total

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
-from tracerisk.prm.hybrid.latent_units import LatentPart, latent_parts, without_latent
+from tracerisk.prm.hybrid.elements import DONE, FunctionState
+from tracerisk.prm.hybrid.hidden.latent_units import LatentPart, latent_parts, without_latent
+from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Pattern
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import SpareGroup

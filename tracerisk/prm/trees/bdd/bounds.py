@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd.diagram import (
+from tracerisk.prm.trees.bdd.diagram import (
     DEFAULT_LIMITS,
     Limits,
     build_diagram,
@@ -24,12 +24,12 @@ from tracerisk.prm.bdd.diagram import (
     module_pair,
     store_for,
 )
-from tracerisk.prm.bdd.kernel import OUT_OF_NODES
-from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
-from tracerisk.prm.bdd.modules import Module, grouped, modules
-from tracerisk.prm.bdd.orders import walked_orders
-from tracerisk.prm.bdd.simplify import simplified
-from tracerisk.prm.bdd.speed import fastest_loops
+from tracerisk.prm.trees.bdd.kernel import OUT_OF_NODES
+from tracerisk.prm.trees.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
+from tracerisk.prm.trees.bdd.modules import Module, grouped, modules
+from tracerisk.prm.trees.bdd.orders import walked_orders
+from tracerisk.prm.trees.bdd.simplify import simplified
+from tracerisk.prm.trees.bdd.speed import fastest_loops
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.probability import Probability

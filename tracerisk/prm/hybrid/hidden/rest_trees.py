@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.hybrid.hidden_states import Function
+from tracerisk.prm.hybrid.hidden.hidden_states import Function
 from tracerisk.prm.numbers.probability import Probability, pair_of
 from tracerisk.prm.trees.conditional_tops import Conditional
 from tracerisk.prm.trees.fault_tree import FaultTree

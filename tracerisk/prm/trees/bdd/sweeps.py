@@ -7,7 +7,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.bdd.kernel import Floats, Integers
+    from tracerisk.prm.trees.bdd.kernel import Floats, Integers
 
 EXACT_ENOUGH = 16.0
 """A subtraction may lose this factor of the relative precision, not more."""

@@ -7,12 +7,12 @@ from itertools import chain
 
 from tracerisk.common.records import dataclass
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.bdd.kernel import OUT_OF_NODES
-from tracerisk.prm.bdd.logic import LogicGraph
-from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
-from tracerisk.prm.bdd.speed import Loops, fastest_loops
 from tracerisk.prm.compiled.library import no_library
+from tracerisk.prm.trees.bdd.kernel import OUT_OF_NODES
+from tracerisk.prm.trees.bdd.logic import LogicGraph
+from tracerisk.prm.trees.bdd.modules import Module
+from tracerisk.prm.trees.bdd.orders import Order, drawn_orders, walked_orders
+from tracerisk.prm.trees.bdd.speed import Loops, fastest_loops
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

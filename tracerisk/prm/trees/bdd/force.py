@@ -4,7 +4,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.bdd.kernel import Floats, Integers
+    from tracerisk.prm.trees.bdd.kernel import Floats, Integers
 
 
 def draw(

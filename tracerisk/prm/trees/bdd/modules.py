@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.common.records import dataclass
-from tracerisk.prm.bdd.logic import LogicBuilder, LogicGraph, renamed
+from tracerisk.prm.trees.bdd.logic import LogicBuilder, LogicGraph, renamed
 
 _MOST_MASK_BITS = 2_000_000_000
 

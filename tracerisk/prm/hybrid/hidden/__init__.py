@@ -1,0 +1,1 @@
+"""Failures of redundant units that stay hidden until the mission ends."""
