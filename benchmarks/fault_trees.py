@@ -44,8 +44,8 @@ from xml.etree import ElementTree as ET
 import quick
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 from tracerisk.prm.trees.bdd import SharedTree
 from tracerisk.prm.trees.bdd.diagram import Limits
 from tracerisk.prm.trees.fault_tree import FaultTree
@@ -78,7 +78,7 @@ MOST_ERROR = 1e-12
 
 PROGRAM = """
 import sys
-from tracerisk.prm.formats.open_psa import read_open_psa
+from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 model = read_open_psa(sys.argv[1])
 tree = model.fault_tree(model.tops[0])
 print(repr(tree.probability(tree.values_at(0.0)).p))
@@ -149,7 +149,7 @@ def top_by_other_order(path: Path) -> float:
 
 def with_cut_sets(path: Path) -> tuple[float, float]:
     """Return the probability, and the seconds that it and all minimal cut sets take."""
-    from tracerisk.prm.cut_sets import minimal_cut_sets
+    from tracerisk.prm.other_models.cut_sets import minimal_cut_sets
 
     tree, values = read(path)
     began = time.perf_counter()

@@ -40,7 +40,7 @@ import quick
 from scipy.sparse import csr_array
 
 from tracerisk.prm import MarkovChain
-from tracerisk.prm.markov.large.factors import Budget
+from tracerisk.prm.other_models.markov.large.factors import Budget
 
 Array = np.ndarray[Any, Any]
 

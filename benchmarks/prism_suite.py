@@ -28,8 +28,8 @@ from types import FrameType
 import quick
 
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.prm.formats.prism.reader import read_prism_model
-from tracerisk.prm.properties import Answer, PropertyFile, ask, parse_properties
+from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.properties import Answer, PropertyFile, ask, parse_properties
 
 QUICK_SUITE = {
     "dtmcs/coin/models.csv": "model_file,model_consts,states\ncoin.pm,,3\n",

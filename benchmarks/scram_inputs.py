@@ -24,9 +24,9 @@ import quick
 from fault_trees import QUICK_MODELS
 
 from tracerisk.errors import TraceRiskError
-from tracerisk.prm.formats.open_psa import read_open_psa
-from tracerisk.prm.logic.event_trees import solved_event_trees
-from tracerisk.prm.logic.model import LogicModel
+from tracerisk.prm.other_models.formats.open_psa import read_open_psa
+from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
+from tracerisk.prm.other_models.logic.model import LogicModel
 
 MISSION_H = 8760.0
 SOLVE = ("--bdd", "--probability", "1", "--limit-order", "1", "--mission-time", str(MISSION_H))

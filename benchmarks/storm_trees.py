@@ -22,7 +22,7 @@ from pathlib import Path
 import quick
 
 from tracerisk.errors import TraceRiskError
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.other_models.formats import galileo
 
 QUICK_TREES = {
     "either.dft": """\

@@ -326,7 +326,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
         "adder.lock.lock",
         "adder.sources.read",
         "twin.physics.motion",
-        "prm.logic.checks",
+        "prm.other_models.logic.checks",
     ):
         import_module(f"tracerisk.{name}")
     raised = codes_of(TraceRiskError) - {TraceRiskError.code}

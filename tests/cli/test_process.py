@@ -381,7 +381,11 @@ NOT_FOR_A_TREE = {
     *("argparse", "contextlib", "dataclasses", "decimal", "fractions", "gettext", "inspect"),
     *("json", "locale", "numpy", "pathlib", "re", "rich", "shutil", "typing", "urllib"),
     *("tracerisk.cli.shared.parser", "tracerisk.config", "tracerisk.pipeline", "tracerisk.trace"),
-    *("tracerisk.prm.cut_sets", "tracerisk.prm.hybrid", "tracerisk.prm.markov"),
+    *(
+        "tracerisk.prm.other_models.cut_sets",
+        "tracerisk.prm.hybrid",
+        "tracerisk.prm.other_models.markov",
+    ),
 }
 """What a small fault tree would spend more time on than on its solution."""
 
@@ -406,7 +410,7 @@ def test_a_tree_is_solved_without_what_takes_longer_to_import(example):
         check=True,
     )
     modules = set(done.stderr.decode().split())
-    assert "tracerisk.prm.logic.trees" in modules
+    assert "tracerisk.prm.other_models.logic.trees" in modules
     assert not NOT_FOR_A_TREE & modules
 
 

@@ -29,12 +29,13 @@ from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model, solve
-from tracerisk.prm.formats import galileo, linked_json, model_json
-from tracerisk.prm.formats.open_psa.reader import loads_open_psa
-from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
-from tracerisk.prm.formats.prism.reader import read_prism_model
-from tracerisk.prm.linked import linked
-from tracerisk.prm.properties import ask, parse_properties
+from tracerisk.prm.formats import model_json
+from tracerisk.prm.other_models.formats import galileo, linked_json
+from tracerisk.prm.other_models.formats.open_psa.reader import loads_open_psa
+from tracerisk.prm.other_models.formats.openpra import dumps_openpra, loads_openpra
+from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.linked import linked
+from tracerisk.prm.other_models.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.vendors.description_reader import read_driver

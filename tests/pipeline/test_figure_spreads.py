@@ -15,10 +15,10 @@ from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline import build
 from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
-from tracerisk.prm.formats import linked_json
 from tracerisk.prm.hybrid.from_blocks import build_model
-from tracerisk.prm.linked import linked
 from tracerisk.prm.numbers.distributions import Lognormal
+from tracerisk.prm.other_models.formats import linked_json
+from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.questions.uncertainty import propagate
 from tracerisk.trace import (
     Element,

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.bayes.network import BayesianNetwork
-from tracerisk.prm.bayes.tables import Given
-from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.bayes.network import BayesianNetwork
+from tracerisk.prm.other_models.bayes.tables import Given
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
 from tracerisk.prm.trees.events import BasicEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind

@@ -15,7 +15,7 @@ import pytest
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
-from tracerisk.prm.trees.common_cause import (
+from tracerisk.prm.other_models.logic.common_cause import (
     CommonCauseGroup,
     CommonCauseLaw,
     ShareOf,

@@ -17,8 +17,8 @@ from unittest.mock import patch
 import pytest
 
 from tracerisk.prm.compiled import library
-from tracerisk.prm.cut_sets import family, minimal_cut_sets
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.cut_sets import family, minimal_cut_sets
 from tracerisk.prm.trees.bdd import SharedTree, bounds, diagram
 from tracerisk.prm.trees.bdd.bounds import tree_bounds
 from tracerisk.prm.trees.bdd.diagram import Limits

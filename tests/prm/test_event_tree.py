@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.event_trees.elements import (
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.event_trees.elements import (
     Branch,
     Condition,
     End,
@@ -24,9 +25,8 @@ from tracerisk.prm.event_trees.elements import (
     Weight,
     When,
 )
-from tracerisk.prm.event_trees.event_tree import EventTree
-from tracerisk.prm.expressions import ExpressionModel, MissionTime, Number, Product
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.expressions import ExpressionModel, MissionTime, Number, Product
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind

@@ -8,7 +8,7 @@ import re
 import pytest
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.trees.failure_chain import FailureChain
+from tracerisk.prm.other_models.dynamic.failure_chain import FailureChain
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath gives the exact figures")
 

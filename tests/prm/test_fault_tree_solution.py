@@ -12,10 +12,16 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, expressions, prime_implicants
-from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
-from tracerisk.prm.expressions import Definitions, ExpressionModel, MissionTime, Number, Reference
-from tracerisk.prm.linked import LinkedModel
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
+from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicTree
+from tracerisk.prm.other_models.expressions import (
+    Definitions,
+    ExpressionModel,
+    MissionTime,
+    Number,
+    Reference,
+)
+from tracerisk.prm.other_models.linked import LinkedModel
 from tracerisk.prm.trees.failure_models import Exponential, PerDemand
 
 PAIR = FaultTree.of(

@@ -22,10 +22,10 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.hybrid.hidden.hidden_states import hidden_states
 from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.binomial import failure_counts
+from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
 
 RENEWED = "true, detected each_visit"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.event_trees.elements import (
+from tracerisk.prm.other_models.event_trees.elements import (
     Branch,
     Condition,
     End,
@@ -16,11 +16,11 @@ from tracerisk.prm.event_trees.elements import (
     InitiatingEvent,
     SetHouse,
 )
-from tracerisk.prm.event_trees.event_tree import EventTree
-from tracerisk.prm.expressions import Number
-from tracerisk.prm.formats.open_psa import read_open_psa
-from tracerisk.prm.logic.event_trees import solved_event_trees
-from tracerisk.prm.logic.model import (
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.expressions import Number
+from tracerisk.prm.other_models.formats.open_psa import read_open_psa
+from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
+from tracerisk.prm.other_models.logic.model import (
     EventDefinition,
     EventTreeDefinition,
     GateDefinition,

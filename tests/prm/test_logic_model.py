@@ -6,8 +6,9 @@ import pytest
 
 from tests.prm.formats.models import solved_tops
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.expressions import Exponential, MissionTime, Number, Reference
-from tracerisk.prm.logic.model import (
+from tracerisk.prm.other_models.expressions import Exponential, MissionTime, Number, Reference
+from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     Alignment,
     Container,
@@ -21,7 +22,6 @@ from tracerisk.prm.logic.model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 

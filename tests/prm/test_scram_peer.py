@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 from tracerisk.prm.trees.bdd import SharedTree
 from tracerisk.prm.trees.bdd.diagram import Limits
 

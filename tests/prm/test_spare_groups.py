@@ -10,12 +10,12 @@ import pytest
 
 from tracerisk.errors import BlockError, ModelError
 from tracerisk.prm import FaultTree, HybridModel, build_model, failure_probabilities, solve
-from tracerisk.prm.formats import linked_json
-from tracerisk.prm.formats.conversion import logic_of_functions
-from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.formats.model_json import dumps, loads
-from tracerisk.prm.linked import linked
-from tracerisk.prm.linked.conversion import FAILURE
+from tracerisk.prm.other_models.formats import linked_json
+from tracerisk.prm.other_models.formats.conversion import logic_of_functions
+from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
+from tracerisk.prm.other_models.linked import linked
+from tracerisk.prm.other_models.linked.conversion import FAILURE
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.what_if import with_values
 from tracerisk.prm.trees.events import BasicEvent

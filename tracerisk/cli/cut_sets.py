@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.logic.model import LogicModel
+    from tracerisk.prm.other_models.logic.model import LogicModel
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 LIMIT = 20
@@ -54,7 +54,7 @@ class _Asked:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.prm.cut_sets import minimal_cut_sets, prime_implicants
+    from tracerisk.prm.other_models.cut_sets import minimal_cut_sets, prime_implicants
 
     asked = _asked(options)
     find = prime_implicants if options.prime else minimal_cut_sets
@@ -114,9 +114,9 @@ def _asked(options: argparse.Namespace) -> _Asked:
         return _of_functions(model_of_sources(files, {}), options.top)
     if kind in (ModelFormat.PRISM, ModelFormat.EXPLICIT, ModelFormat.LINKED):
         raise InputError(f"'{files[0]}' holds no fault tree with cut sets; give {_TREES}")
-    from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.logic.model import LogicModel
+    from tracerisk.prm.other_models.dynamic import DynamicTree
+    from tracerisk.prm.other_models.logic.model import LogicModel
 
     model = read_model(files, kind)
     if isinstance(model, LogicModel):
@@ -129,7 +129,7 @@ def _asked(options: argparse.Namespace) -> _Asked:
 
 
 def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
-    from tracerisk.prm.logic.checks import needs_mission_time
+    from tracerisk.prm.other_models.logic.checks import needs_mission_time
 
     timed = needs_mission_time(model)
     name = top if top in model.gates_by_name and top is not None else _only(model.tops, top)
@@ -156,8 +156,8 @@ def _of_functions(model: HybridModel, top: str | None) -> _Asked:
 
 
 def _of_dynamic(model: object, time: float | None) -> _Asked:
-    from tracerisk.prm.dynamic import DynamicTree
-    from tracerisk.prm.dynamic.tree import DynamicGroup
+    from tracerisk.prm.other_models.dynamic import DynamicTree
+    from tracerisk.prm.other_models.dynamic.tree import DynamicGroup
     from tracerisk.prm.trees.failure_models import Constant, PerDemand
 
     assert isinstance(model, DynamicTree)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.linked.what_if import FigureSweep
     from tracerisk.prm.numbers.distributions import Distribution
+    from tracerisk.prm.other_models.linked.what_if import FigureSweep
     from tracerisk.prm.questions.pair_importance import PairImportance
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.prm.questions.what_if import SetValue, Sweep

@@ -4,10 +4,20 @@ from tracerisk.common.on_demand import on_demand
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.bayes.network import BayesianNetwork
-    from tracerisk.prm.bayes.tables import Given
-    from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
-    from tracerisk.prm.dynamic import (
+    from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
+    from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
+    from tracerisk.prm.hybrid.from_blocks import build_model
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.hybrid.solve import solve
+    from tracerisk.prm.other_models.bayes.network import BayesianNetwork
+    from tracerisk.prm.other_models.bayes.tables import Given
+    from tracerisk.prm.other_models.cut_sets import (
+        CutSet,
+        CutSets,
+        minimal_cut_sets,
+        prime_implicants,
+    )
+    from tracerisk.prm.other_models.dynamic import (
         Dependency,
         DynamicEvent,
         DynamicGate,
@@ -16,21 +26,16 @@ if TYPE_CHECKING:
         Restriction,
         RestrictionKind,
     )
-    from tracerisk.prm.event_trees.event_tree import EventTree
-    from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
-    from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
-    from tracerisk.prm.hybrid.from_blocks import build_model
-    from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.hybrid.solve import solve
-    from tracerisk.prm.linked import LinkedModel
-    from tracerisk.prm.markov import ContinuousChain, MarkovChain
-    from tracerisk.prm.questions.pair_importance import PairImportance, pair_importances
-    from tracerisk.prm.questions.sampled_mission import failure_probabilities
-    from tracerisk.prm.trees.common_cause import (
+    from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+    from tracerisk.prm.other_models.linked import LinkedModel
+    from tracerisk.prm.other_models.logic.common_cause import (
         CommonCauseGroup,
         CommonCauseLaw,
         expand_common_cause,
     )
+    from tracerisk.prm.other_models.markov import ContinuousChain, MarkovChain
+    from tracerisk.prm.questions.pair_importance import PairImportance, pair_importances
+    from tracerisk.prm.questions.sampled_mission import failure_probabilities
     from tracerisk.prm.trees.events import BasicEvent
     from tracerisk.prm.trees.failure_models import (
         GLM,
@@ -94,29 +99,29 @@ __all__ = [
 __getattr__ = on_demand(
     __name__,
     {
-        "bayes.network": "BayesianNetwork",
-        "bayes.tables": "Given",
-        "cut_sets": "CutSet CutSets minimal_cut_sets prime_implicants",
-        "dynamic": (
+        "hybrid.assessment": "Assessment FIGURE_STATEMENT",
+        "hybrid.elements": "FunctionState NextStep Parameter",
+        "hybrid.from_blocks": "build_model",
+        "hybrid.hybrid": "HybridModel",
+        "hybrid.solve": "solve",
+        "other_models.bayes.network": "BayesianNetwork",
+        "other_models.bayes.tables": "Given",
+        "other_models.cut_sets": "CutSet CutSets minimal_cut_sets prime_implicants",
+        "other_models.dynamic": (
             "Dependency DynamicEvent DynamicGate DynamicKind DynamicTree Restriction "
             "RestrictionKind"
         ),
-        "event_trees.event_tree": "EventTree",
-        "hybrid.assessment": "Assessment FIGURE_STATEMENT",
-        "hybrid.from_blocks": "build_model",
-        "hybrid.elements": "FunctionState NextStep Parameter",
-        "hybrid.hybrid": "HybridModel",
-        "hybrid.solve": "solve",
-        "linked": "LinkedModel",
-        "markov": "MarkovChain",
-        "markov.continuous": "ContinuousChain",
+        "other_models.event_trees.event_tree": "EventTree",
+        "other_models.linked": "LinkedModel",
+        "other_models.logic.common_cause": "CommonCauseGroup CommonCauseLaw expand_common_cause",
+        "other_models.markov": "MarkovChain",
+        "other_models.markov.continuous": "ContinuousChain",
         "questions.pair_importance": "PairImportance pair_importances",
         "questions.sampled_mission": "failure_probabilities",
-        "trees.common_cause": "CommonCauseGroup CommonCauseLaw expand_common_cause",
+        "trees.events": "BasicEvent",
         "trees.failure_models": (
             "Constant Erlang Exponential GLM Lognormal PerDemand PeriodicTest Weibull"
         ),
-        "trees.events": "BasicEvent",
         "trees.fault_tree": "FaultTree",
         "trees.gates": "Gate GateKind",
     },

@@ -11,7 +11,7 @@ from tracerisk.report.tables import plain, render_parts, table_of
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from tracerisk.prm.cut_sets import CutSet
+    from tracerisk.prm.other_models.cut_sets import CutSet
 
 
 def render_cut_sets(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from tracerisk.common.text.paper import PAPER, Paper
-from tracerisk.prm.linked.importance import ParameterImportance
-from tracerisk.prm.linked.what_if import FigureSweep
+from tracerisk.prm.other_models.linked.importance import ParameterImportance
+from tracerisk.prm.other_models.linked.what_if import FigureSweep
 from tracerisk.report.tables import MEASURES, render_parts, table_of
 
 

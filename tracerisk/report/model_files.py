@@ -17,9 +17,9 @@ from tracerisk.report.tables import (
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from tracerisk.prm.dynamic.solution import DynamicImportance
-    from tracerisk.prm.event_trees.solution import EventTreeSolution
-    from tracerisk.prm.properties import Answer
+    from tracerisk.prm.other_models.dynamic.solution import DynamicImportance
+    from tracerisk.prm.other_models.event_trees.solution import EventTreeSolution
+    from tracerisk.prm.other_models.properties import Answer
     from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.trees.fault_tree_solution import EventImportance
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.cut_sets import CutSet, minimal_cut_sets, prime_implicants
+from tracerisk.prm.other_models.cut_sets import CutSet, minimal_cut_sets, prime_implicants
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
@@ -330,7 +330,7 @@ def test_events_that_share_a_parameter_take_their_value_from_it():
     [("chinese", 392), ("das9201", 14217), ("isp9602", 5197647), ("edf9202", 130112)],
 )
 def test_real_trees_have_as_many_cut_sets_as_is_known(name, count):
-    from tracerisk.prm.formats.open_psa import read_open_psa
+    from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 
     model = read_open_psa(ARALIA / f"{name}.xml")
     assert minimal_cut_sets(model.fault_tree(model.tops[0])).count() == count

@@ -13,8 +13,8 @@ from tracerisk.prm import (
     MarkovChain,
     solve,
 )
-from tracerisk.prm.event_trees.elements import Branch, Link, Resume
 from tracerisk.prm.notebook.drawings import html_of, svg_of
+from tracerisk.prm.other_models.event_trees.elements import Branch, Link, Resume
 
 SVG = "{http://www.w3.org/2000/svg}"
 

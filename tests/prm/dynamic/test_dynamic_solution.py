@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.dynamic import (
+from tracerisk.prm.other_models.dynamic import (
     Dependency,
     DynamicEvent,
     DynamicGate,

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.dynamic import (
+from tracerisk.prm.other_models.dynamic import (
     Dependency,
     DynamicEvent,
     DynamicGate,
@@ -19,7 +19,7 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand, Weibull
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares, spare_group_failure

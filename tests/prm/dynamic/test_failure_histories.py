@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tracerisk.prm.dynamic import DynamicKind, DynamicTree, RestrictionKind
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.other_models.dynamic import DynamicKind, DynamicTree, RestrictionKind
+from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.gates import GateKind
 
 EVENTS = """

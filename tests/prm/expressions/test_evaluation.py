@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import (
+from tracerisk.prm.other_models.expressions import (
     BetaDeviate,
     Call,
     Definitions,

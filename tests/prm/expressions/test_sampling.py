@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import (
+from tracerisk.prm.numbers.strata import LatinHypercube
+from tracerisk.prm.other_models.expressions import (
     BetaDeviate,
     Call,
     Difference,
@@ -31,7 +32,6 @@ from tracerisk.prm.expressions import (
     evaluate,
     sample,
 )
-from tracerisk.prm.numbers.strata import LatinHypercube
 
 DRAWS = LatinHypercube(2000, seed=1)
 

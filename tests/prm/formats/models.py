@@ -8,7 +8,7 @@ from functools import cache
 
 from hypothesis import strategies as st
 
-from tracerisk.prm.expressions import (
+from tracerisk.prm.other_models.expressions import (
     BetaDeviate,
     Call,
     Difference,
@@ -29,7 +29,8 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.logic.model import (
+from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,
     Attribute,
@@ -42,7 +43,6 @@ from tracerisk.prm.logic.model import (
     ParameterDefinition,
     Place,
 )
-from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 

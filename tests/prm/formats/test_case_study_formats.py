@@ -6,10 +6,10 @@ import pytest
 
 from tests.prm.formats.models import solved_tops
 from tracerisk.prm import build_model
-from tracerisk.prm.formats.conversion import logic_of_functions
-from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa
-from tracerisk.prm.formats.open_psa.rewriting import written_name
-from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
+from tracerisk.prm.other_models.formats.conversion import logic_of_functions
+from tracerisk.prm.other_models.formats.open_psa import dumps_open_psa, loads_open_psa
+from tracerisk.prm.other_models.formats.open_psa.rewriting import written_name
+from tracerisk.prm.other_models.formats.openpra import dumps_openpra, loads_openpra
 
 
 @pytest.fixture(scope="module")

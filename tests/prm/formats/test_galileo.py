@@ -12,7 +12,7 @@ import pytest
 from tests.slow import slow_but_every
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, build_model
-from tracerisk.prm.dynamic import (
+from tracerisk.prm.other_models.dynamic import (
     Dependency,
     DynamicEvent,
     DynamicGate,
@@ -21,7 +21,7 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.failure_models import (
     Constant,

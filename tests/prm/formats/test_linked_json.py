@@ -10,7 +10,8 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model
-from tracerisk.prm.expressions import (
+from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.other_models.expressions import (
     BetaDeviate,
     Call,
     Difference,
@@ -32,8 +33,8 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.formats.linked_json import dumps, linked_data, linked_schema, loads
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.formats.linked_json import dumps, linked_data, linked_schema, loads
+from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,
     LinkedChain,
@@ -47,7 +48,6 @@ from tracerisk.prm.linked import (
     Transition,
     linked,
 )
-from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from tests.prm.formats.models import gates, logic_models, names, ordered
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import (
+from tracerisk.prm.other_models.expressions import (
     Exponential,
     MissionTime,
     Negation,
@@ -23,19 +23,19 @@ from tracerisk.prm.expressions import (
     Reference,
     evaluate,
 )
-from tracerisk.prm.formats.open_psa import (
+from tracerisk.prm.other_models.formats.open_psa import (
     dumps_open_psa,
     loads_open_psa,
     read_open_psa,
     write_open_psa,
 )
-from tracerisk.prm.formats.open_psa.rewriting import (
+from tracerisk.prm.other_models.formats.open_psa.rewriting import (
     accepted_form,
     gates_of,
     read_name,
     written_name,
 )
-from tracerisk.prm.logic.model import (
+from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,
     Container,

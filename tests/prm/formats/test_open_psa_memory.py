@@ -7,7 +7,7 @@ import gc
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.formats.open_psa import loads_open_psa
+from tracerisk.prm.other_models.formats.open_psa import loads_open_psa
 
 WHOLE = """\
 <opsa-mef><define-fault-tree name="f"><define-gate name="g"><label>a</label><or>

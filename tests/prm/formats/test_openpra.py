@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.prm.formats.models import logic_models, ordered, solved_tops
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.event_trees.elements import (
+from tracerisk.prm.other_models.event_trees.elements import (
     Branch,
     Condition,
     End,
@@ -22,12 +22,18 @@ from tracerisk.prm.event_trees.elements import (
     Path,
     Weight,
 )
-from tracerisk.prm.event_trees.event_tree import EventTree
-from tracerisk.prm.expressions import Exponential, MissionTime, Number
-from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa
-from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra, read_openpra, write_openpra
-from tracerisk.prm.logic.event_trees import solved_event_trees
-from tracerisk.prm.logic.model import (
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.expressions import Exponential, MissionTime, Number
+from tracerisk.prm.other_models.formats.open_psa import dumps_open_psa, loads_open_psa
+from tracerisk.prm.other_models.formats.openpra import (
+    dumps_openpra,
+    loads_openpra,
+    read_openpra,
+    write_openpra,
+)
+from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
+from tracerisk.prm.other_models.logic.model import (
     Alignment,
     Container,
     EventDefinition,
@@ -37,7 +43,6 @@ from tracerisk.prm.logic.model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.formats.explicit_chain import ChainKind
-from tracerisk.prm.formats.prism import read_prism, state_space
-from tracerisk.prm.formats.prism.state_space import StateSpace
+from tracerisk.prm.other_models.formats.explicit_chain import ChainKind
+from tracerisk.prm.other_models.formats.prism import read_prism, state_space
+from tracerisk.prm.other_models.formats.prism.state_space import StateSpace
 
 DIE = """// Knuth and Yao's die, with faces 1 and the rest
 dtmc

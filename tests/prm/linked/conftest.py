@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 
-from tracerisk.prm.expressions import (
+from tracerisk.prm.other_models.expressions import (
     Call,
     Difference,
     Exponential,
@@ -19,7 +19,7 @@ from tracerisk.prm.expressions import (
     Reference,
     Sum,
 )
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,
     LinkedChain,

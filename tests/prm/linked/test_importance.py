@@ -7,9 +7,9 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model, solve
-from tracerisk.prm.expressions import Call, Number, Quotient, Reference
-from tracerisk.prm.linked import Figure, LinkedModel, ModelParameter, linked
-from tracerisk.prm.linked.importance import importances
+from tracerisk.prm.other_models.expressions import Call, Number, Quotient, Reference
+from tracerisk.prm.other_models.linked import Figure, LinkedModel, ModelParameter, linked
+from tracerisk.prm.other_models.linked.importance import importances
 
 
 def close(expected):

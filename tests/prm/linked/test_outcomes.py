@@ -3,12 +3,12 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.bayes.network import BayesianNetwork
-from tracerisk.prm.bayes.tables import Given
-from tracerisk.prm.event_trees.event_tree import EventTree
-from tracerisk.prm.expressions import Number, Reference
-from tracerisk.prm.formats.linked_json import dumps, loads
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.bayes.network import BayesianNetwork
+from tracerisk.prm.other_models.bayes.tables import Given
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.expressions import Number, Reference
+from tracerisk.prm.other_models.formats.linked_json import dumps, loads
+from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,
     LinkedChain,
@@ -19,7 +19,7 @@ from tracerisk.prm.linked import (
     TopEvent,
     Transition,
 )
-from tracerisk.prm.linked.outcomes import outcome_trees, over_conditions
+from tracerisk.prm.other_models.linked.outcomes import outcome_trees, over_conditions
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 

@@ -6,8 +6,15 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from tracerisk.prm.expressions import Call, Exponential, MissionTime, Number, Product, Reference
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.expressions import (
+    Call,
+    Exponential,
+    MissionTime,
+    Number,
+    Product,
+    Reference,
+)
+from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,
     LinkedChain,

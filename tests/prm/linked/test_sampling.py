@@ -9,7 +9,8 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import build_model
-from tracerisk.prm.expressions import (
+from tracerisk.prm.numbers.distributions import Lognormal, Uniform
+from tracerisk.prm.other_models.expressions import (
     LognormalDeviate,
     Number,
     Product,
@@ -17,7 +18,7 @@ from tracerisk.prm.expressions import (
     Sum,
     UniformDeviate,
 )
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.linked import (
     Figure,
     LinkedChain,
     LinkedModel,
@@ -26,10 +27,9 @@ from tracerisk.prm.linked import (
     Transition,
     linked,
 )
-from tracerisk.prm.linked.importance import importances
-from tracerisk.prm.linked.sampling import SampledModel
-from tracerisk.prm.linked.uncertainty import propagate
-from tracerisk.prm.numbers.distributions import Lognormal, Uniform
+from tracerisk.prm.other_models.linked.importance import importances
+from tracerisk.prm.other_models.linked.sampling import SampledModel
+from tracerisk.prm.other_models.linked.uncertainty import propagate
 from tracerisk.prm.questions.uncertainty import propagate as propagate_hybrid
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
@@ -106,12 +106,12 @@ def test_a_deviate_within_an_expression_is_drawn_without_a_share_of_its_own():
 def test_many_draws_are_taken_in_passes(plant, monkeypatch):
     spreads = {"motor": Lognormal(3.0), "power": Lognormal(3.0)}
     whole = propagate(plant, "failure", samples=500, distributions=spreads)
-    monkeypatch.setattr("tracerisk.prm.linked.uncertainty._CELLS", 100)
+    monkeypatch.setattr("tracerisk.prm.other_models.linked.uncertainty._CELLS", 100)
     assert propagate(plant, "failure", samples=500, distributions=spreads) == whole
 
 
 def test_deviates_without_a_share_are_drawn_anew_in_each_block(monkeypatch):
-    monkeypatch.setattr("tracerisk.prm.linked.uncertainty._CELLS", 100)
+    monkeypatch.setattr("tracerisk.prm.other_models.linked.uncertainty._CELLS", 100)
     monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_FITTED", 1_000)
     monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_DRAWN", 200)
     inner = Product((Number(1.0), UniformDeviate(Number(0.0), Number(1.0))))

@@ -7,7 +7,7 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import build_model, solve
-from tracerisk.prm.expressions import (
+from tracerisk.prm.other_models.expressions import (
     Call,
     Difference,
     Exponential,
@@ -23,7 +23,7 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.linked import (
+from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,
     LinkedChain,
@@ -37,7 +37,7 @@ from tracerisk.prm.linked import (
     complement,
     linked,
 )
-from tracerisk.prm.markov import ContinuousChain
+from tracerisk.prm.other_models.markov import ContinuousChain
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
@@ -342,7 +342,7 @@ def test_a_model_of_functions_has_the_same_figures_as_a_linked_model(request, na
 
 
 def test_too_many_hidden_failures_are_no_linked_model(block, component, monkeypatch):
-    monkeypatch.setattr("tracerisk.prm.linked.conversion.MOST_STATES", 3)
+    monkeypatch.setattr("tracerisk.prm.other_models.linked.conversion.MOST_STATES", 3)
     parts = (component("power", 1e-3, 9, "required 2, detected mission_start"),)
     model = build_model([block("a", 1, parts)], name="m")
     with pytest.raises(TooLargeError, match="'m' has more than 3 states with its hidden failures"):

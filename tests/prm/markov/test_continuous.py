@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.markov import ContinuousChain
-from tracerisk.prm.markov.uniformisation import poisson_weights
+from tracerisk.prm.other_models.markov import ContinuousChain
+from tracerisk.prm.other_models.markov.uniformisation import poisson_weights
 
 FAIL, REPAIR = 1e-5, 0.1
 PAIR = ContinuousChain(

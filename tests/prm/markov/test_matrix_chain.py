@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import MarkovChain
-from tracerisk.prm.markov.large.factors import Budget
+from tracerisk.prm.other_models.markov.large.factors import Budget
 
 LIMIT = 1e-12
 ONLY_ITERATION = Budget(dense_rest=0, entries=0)

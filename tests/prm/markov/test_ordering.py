@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from tracerisk.prm.markov.large.factors import Budget, Weights, eliminate, plan
-from tracerisk.prm.markov.large.ordering import TOO_DENSE, minimum_degree
+from tracerisk.prm.other_models.markov.large.factors import Budget, Weights, eliminate, plan
+from tracerisk.prm.other_models.markov.large.ordering import TOO_DENSE, minimum_degree
 
 
 def weights_of(pattern):

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tracerisk.prm import MarkovChain
-from tracerisk.prm.markov import solver
+from tracerisk.prm.other_models.markov import solver
 
 LADDER = """
 import sys

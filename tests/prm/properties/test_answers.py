@@ -8,9 +8,9 @@ from random import Random
 import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.formats.explicit import read_explicit
-from tracerisk.prm.formats.prism.reader import read_prism_model
-from tracerisk.prm.properties import ask, parse_properties
+from tracerisk.prm.other_models.formats.explicit import read_explicit
+from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.properties import ask, parse_properties
 
 GAMBLER = """dtmc
 const int N = 5;

@@ -14,11 +14,11 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import TypeAlias
 
-    from tracerisk.prm.dynamic import DynamicTree
-    from tracerisk.prm.formats.explicit_chain import ExplicitChain
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.linked import LinkedModel
-    from tracerisk.prm.logic.model import LogicModel
+    from tracerisk.prm.other_models.dynamic import DynamicTree
+    from tracerisk.prm.other_models.formats.explicit_chain import ExplicitChain
+    from tracerisk.prm.other_models.linked import LinkedModel
+    from tracerisk.prm.other_models.logic.model import LogicModel
 
     Model: TypeAlias = LogicModel | DynamicTree | ExplicitChain | LinkedModel | HybridModel
 
@@ -63,30 +63,30 @@ def read_model(
             f"{' and that of its labels' if kind is ModelFormat.EXPLICIT else ''}"
         )
     if kind is ModelFormat.OPEN_PSA:
-        from tracerisk.prm.formats.open_psa import read_open_psa
+        from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 
         return read_open_psa(*files)
     if kind is ModelFormat.OPENPRA:
-        from tracerisk.prm.formats.openpra import read_openpra
+        from tracerisk.prm.other_models.formats.openpra import read_openpra
 
         return read_openpra(first)
     text = read_text(first)
     if kind is ModelFormat.GALILEO:
-        from tracerisk.prm.formats import galileo
+        from tracerisk.prm.other_models.formats import galileo
 
         given = {name: float(value) for name, value in (constants or {}).items()}
         return galileo.loads(text, first, given)
     if kind is ModelFormat.PRISM:
-        from tracerisk.prm.formats.prism import read_prism
+        from tracerisk.prm.other_models.formats.prism import read_prism
 
         return read_prism(text, file=first, constants=constants)
     if kind is ModelFormat.EXPLICIT:
-        from tracerisk.prm.formats.explicit import read_explicit
+        from tracerisk.prm.other_models.formats.explicit import read_explicit
 
         labels = files[1] if len(files) == 2 else labels_beside(first)
         return read_explicit(text, read_text(labels), transitions_file=first, labels_file=labels)
     if kind is ModelFormat.LINKED:
-        from tracerisk.prm.formats import linked_json
+        from tracerisk.prm.other_models.formats import linked_json
 
         return linked_json.loads(text, first)
     from tracerisk.prm.formats import model_json

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.errors import InputError, one_of
-from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicTree
+from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 
 if TYPE_CHECKING:

@@ -15,17 +15,17 @@ from tracerisk.errors import InputError
 if TYPE_CHECKING:
     import argparse
 
-    from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.numbers.distributions import Distribution
+    from tracerisk.prm.other_models.linked import LinkedModel
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
 def solve_linked(options: argparse.Namespace) -> int:
     """Solve a linked model as the options ask, print the result and return the exit code."""
     from tracerisk.common.text.finite import finite
-    from tracerisk.prm.formats import linked_json
-    from tracerisk.prm.linked.importance import importances
-    from tracerisk.prm.linked.what_if import sweep
+    from tracerisk.prm.other_models.formats import linked_json
+    from tracerisk.prm.other_models.linked.importance import importances
+    from tracerisk.prm.other_models.linked.what_if import sweep
     from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
     model = linked_json.loads(read_text(options.files[0]), options.files[0])
@@ -77,8 +77,8 @@ def _figure(model: LinkedModel, options: argparse.Namespace) -> str:
 def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Uncertainty | None:
     if not asked.wants_uncertainty(options):
         return None
-    from tracerisk.prm.expressions import Number
-    from tracerisk.prm.linked.uncertainty import distribution_of, propagate
+    from tracerisk.prm.other_models.expressions import Number
+    from tracerisk.prm.other_models.linked.uncertainty import distribution_of, propagate
     from tracerisk.prm.questions.uncertainty import SAMPLES
 
     plain = [

@@ -9,7 +9,7 @@ from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.common.records import asdict, dataclass, replace
 from tracerisk.errors import InputError
-from tracerisk.prm.logic.model import LogicModel
+from tracerisk.prm.other_models.logic.model import LogicModel
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -33,13 +33,13 @@ class LogicFile:
 
     def with_values(self, values: Mapping[str, float]) -> LogicFile:
         """Return the model with parameters, events, house events or groups set."""
-        from tracerisk.prm.logic.what_if import with_values
+        from tracerisk.prm.other_models.logic.what_if import with_values
 
         return replace(self, model=with_values(self.model, values))
 
     def value_of(self, name: str) -> float:
         """Return the figure that the model has now; not a number where it has none."""
-        from tracerisk.prm.logic.what_if import value_of
+        from tracerisk.prm.other_models.logic.what_if import value_of
 
         return value_of(self.model, name, self.mission_time_h or 0.0)
 
@@ -90,7 +90,7 @@ class LogicFile:
         if begun and not (figure and wanted):
             if importance:
                 notes.append("importance is that of the tops, not of the event trees")
-            from tracerisk.prm.logic.event_trees import solved_event_trees
+            from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
 
             found = solved_event_trees(model, time)
             data["event_trees"] = [
@@ -128,7 +128,7 @@ class LogicFile:
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return the uncertainty of a top: the one that is asked for, or the only one."""
-        from tracerisk.prm.logic.what_if import propagate
+        from tracerisk.prm.other_models.logic.what_if import propagate
 
         names = self.model.tops if figure is None else self._gate(figure)
         if len(names) != 1:
@@ -144,7 +144,7 @@ class LogicFile:
         return chosen(self.model.tops, figure, self.name)
 
     def _time(self) -> float:
-        from tracerisk.prm.logic.checks import needs_mission_time
+        from tracerisk.prm.other_models.logic.checks import needs_mission_time
 
         if self.mission_time_h is None and needs_mission_time(self.model):
             raise no_mission_time(self.name)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from tracerisk.prm.linked.what_if import FigureSweep
-    from tracerisk.prm.properties import PropertyFile
+    from tracerisk.prm.other_models.linked.what_if import FigureSweep
+    from tracerisk.prm.other_models.properties import PropertyFile
     from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.questions.what_if import SetValue
 
@@ -95,7 +95,7 @@ def _sweeps(model: Solvable, options: argparse.Namespace) -> list[FigureSweep]:
     wanted = asked.parse_sweeps(options, asked.number)
     if not wanted:
         return []
-    from tracerisk.prm.linked.what_if import FigurePoint, FigureSweep
+    from tracerisk.prm.other_models.linked.what_if import FigurePoint, FigureSweep
     from tracerisk.prm.questions.what_if import log_spaced
 
     sweeps = []
@@ -145,7 +145,7 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
         questions = _questions(options)
         return ChainFile(tuple(files), kind, options.mission_time_h, questions=questions)
-    from tracerisk.prm.logic.model import LogicModel
+    from tracerisk.prm.other_models.logic.model import LogicModel
 
     if kind is ModelFormat.GALILEO:
         return _galileo(files, options)
@@ -159,8 +159,8 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
     """Return the tree of a Galileo file, its parameters as `--set` has them."""
     from tracerisk.cli.solving.dynamic import DynamicFile
-    from tracerisk.prm.dynamic import DynamicTree
-    from tracerisk.prm.formats import galileo
+    from tracerisk.prm.other_models.dynamic import DynamicTree
+    from tracerisk.prm.other_models.formats import galileo
 
     text = read_text(files[0])
     values = asked.parse_set(options.set_values, asked.number)
@@ -175,7 +175,7 @@ def _questions(options: argparse.Namespace) -> PropertyFile | None:
     """Return the properties of `--property` and `--properties`; `None` for none."""
     if not options.properties and options.property_file is None:
         return None
-    from tracerisk.prm.properties import PropertyFile, parse_properties
+    from tracerisk.prm.other_models.properties import PropertyFile, parse_properties
 
     parts = [parse_properties(text, f"--property {text}") for text in options.properties]
     if options.property_file is not None:

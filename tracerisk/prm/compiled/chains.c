@@ -1,4 +1,4 @@
-/* Elimination of large chains: tracerisk/prm/markov/large/ says what each function does, and what
+/* Elimination of large chains: tracerisk/prm/other_models/markov/large/ says what each function does, and what
    its arguments are. Nothing is allocated here; scratch comes from the caller. */
 
 #include "loops.h"

@@ -1,4 +1,4 @@
-/* Approximate minimum degree: Amestoy, Davis, Duff 1996. tracerisk/prm/markov/large/ordering.py
+/* Approximate minimum degree: Amestoy, Davis, Duff 1996. tracerisk/prm/other_models/markov/large/ordering.py
    says what it gives. */
 
 #include "loops.h"

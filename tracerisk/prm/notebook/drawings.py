@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from html import escape
 
-from tracerisk.prm.bayes.network import BayesianNetwork
 from tracerisk.prm.drawing.assessment import assessment_html, assessment_svg, assessment_text
 from tracerisk.prm.drawing.chain import chain_svg, hybrid_svg
 from tracerisk.prm.drawing.fault_tree import fault_tree_svg
-from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.markov import MarkovChain
 from tracerisk.prm.notebook.event_tree import event_tree_svg
 from tracerisk.prm.notebook.network import network_svg
+from tracerisk.prm.other_models.bayes.network import BayesianNetwork
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.markov import MarkovChain
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 __all__ = ["html_of", "svg_of", "text_of"]

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tracerisk.prm.drawing.svg import FAINT, WORD_HEIGHT, Canvas, word_width
-from tracerisk.prm.event_trees.elements import End, Fork, Link, Resume, Target
-from tracerisk.prm.event_trees.event_tree import EventTree
+from tracerisk.prm.other_models.event_trees.elements import End, Fork, Link, Resume, Target
+from tracerisk.prm.other_models.event_trees.event_tree import EventTree
 
 _MOST_ROWS = 60
 _ROW = WORD_HEIGHT + 8.0

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.dynamic import DynamicTree
 from tracerisk.prm.hybrid.elements import DONE
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.linked.links import leaf_key
-from tracerisk.prm.linked.model import LinkedModel
-from tracerisk.prm.markov import MarkovChain
+from tracerisk.prm.other_models.dynamic import DynamicTree
+from tracerisk.prm.other_models.linked.links import leaf_key
+from tracerisk.prm.other_models.linked.model import LinkedModel
+from tracerisk.prm.other_models.markov import MarkovChain
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 if TYPE_CHECKING:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tracerisk.prm.bayes.network import BayesianNetwork
 from tracerisk.prm.drawing.chain import Arrow, states_svg
+from tracerisk.prm.other_models.bayes.network import BayesianNetwork
 
 
 def network_svg(network: BayesianNetwork) -> str:

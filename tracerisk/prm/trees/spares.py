@@ -2,7 +2,7 @@
 
 Source: the models of standby systems of M. Rausand, A. Hoyland, "System Reliability Theory",
 2nd ed. (2004). Groups of unlike units, and spares that several groups share, are in
-`tracerisk.prm.dynamic`.
+`tracerisk.prm.other_models.dynamic`.
 Time is the hazard of a working unit, -log(1-p) of a visit in which it fails with p. So two visits
 one after the other are one of their summed hazard: where a function is cut makes no difference.
 """

@@ -1,6 +1,0 @@
-"""Minimal cut sets, and prime implicants of trees that are not coherent."""
-
-from tracerisk.prm.cut_sets.cut_sets import CutSet, CutSets
-from tracerisk.prm.cut_sets.finding import minimal_cut_sets, prime_implicants
-
-__all__ = ["CutSet", "CutSets", "minimal_cut_sets", "prime_implicants"]

@@ -1,6 +1,0 @@
-"""Chains in the language of the PRISM model checker, which Storm reads too."""
-
-from tracerisk.prm.formats.prism.reader import read_prism
-from tracerisk.prm.formats.prism.writer import write_prism
-
-__all__ = ["read_prism", "write_prism"]

@@ -1,0 +1,1 @@
+"""Models that no controller makes: other tools' formats, and the kinds of models in them."""

@@ -1,0 +1,1 @@
+"""The formats of other tools, and of models that no controller makes."""

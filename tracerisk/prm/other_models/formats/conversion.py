@@ -1,0 +1,262 @@
+"""Models of one kind as those of another, for formats that hold only the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.other_models.dynamic import DynamicTree
+from tracerisk.prm.other_models.expressions import (
+    Evaluation,
+    Exponential,
+    Expression,
+    ExpressionModel,
+    Glm,
+    MissionTime,
+    Number,
+    Reference,
+    Weibull,
+    depends_on_mission_time,
+)
+from tracerisk.prm.other_models.logic.common_cause import ShareOf
+from tracerisk.prm.other_models.logic.model import (
+    ALWAYS,
+    NEVER,
+    Container,
+    EventDefinition,
+    GateDefinition,
+    HouseDefinition,
+    LogicModel,
+    ParameterDefinition,
+    Place,
+)
+from tracerisk.prm.trees import failure_models
+from tracerisk.prm.trees.events import FailureModel, HouseEvent
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
+
+_SHOWN = 5
+"""How many elements a message names."""
+
+
+def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> LogicModel:
+    """Return a tree of static gates as a logic model.
+
+    A law that Open-PSA has no word for becomes its probability in a mission of `mission_time_h`.
+    Raises ModelError, naming the elements, for dynamic gates, dependencies and restrictions, and
+    for such a law where no mission time is given.
+    """
+    gates = [gate for gate in tree.gates if isinstance(gate, Gate)]
+    dynamic = [gate.name for gate in tree.gates if not isinstance(gate, Gate)]
+    found = [*dynamic, *(tie.name for tie in tree.ties)]
+    if found:
+        raise ModelError(
+            f"{_listed(found)}: what depends on the order of failures can be held by Galileo only"
+        )
+    return LogicModel(
+        name=tree.top,
+        gates=tuple(GateDefinition(gate) for gate in gates),
+        events=tuple(
+            EventDefinition(each.name, _expression(each.name, each.model, mission_time_h))
+            for each in tree.events
+        ),
+    )
+
+
+def logic_of_tree(
+    tree: FaultTree, values: Mapping[str, float] | None = None, *, name: str | None = None
+) -> LogicModel:
+    """Return a fault tree as a logic model; `values` are the probabilities of its parameters.
+
+    An event keeps its failure model; one with neither has no figure. The name is that of the top
+    unless one is given.
+    Raises ModelError for a value of a name that no event has, and for a law that Open-PSA has no
+    word for.
+    """
+    given = dict(values or {})
+    unknown = sorted(set(given) - set(tree.parameters))
+    if unknown:
+        raise ModelError(f"'{unknown[0]}' is no parameter; {one_of(tree.parameters, unknown[0])}")
+    written = _of_gates(tree)
+    shared = [name for name in tree.parameters if name in given]
+    taken = set(_names_of(written))
+    figures = {each: f"p_{each}" if each in taken else each for each in shared}
+    return LogicModel(
+        name=name or tree.top,
+        gates=tuple(GateDefinition(gate) for gate in reversed(written.upwards)),
+        events=tuple(
+            EventDefinition(
+                each.name,
+                Reference(figures[each.parameter])
+                if each.parameter in figures
+                else None
+                if each.model is None
+                else _expression(each.name, each.model, None),
+            )
+            for each in written.events
+        ),
+        houses=tuple(HouseDefinition(each) for each in written.houses),
+        parameters=tuple(
+            ParameterDefinition(figures[each], Number(given[each])) for each in shared
+        ),
+    )
+
+
+def logic_of_functions(model: HybridModel) -> LogicModel:
+    """Return the fault trees of a model of functions, each in a fault tree of the function's name.
+
+    A tree is that of one visit while no unit has failed before; a group with spares is one event.
+    Gates, events and parameters are named after the function, a dot, and their own names.
+    Raises ModelError when no function has a component.
+    """
+    trees = [in_one_visit(state) for state in model.states if state.tree.events]
+    if not trees:
+        raise ModelError(f"'{model.name}' has no fault trees: no function has a component")
+    gates: list[GateDefinition] = []
+    events: list[EventDefinition] = []
+    houses: list[HouseDefinition] = []
+    parameters: list[ParameterDefinition] = []
+    for state in trees:
+        place = Place(home=state.name, private=True)
+        tree = _of_gates(state.tree)
+        names = {name: f"{state.name}.{name}" for name in _names_of(tree)}
+        for gate in reversed(tree.upwards):
+            inputs = tuple(names[name] for name in gate.inputs)
+            gates.append(GateDefinition(replace(gate, name=names[gate.name], inputs=inputs), place))
+        for event in tree.events:
+            figure = Reference(f"{state.name}.{event.parameter}")
+            events.append(EventDefinition(names[event.name], figure, place))
+        houses += [
+            HouseDefinition(HouseEvent(names[each.name], each.state), place) for each in tree.houses
+        ]
+        for name in tree.parameters:
+            value = Number(state.probabilities[name])
+            parameters.append(ParameterDefinition(f"{state.name}.{name}", value, place=place))
+    return LogicModel(
+        name=model.name,
+        gates=tuple(gates),
+        events=tuple(events),
+        houses=tuple(houses),
+        parameters=tuple(parameters),
+        containers=tuple(Container(state.name) for state in trees),
+    )
+
+
+def tree_of_logic(
+    model: LogicModel, top: str | None = None, mission_time_h: float | None = None
+) -> FaultTree:
+    """Return one fault tree of a logic model, its figures as failure models where there is one.
+
+    Common causes are written out; a deviate is its mean.
+    Raises ModelError, naming them, for event trees, several tops of which none is chosen, and for
+    figures that no failure model has where no mission time is given.
+    """
+    if model.event_trees:
+        names = _listed([each.name for each in model.event_trees])
+        raise ModelError(f"{names}: event trees can be held by Open-PSA and OpenPRA only")
+    if top is None and len(model.tops) != 1:
+        raise ModelError(f"the model has {len(model.tops)} tops; say which: {one_of(model.tops)}")
+    name = model.tops[0] if top is None else top
+    tree = model.fault_tree(name, mission_time_h=mission_time_h or 0.0)
+    evaluation = Evaluation(model.definitions.by_name, mission_time_h or 0.0)
+    timed = []
+    events = []
+    for event in tree.events:
+        figure = event.model
+        found = None if figure is None else _law(figure, model, evaluation)
+        if found is None and figure is not None and mission_time_h is not None:
+            found = failure_models.Constant(figure.probability(mission_time_h).p)
+        if found is None and figure is not None:
+            timed.append(event.name)
+        events.append(replace(event, model=found))
+    if timed:
+        raise ModelError(
+            f"{_listed(timed)}: the figure is an expression of the mission time that no law of "
+            "Galileo is; give a mission time to write its probability"
+        )
+    bare = [event.name for event in events if event.model is None]
+    if bare:
+        raise ModelError(f"{_listed(bare)}: no figure is given, and Galileo needs one")
+    # A tree's own parameters tie events together, which Galileo has no word for.
+    own = tuple(replace(event, parameter=event.name) for event in events)
+    return _of_gates(replace(tree, events=own))
+
+
+def _law(model: FailureModel, owner: LogicModel, evaluation: Evaluation) -> FailureModel | None:
+    """Return the failure model that a figure is, `None` where it is none that has a name."""
+    if isinstance(model, ShareOf):
+        whole = _law(model.model, owner, evaluation)
+        if isinstance(whole, failure_models.Constant):
+            return failure_models.Constant(model.share * whole.p)
+    if not isinstance(model, ExpressionModel):
+        is_constant = isinstance(model, failure_models.Constant)
+        return model if is_constant else None
+    expression: Expression = model.expression
+    names = owner.definitions.by_name
+    while isinstance(expression, Reference):
+        expression = names[expression.name]
+    if not depends_on_mission_time((expression,), names):
+        return failure_models.Constant(model.probability(0.0).p)
+    if isinstance(expression, Exponential | Weibull | Glm):
+        *figures, time = expression.arguments
+        while isinstance(time, Reference):
+            time = names[time.name]
+        if isinstance(time, MissionTime) and not depends_on_mission_time(figures, names):
+            return expression.model([evaluation.of(each) for each in figures])
+    return None
+
+
+def _expression(name: str, model: FailureModel, mission_time_h: float | None) -> Expression:
+    """Return a failure model as an expression."""
+    if isinstance(model, failure_models.Constant | failure_models.PerDemand):
+        return Number(model.probability(0.0).p)
+    if isinstance(model, failure_models.Exponential):
+        return Exponential(Number(model.rate), MissionTime())
+    if isinstance(model, failure_models.Weibull) and model.age_h == 0.0:
+        scale, shape, shift = (
+            Number(each) for each in (model.scale_h, model.shape, model.location_h)
+        )
+        return Weibull(scale, shape, shift, MissionTime())
+    if mission_time_h is None:
+        raise ModelError(
+            f"event '{name}': Open-PSA has no word for {type(model).__name__}; give a mission "
+            "time to write its probability"
+        )
+    return Number(model.probability(mission_time_h).p)
+
+
+def _of_gates(tree: FaultTree) -> FaultTree:
+    """Return the tree with a gate at its top, and its constants under names that can be written."""
+    constants = {ALWAYS: "always", NEVER: "never"}
+    taken = set(_names_of(tree))
+    names = {}
+    for name, new in constants.items():
+        while new in taken:
+            new += "_"
+        names[name] = new
+    gates = tuple(
+        replace(gate, inputs=tuple(names.get(name, name) for name in gate.inputs))
+        for gate in tree.gates
+    )
+    houses = tuple(HouseEvent(names.get(each.name, each.name), each.state) for each in tree.houses)
+    if gates:
+        return replace(tree, gates=gates, houses=houses)
+    top = "top"
+    while top in taken:
+        top += "_"
+    inputs = (*(each.name for each in tree.events), *(each.name for each in houses))
+    return FaultTree(top, (Gate(top, GateKind.OR, inputs),), tree.events, houses)
+
+
+def _names_of(tree: FaultTree) -> list[str]:
+    names = [gate.name for gate in tree.gates] + [event.name for event in tree.events]
+    return names + [house.name for house in tree.houses]
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:_SHOWN])
+    more = len(names) - _SHOWN
+    return shown if more <= 0 else f"{shown} and {more} more"

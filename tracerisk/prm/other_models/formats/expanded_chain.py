@@ -1,0 +1,76 @@
+"""A model's chain with its hidden failures written out, for solvers and formats that know none."""
+
+from __future__ import annotations
+
+from tracerisk.errors import TooLargeError
+from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.hybrid.hidden.hidden_chain import HiddenChain
+from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.other_models.markov import MarkovChain
+
+
+def expanded_chain(model: HybridModel, *, limit: int = MOST_STATES) -> MarkovChain:
+    """Return the chain: a state for each function and number of failed units, its top solved.
+
+    A function in which no unit has failed keeps its name; the others say what has failed:
+    `place (power 1 failed)`. Absorbing are each function's failure state and `done`.
+    Raises TooLargeError when the states are more than `limit`, ModelError when a tree cannot be
+    solved.
+    """
+    states = hidden_states(model, limit)
+    if states.most is not None:
+        raise TooLargeError(
+            f"the chain of '{model.name}' with its hidden failures has more than {limit} states; "
+            "solve the model itself, which bounds what is beyond"
+        )
+    chain = HiddenChain(states)
+    failures = model.failure_states
+    names = _Names(model, states)
+    rows: dict[str, dict[str, float]] = {}
+    waiting = [(states.entry, 0)]
+    while waiting:
+        number, layer = waiting.pop()
+        name = names.of(number, layer)
+        if name in rows:
+            continue
+        function = states.functions[number]
+        rows[name] = row = {failures[function.state.name]: chain.visit(number, layer).p}
+        for reached, weight in chain.spread(number, layer):
+            share = chain.rest[number].q * weight
+            if function.done > 0.0:
+                row[DONE] = row.get(DONE, 0.0) + share * function.done
+            for target, following in function.steps:
+                row[names.of(target, reached)] = share * following
+                waiting.append((target, reached))
+    absorbing = tuple(failures[function.state.name] for function in states.functions)
+    return MarkovChain(rows, (*absorbing, DONE))
+
+
+class _Names:
+    """The names of functions with hidden failures, distinct from all that the model names."""
+
+    def __init__(self, model: HybridModel, states: HiddenStates) -> None:
+        self._states = states
+        self._taken = {state.name for state in model.states} | set(model.failure_states.values())
+        self._names: dict[tuple[int, int], str] = {}
+
+    def of(self, number: int, layer: int) -> str:
+        name = self._states.functions[number].state.name
+        if layer == 0:
+            return name
+        key = (number, layer)
+        if key not in self._names:
+            failed = ", ".join(
+                f"{units[0].partition('[')[0]} {count} failed"
+                for units, count in zip(
+                    self._states.classes, self._states.hidden[layer], strict=True
+                )
+                if count
+            )
+            text = f"{name} ({failed})"
+            while text in self._taken:
+                text += "'"
+            self._taken.add(text)
+            self._names[key] = text
+        return self._names[key]

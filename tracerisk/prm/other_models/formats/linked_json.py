@@ -1,0 +1,265 @@
+"""Linked models as JSON: written the same way each time, read with clear errors.
+
+The format is documented in docs/formats.md and stated by a JSON Schema, `schema()`.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from typing import Any
+
+from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
+from tracerisk.prm.formats.element import Element, read_document
+from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
+from tracerisk.prm.other_models.expressions import Expression
+from tracerisk.prm.other_models.formats.linked_values import read_value, value_to_json
+from tracerisk.prm.other_models.linked.elements import (
+    UNITS,
+    Figure,
+    LinkedChain,
+    LinkedEvent,
+    LinkedTree,
+    ModelParameter,
+    Transfer,
+    Transition,
+)
+from tracerisk.prm.other_models.linked.links import ElementKey
+from tracerisk.prm.other_models.linked.model import LinkedModel
+from tracerisk.prm.trees.events import HouseEvent
+from tracerisk.prm.trees.gates import Gate, check_gate
+
+SCHEMA = "tracerisk-linked-model"
+VERSION = 1
+
+# Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
+
+
+def linked_schema() -> dict[str, Any]:
+    """Return the JSON Schema (2020-12) of the documents that `dumps` writes and `loads` reads."""
+    return schema_of("linked-model", VERSION)
+
+
+def linked_data(model: LinkedModel) -> dict[str, Any]:
+    """Return the model as plain JSON values.
+
+    Raises ModelError when an expression or a distribution has no place in the format.
+    """
+    data: dict[str, Any] = {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "name": model.name,
+        "modelData": [_parameter_to_json(each) for each in model.parameters],
+        "faultTrees": [_tree_to_json(each) for each in model.trees],
+        "markovChains": [_chain_to_json(each) for each in model.chains],
+        "figures": [
+            {"name": each.name, "value": value_to_json(each.value)} for each in model.figures
+        ],
+    }
+    if model.mission_time_h is not None:
+        data["systemMissionTime"] = model.mission_time_h
+    return data
+
+
+def dumps(model: LinkedModel) -> str:
+    """Return the model as JSON text, its lists in their order, its floats to the last bit.
+
+    Raises ModelError when an expression has no place in the format, or is nested too deep.
+    """
+    try:
+        data = linked_data(model)
+        return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    except RecursionError as error:
+        raise ModelError(
+            f"'{model.name}' has expressions nested too deep for JSON; name parts as parameters"
+        ) from error
+
+
+def loads(text: str, file: str) -> LinkedModel:
+    """Read a model from JSON text; `file` is its name in messages.
+
+    Raises ModelError with the path, line and column of the element and what is allowed, when
+    the text is not JSON, is of another schema or version, lacks a key or has an unknown one, or
+    when the model does not hold together (see LinkedModel).
+    """
+    top = read_document(text, file)
+    try:
+        return _model(top)
+    except RecursionError as error:
+        raise ModelError(
+            "values are nested too deep; name parts of them as parameters", Location(file)
+        ) from error
+
+
+def _model(top: Element) -> LinkedModel:
+    found = top.fields(
+        ("schema", "version", "name"),
+        optional=("systemMissionTime", "modelData", "faultTrees", "markovChains", "figures"),
+    )
+    if found["schema"].value != SCHEMA:
+        found["schema"].fail(f"is {found['schema'].value!r}; expected '{SCHEMA}'")
+    version = found["version"].value
+    if version != VERSION or isinstance(version, bool):
+        found["version"].fail(
+            f"is {version!r}; this version of tracerisk reads {VERSION}: "
+            "write the model anew with it, or take the version that wrote it"
+        )
+    places: dict[str, Element] = {}
+
+    def placed(key: ElementKey | str, element: Element) -> None:
+        places.setdefault(str(key), element)
+
+    parameters, trees, chains, figures = [], [], [], []
+    for each in _list(found, "modelData"):
+        parameters.append(_parameter(each))
+        placed(parameters[-1].key, each)
+    for each in _list(found, "faultTrees"):
+        trees.append(_tree(each))
+        placed(trees[-1].key, each)
+    for each in _list(found, "markovChains"):
+        chains.append(_chain(each))
+        placed(chains[-1].key, each)
+    for each in _list(found, "figures"):
+        figures.append(_figure(each))
+        placed(f"figure '{figures[-1].name}'", each)
+    name = found["name"].string()
+    time_h = found["systemMissionTime"].number() if "systemMissionTime" in found else None
+    try:
+        return LinkedModel(
+            name, tuple(parameters), tuple(trees), tuple(chains), tuple(figures), time_h
+        )
+    except ModelError as error:
+        # The message leads with the element that is at fault, or names it first.
+        at = {error.message.find(key): place for key, place in places.items()}
+        at.pop(-1, None)
+        element = at[min(at)] if at else top
+        raise ModelError(f"{element}: {error.message}", element.location) from error
+
+
+def _list(found: dict[str, Element], key: str) -> tuple[Element, ...]:
+    return found[key].items() if key in found else ()
+
+
+def _parameter_to_json(parameter: ModelParameter) -> dict[str, Any]:
+    written: dict[str, Any] = {"name": parameter.name, "value": value_to_json(parameter.value)}
+    if parameter.unit:
+        written["unit"] = parameter.unit
+    if parameter.distribution is not None:
+        written["distribution"] = distribution_to_json(parameter.distribution)
+    return written
+
+
+def _parameter(element: Element) -> ModelParameter:
+    found = element.fields(("name", "value"), optional=("unit", "distribution"))
+    return ModelParameter(
+        found["name"].string(),
+        read_value(found["value"]),
+        found["unit"].choice(UNITS) if "unit" in found else "",
+        read_distribution(found["distribution"]) if "distribution" in found else None,
+    )
+
+
+def _figure(element: Element) -> Figure:
+    found = element.fields(("name", "value"))
+    return Figure(found["name"].string(), read_value(found["value"]))
+
+
+def _tree_to_json(tree: LinkedTree) -> dict[str, Any]:
+    events: list[dict[str, Any]] = [
+        {"name": each.name, "type": "basic", "value": value_to_json(each.value)}
+        for each in tree.events
+    ]
+    events += [{"name": each.name, "type": "house", "value": each.state} for each in tree.houses]
+    events += [
+        {"name": each.name, "type": "transfer", "faultTree": each.tree} for each in tree.transfers
+    ]
+    return {
+        "name": tree.name,
+        "topEvent": tree.top,
+        "gates": [gate_to_json(gate, "min", "max") for gate in tree.gates],
+        "events": events,
+    }
+
+
+def _tree(element: Element) -> LinkedTree:
+    found = element.fields(("name", "topEvent"), optional=("gates", "events"))
+    events: list[LinkedEvent] = []
+    houses: list[HouseEvent] = []
+    transfers: list[Transfer] = []
+    for each in _list(found, "events"):
+        kind = each.entries().get("type")
+        if kind is None:
+            each.fail("'type' is missing")
+        if kind.choice(("basic", "house", "transfer")) == "transfer":
+            fields = each.fields(("name", "type", "faultTree"))
+            transfers.append(Transfer(fields["name"].string(), fields["faultTree"].string()))
+            continue
+        fields = each.fields(("name", "type", "value"))
+        name = fields["name"].string()
+        if kind.value == "house":
+            houses.append(HouseEvent(name, fields["value"].boolean()))
+        else:
+            events.append(LinkedEvent(name, read_value(fields["value"])))
+    return LinkedTree(
+        found["name"].string(),
+        found["topEvent"].string(),
+        tuple(_gate(each) for each in _list(found, "gates")),
+        tuple(events),
+        tuple(houses),
+        tuple(transfers),
+    )
+
+
+def _gate(element: Element) -> Gate:
+    gate = read_gate(element, "min", "max")
+    element.guard(lambda: check_gate(gate))
+    return gate
+
+
+def _chain_to_json(chain: LinkedChain) -> dict[str, Any]:
+    key = "rate" if chain.time == "continuous" else "probability"
+    return {
+        "name": chain.name,
+        "time": chain.time,
+        "initialState": chain.entry,
+        "transitions": [
+            {"source": step.source, "target": step.target}
+            | (
+                {"remainder": str(step.share)}
+                if step.value is None
+                else {key: value_to_json(step.value)}
+            )
+            for step in chain.transitions
+        ],
+    }
+
+
+def _chain(element: Element) -> LinkedChain:
+    found = element.fields(("name", "initialState", "transitions"), optional=("time",))
+    time = found["time"].choice(("discrete", "continuous")) if "time" in found else "discrete"
+    key = "rate" if time == "continuous" else "probability"
+    steps = tuple(_transition(each, key) for each in found["transitions"].items())
+    return element.guard(
+        lambda: LinkedChain(
+            found["name"].string(),
+            found["initialState"].string(),
+            steps,
+            "continuous" if time == "continuous" else "discrete",
+        )
+    )
+
+
+def _transition(element: Element, key: str) -> Transition:
+    allowed = (key,) if key == "rate" else (key, "remainder")
+    found = element.fields(("source", "target"), optional=allowed)
+    given = [each for each in allowed if each in found]
+    if len(given) != 1:
+        element.fail(f"states {' and '.join(given) or 'neither'}; give one; {one_of(allowed)}")
+    value: Expression | None = None
+    share = Fraction(1)
+    if given == ["remainder"]:
+        share = read_fraction(found["remainder"], '"9/10", "0.9" or "1"')
+    else:
+        value = read_value(found[key])
+    return Transition(found["source"].string(), found["target"].string(), value, share)

@@ -1,0 +1,197 @@
+"""A logic model as the JSON that the OpenPRA engine takes, the same bytes for the same model."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from tracerisk.common.strong_components import reached
+from tracerisk.errors import Location, ModelError
+from tracerisk.prm.other_models.expressions import Evaluation, Expression, Number
+from tracerisk.prm.other_models.formats.open_psa.rewriting import accepted_form, form_inputs
+from tracerisk.prm.other_models.formats.openpra.event_trees import described, event_tree_data
+from tracerisk.prm.other_models.formats.openpra.logic import LogicWriter
+from tracerisk.prm.other_models.logic.model import (
+    ALWAYS,
+    NEVER,
+    EventDefinition,
+    HouseDefinition,
+    LogicModel,
+)
+
+_CONSTANTS = {ALWAYS: 1.0, NEVER: 0.0}
+
+
+def write_openpra(
+    model: LogicModel, path: Path | str, *, mission_time_h: float | None = None
+) -> None:
+    """Write the model to a JSON file of the OpenPRA engine; see `dumps_openpra`.
+
+    Raises ModelError when OpenPRA cannot hold the model, or the file cannot be written.
+    """
+    text = dumps_openpra(model, mission_time_h=mission_time_h)
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise ModelError(
+            f"cannot be written: {error.strerror or error}", Location(str(path))
+        ) from error
+
+
+def dumps_openpra(model: LogicModel, *, mission_time_h: float | None = None) -> str:
+    """Return the model as a request to the OpenPRA engine, in JSON.
+
+    Expressions become their values for the mission time, [h], parameters are left out.
+    Raises ModelError when OpenPRA cannot hold the model, or needs a mission time; TooLargeError
+    when a gate that feeds many would have to be written too often.
+    """
+    settings: dict[str, Any] = {"bdd": True, "probability": True}
+    if model.groups:
+        settings["ccf"] = True
+    document = {"settings": settings, "model": _Writer(model, mission_time_h).data()}
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+class _Writer:
+    """Makes the data of one model."""
+
+    def __init__(self, model: LogicModel, mission_time_h: float | None) -> None:
+        self._model = model
+        self._mission_time_h = mission_time_h
+        self._values = Evaluation(model.definitions.by_name, mission_time_h or 0.0)
+        self._gates = {each.gate.name: each for each in model.gates}
+        self._events = {each.name: each for each in model.events}
+        self._houses = {each.house.name: each for each in model.houses}
+        self._groups = {member: group for group in model.groups for member in group.members}
+        self._labels = {each.path: each.label for each in model.containers}
+        self._trees = self._tree_names()
+        self._logic = LogicWriter(self._gates)
+
+    def data(self) -> dict[str, Any]:
+        """Return the model's data."""
+        model = self._model
+        if model.substitutions:
+            raise ModelError("OpenPRA has no substitutions; write them as gates, or leave them out")
+        event_trees = [event_tree_data(each, self._tree_of) for each in model.event_trees]
+        data = described({"name": model.name} if model.name else {}, model.label)
+        trees = [self._fault_tree(name, top) for top, name in self._trees.items()]
+        self._add_unused(trees)
+        if trees:
+            data["faultTrees"] = trees
+        if model.groups:
+            data["ccfGroups"] = [self._group(each) for each in model.groups]
+        if event_trees:
+            data["eventTrees"] = event_trees
+        return data
+
+    def _tree_names(self) -> dict[str, str]:
+        """Return the name of the fault tree of each top: that of its home, where it is alone."""
+        tops = self._model.tops
+        homes: dict[str, list[str]] = {}
+        for top in tops:
+            homes.setdefault(self._gates[top].place.home.partition(".")[0], []).append(top)
+        names: dict[str, str] = {}
+        for top in tops:
+            home = self._gates[top].place.home.partition(".")[0]
+            alone = home and homes[home] == [top]
+            names[top] = home if alone and home in self._labels else top
+        self._check_distinct(names)
+        return names
+
+    def _check_distinct(self, names: dict[str, str]) -> None:
+        seen: dict[str, str] = {}
+        for top, name in names.items():
+            if name in seen or (name in self._events) or (name in self._houses):
+                other = f"the gate '{seen[name]}'" if name in seen else "an event"
+                raise ModelError(
+                    f"the fault tree of gate '{top}' would be called '{name}', as is that of "
+                    f"{other}; rename one"
+                )
+            seen[name] = top
+
+    def _tree_of(self, gate: str) -> str:
+        """Return the fault tree of a gate, which is given one where it has none."""
+        if gate not in self._gates:
+            raise ModelError(
+                f"an event tree collects '{gate}', and OpenPRA takes fault trees only; "
+                "put it below a gate"
+            )
+        if gate not in self._trees:
+            self._trees[gate] = gate
+            self._check_distinct(self._trees)
+        return self._trees[gate]
+
+    def _fault_tree(self, name: str, top: str) -> dict[str, Any]:
+        expression = self._logic.top(top, name)
+        below = self._below(top)
+        data = described({"name": name}, self._labels.get(name, ""))
+        events = [self._event(each) for each in self._model.events if each.name in below]
+        # OpenPRA has no constants; these are the events that always and never happen.
+        events += [{"name": each, "p": p} for each, p in _CONSTANTS.items() if each in below]
+        houses = [_house(each) for each in self._model.houses if each.house.name in below]
+        data["basicEvents"] = events
+        if houses:
+            data["houseEvents"] = houses
+        return data | {"top": expression}
+
+    def _below(self, top: str) -> set[str]:
+        def inputs(name: str) -> Iterator[str]:
+            if name in self._gates:
+                yield from form_inputs(accepted_form(self._gates[name].gate))
+
+        return reached((top,), inputs)
+
+    def _event(self, each: EventDefinition) -> dict[str, Any]:
+        group = self._groups.get(each.name)
+        expression = each.expression if group is None else group.distribution
+        if expression is None:
+            raise ModelError(
+                f"event '{each.name}' has no probability, which OpenPRA needs; give it one"
+            )
+        data = described({"name": each.name}, each.place.label)
+        return data | {"p": self._value(expression, f"event '{each.name}'")}
+
+    def _value(self, expression: Expression, what: str) -> float:
+        if isinstance(expression, Number):
+            return float(expression.number)
+        if self._mission_time_h is None:
+            raise ModelError(
+                f"{what}: its figure is computed, and OpenPRA takes numbers; "
+                "state the mission time to compute it for"
+            )
+        value = self._values.of(expression)
+        if not 0.0 <= value <= 1.0:
+            raise ModelError(f"{what}: probability {value!r} is outside [0, 1]; correct its figure")
+        return value
+
+    def _add_unused(self, trees: list[dict[str, Any]]) -> None:
+        """Add what no fault tree holds to the first one."""
+        listed = {each["name"] for tree in trees for each in tree["basicEvents"]}
+        unused = [each for each in self._model.events if each.name not in listed]
+        placed = {each["name"] for tree in trees for each in tree.get("houseEvents", ())}
+        houses = [each for each in self._model.houses if each.house.name not in placed]
+        if not unused and not houses:
+            return
+        if not trees:
+            raise ModelError("OpenPRA has events in fault trees only, and there is none; add one")
+        trees[0]["basicEvents"] += [self._event(each) for each in unused]
+        if houses:
+            trees[0].setdefault("houseEvents", []).extend(map(_house, houses))
+
+    def _group(self, each: Any) -> dict[str, Any]:
+        what = f"common cause group '{each.name}'"
+        return described({"name": each.name}, each.place.label) | {
+            "model": each.law.value,
+            "members": list(each.members),
+            "distribution": self._value(each.distribution, what),
+            "factors": [
+                {"level": level, "value": self._value(factor, what)}
+                for level, factor in each.factors
+            ],
+        }
+
+
+def _house(each: HouseDefinition) -> dict[str, Any]:
+    return described({"name": each.house.name, "state": each.house.state}, each.place.label)
