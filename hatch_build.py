@@ -131,7 +131,7 @@ def man_page(root: Path, version: str) -> str:
 
     sys.path.insert(0, str(root))
     try:
-        from tracerisk.cli.shared.parser import whole_parser
+        from tracerisk.cli.parser import whole_parser
     finally:
         sys.path.remove(str(root))
     parser = whole_parser()

@@ -21,6 +21,8 @@ ROOMS = ("cli", "editor", "api", "pipeline", "report", "prm", "adder", "ros", "t
 BELOW = ("trace", "config", "errors", "common")
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
+REST = "the other files"
+"""Of a room whose files work on each other, above its folders."""
 SUB_ROOMS = {
     "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks", "quantify"),
     "pipeline": (
@@ -64,10 +66,20 @@ SUB_ROOMS = {
         ),
         "distributions",
     ),
+    "cli": (REST, "running", "serving", "reporting", "solving", "shared"),
+    "report": (
+        *("png", "html", "model_files", "linked", "cut_sets", "what_if", "mutants", "terminal"),
+        *("sarif", "explain", "hardware_table", "functions_table", "run_figures", "assumed"),
+        *("instances", "fmea", "worlds", "series", "diff", "tables"),
+    ),
+    "instrument": (REST, "marks", "source", "hidden_frames", "code_positions"),
     "prm": (
-        *("notebook", "properties", "formats", "review", "drawing", "logic", "linked"),
-        *("questions", "hybrid", "event_trees", "bayes", "dynamic", "expressions"),
-        *("markov", "cut_sets", "trees", "numbers", "compiled", "display"),
+        *("notebook", "other_models", "formats", "review", "drawing", "questions", "hybrid"),
+        *("trees", "numbers", "compiled", "display"),
+    ),
+    "prm/other_models": (
+        *("properties", "formats", "logic", "linked", "event_trees", "bayes", "dynamic"),
+        *("expressions", "markov", "cut_sets"),
     ),
     "common": (
         *("field", "evidence", "hardware", "sandbox", "outcome", "worlds", "acceptances"),
@@ -147,16 +159,47 @@ def test_a_room_imports_from_itself_and_from_below(room):
 
 @pytest.mark.parametrize("room", SUB_ROOMS)
 def test_a_part_of_a_room_imports_from_itself_and_from_below(room):
-    ranks = {name: rank for rank, name in enumerate(SUB_ROOMS[room])}
+    parts = SUB_ROOMS[room]
+    ranks = {name: rank for rank, name in enumerate(parts)}
+    above = tuple(room.split("/"))
+    depth = len(above)
     upwards = {
         f"{path.relative_to(PACKAGE)}:{line}": ".".join(name)
         for path in FILES
-        if parts_of(path)[0] == room and parts_of(path)[1:] != ("__init__",)
+        if parts_of(path)[:depth] == above and parts_of(path)[depth:] != ("__init__",)
         for name, line in imported(path).items()
-        if name[0] == room and len(name) > 1
-        if ranks.get(name[1], 99) < ranks[parts_of(path)[1]]
+        if name[:depth] == above and len(name) > depth
+        if ranks.get(name[depth], 0 if REST in parts else 99)
+        < ranks.get(parts_of(path)[depth], 0 if REST in parts else -1)
     }
     assert upwards == {}
+
+
+FOR_MODELS = {
+    *(
+        "cli/convert",
+        "cli/cut_sets",
+        "cli/solving/figure_options",
+        "cli/solving",
+        "cli/shared/model_files",
+    ),
+    *("report/model_files", "report/linked", "report/cut_sets"),
+    *("prm/__init__", "prm/notebook", "prm/other_models"),
+}
+"""What is for models of any tool, and not for controllers alone."""
+
+
+def test_only_what_is_for_models_of_any_tool_knows_those_of_other_tools():
+    users = {
+        "/".join(parts_of(path))
+        for path in FILES
+        if any(name[:2] == ("prm", "other_models") for name in imported(path))
+    }
+    assert {
+        user
+        for user in users
+        if not any(user == place or user.startswith(f"{place}/") for place in FOR_MODELS)
+    } == set()
 
 
 def test_every_room_and_module_has_its_place():
@@ -176,8 +219,11 @@ def test_every_part_of_a_room_has_its_place(room):
         for path in (PACKAGE / room).iterdir()
         if (path.suffix == ".py" and path.stem != "__init__") or (path / "__init__.py").is_file()
     }
+    parts = set(SUB_ROOMS[room])
+    if REST in parts:
+        here = {part for part in here if (PACKAGE / room / part).is_dir() or part in parts} | {REST}
     # Stand-ins are packages of their own.
-    assert here | {"stand_ins"} == set(SUB_ROOMS[room]) | {"stand_ins"}
+    assert here | {"stand_ins"} == parts | {"stand_ins"}
 
 
 def test_no_folder_hides_what_is_in_it():

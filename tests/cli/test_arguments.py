@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.cli import VERBS, _plain
-from tracerisk.cli.shared.parser import _parser
+from tracerisk.cli.parser import _parser
 
 
 def parsed(verb: str, *words: str) -> dict[str, object]:

@@ -6,7 +6,7 @@ from argparse import Namespace
 
 import pytest
 
-from tracerisk.cli.hardware_spread import uncertainty_of_run
+from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import InputError
 from tracerisk.pipeline import build

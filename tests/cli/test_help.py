@@ -8,7 +8,7 @@ import re
 import pytest
 
 from tracerisk.cli import GROUPS, VERBS, main
-from tracerisk.cli.shared.parser import whole_parser
+from tracerisk.cli.parser import whole_parser
 
 PROPER = {"Markdown", "PRISM"}
 

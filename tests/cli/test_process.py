@@ -327,6 +327,29 @@ def modules_of(example, code: str) -> set[str]:
     return set(done.stderr.decode().split())
 
 
+def test_no_verb_on_a_controller_loads_what_only_models_of_other_tools_need(annotated):
+    calls = [
+        "run controller.py",
+        "check",
+        "refresh",
+        "build controller.py",
+        "solve --importance --pairs controller.py",
+        "solve --uncertainty --error-factor 3 --samples 20 controller.py",
+        "report controller.py -o report.html",
+        "overrides",
+    ]
+    code = f"""\
+import sys
+from tracerisk.cli import main
+for call in {calls!r}:
+    assert main(call.split()) == 0, call
+print(*sorted(sys.modules), file=sys.stderr)
+"""
+    loaded = modules_of(annotated, code)
+    assert {"tracerisk.prm.hybrid.solve", "tracerisk.prm.questions.uncertainty"} <= loaded
+    assert {name for name in loaded if name.startswith("tracerisk.prm.other_models")} == set()
+
+
 @pytest.mark.parametrize(
     "call",
     slow_but(
@@ -355,7 +378,7 @@ NOT_FOR_CHECK = {
         "tracerisk.ros",
     ),
     *("tracerisk.twin", "tracerisk.instrument.transform", "tracerisk.pipeline.review"),
-    "tracerisk.cli.shared.parser",
+    "tracerisk.cli.parser",
     *(
         "tracerisk.adder.merge.merge",
         "tracerisk.adder.sources.c_source",
@@ -380,7 +403,7 @@ def test_check_imports_only_what_it_needs(annotated):
 NOT_FOR_A_TREE = {
     *("argparse", "contextlib", "dataclasses", "decimal", "fractions", "gettext", "inspect"),
     *("json", "locale", "numpy", "pathlib", "re", "rich", "shutil", "typing", "urllib"),
-    *("tracerisk.cli.shared.parser", "tracerisk.config", "tracerisk.pipeline", "tracerisk.trace"),
+    *("tracerisk.cli.parser", "tracerisk.config", "tracerisk.pipeline", "tracerisk.trace"),
     *(
         "tracerisk.prm.other_models.cut_sets",
         "tracerisk.prm.hybrid",
@@ -442,8 +465,7 @@ def test_help_imports_nothing_of_the_stages(example):
     ours = {name for name in modules if name.startswith("tracerisk.")}
     words = (
         "cli",
-        "cli.shared",
-        "cli.shared.parser",
+        "cli.parser",
         "common",
         "common.text",
         "common.text.columns",

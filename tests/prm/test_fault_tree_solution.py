@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import BasicEvent, FaultTree, HybridModel, expressions, prime_implicants
+from tracerisk.prm import BasicEvent, FaultTree, HybridModel, prime_implicants
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
+from tracerisk.prm.other_models import expressions
 from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.other_models.expressions import (
     Definitions,

@@ -106,7 +106,7 @@ def _run(given: list[str]) -> int:
     try:
         options = _plain(given)
         if options is None:
-            from tracerisk.cli.shared.parser import parse
+            from tracerisk.cli.parser import parse
 
             options = parse(given)
         from tracerisk.cli.boundary import guarded

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
 from tracerisk.cli.shared.run_report import blocks_line
 from tracerisk.cli.shared.sources import decoded, read_file

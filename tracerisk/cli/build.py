@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.cli.hardware_spread import add_hardware_spread, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
-from tracerisk.cli.verdict import sources_verdict
-from tracerisk.cli.what_if import add_set, set_in, sets_a_rate
+from tracerisk.cli.shared.verdict import sources_verdict
+from tracerisk.cli.solving.figure_options import add_set, set_in, sets_a_rate
+from tracerisk.cli.solving.hardware_spread import (
+    add_hardware_spread,
+    print_spreads,
+    spreads_of_files,
+)
 from tracerisk.report.tables import counted
 
 

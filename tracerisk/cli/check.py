@@ -92,7 +92,7 @@ def _check(options: argparse.Namespace) -> int:
     if errors:
         code = errors[0].exit_code
     if options.json:
-        from tracerisk.cli.verdict import verdict_json
+        from tracerisk.cli.shared.verdict import verdict_json
 
         print_json(
             "check",

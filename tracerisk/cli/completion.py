@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     import shtab
 
-    from tracerisk.cli.shared.parser import whole_parser
+    from tracerisk.cli.parser import whole_parser
 
     parser = whole_parser()
     for action in _actions(parser):

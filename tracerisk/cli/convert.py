@@ -6,12 +6,12 @@ import argparse
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, labels_beside, read_model
 from tracerisk.cli.shared.model_format import SUFFIXES, ModelFormat
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
+from tracerisk.cli.solving import figure_options as asked
 from tracerisk.errors import InputError, Location, ModelError, one_of
 
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
@@ -16,6 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_file,
 )
+from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:

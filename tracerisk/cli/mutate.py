@@ -6,9 +6,9 @@ import argparse
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, show
+from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
@@ -15,8 +14,9 @@ from tracerisk.cli.shared.output import (
     print_diffs,
     print_json,
 )
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import note_draft
-from tracerisk.cli.verdict import as_typed, verdict_exit, verdict_json
+from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.trace import verdict_line

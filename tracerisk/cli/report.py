@@ -5,19 +5,19 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.against import add_against, review_against
-from tracerisk.cli.shared.output import note, print_json, write_file
-from tracerisk.cli.shared.overview import write_overview
-from tracerisk.cli.shared.report_input import RunShown, history_shown, report_html, run_shown
-from tracerisk.cli.shared.report_pictures import (
+from tracerisk.cli.reporting.overview import write_overview
+from tracerisk.cli.reporting.report_input import RunShown, history_shown, report_html, run_shown
+from tracerisk.cli.reporting.report_pictures import (
     add_picture_options,
     check_picture_options,
     wants_pictures,
     write_report_pictures,
 )
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.against import add_against, review_against
+from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file
-from tracerisk.cli.verdict import sources_verdict, verdict_details
+from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.errors import ExitCode, InputError, SourceError
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
-from tracerisk.cli.verdict import verdict_json
+from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.records import picked
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location

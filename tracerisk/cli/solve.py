@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from tracerisk.cli import what_if as asked
-from tracerisk.cli.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit, show
 from tracerisk.cli.shared.sources import model_of_files
+from tracerisk.cli.solving import figure_options as asked
+from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.common.records import asdict
 from tracerisk.errors import InputError
 
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     pairs = asked.pairs_of(model, options)
     risks = {"mission failure": assessment.mission.failure_probability}
     code = risk_exit(risks, options.max_failure_probability)
-    from tracerisk.cli.verdict import sources_verdict
+    from tracerisk.cli.shared.verdict import sources_verdict
 
     verdicts = sources_verdict(options.files)
     if options.json:

@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.scenario import scenario_file, write_scenario
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
-from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.common.records import picked
 from tracerisk.errors import InputError, Location
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from tracerisk.cli.running.progress import bar_of_cells
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     paper,
@@ -13,6 +12,7 @@ from tracerisk.cli.shared.output import (
     print_text,
     write_file,
 )
+from tracerisk.cli.shared.progress import bar_of_cells
 
 _OVER = """\
 --over NAME=VALUES ...  what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, scenario_advice, show, write_file
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.cli.shared.run_report import (
     failure_of,
@@ -23,7 +23,7 @@ from tracerisk.cli.shared.run_report import (
     write_outputs,
     write_record,
 )
-from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.errors import InputError
 from tracerisk.trace import LOST, MEASURED
 

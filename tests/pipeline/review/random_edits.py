@@ -34,7 +34,7 @@ from tracerisk.adder.sources.definitions import MODULE, definitions
 from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.boundary import guarded
-from tracerisk.cli.shared.parser import parse
+from tracerisk.cli.parser import parse
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.records import replace
 from tracerisk.instrument.source.code_digest import code_digest

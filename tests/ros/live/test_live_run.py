@@ -124,8 +124,8 @@ def test_the_published_block_is_written_and_never_fresh(lived):
 
 
 def test_nothing_is_written_by_a_live_run_itself():
+    from tracerisk.cli.parser import whole_parser
     from tracerisk.cli.running.finished_run import keeps_files
-    from tracerisk.cli.shared.parser import whole_parser
 
     options = whole_parser().parse_args(["run", "steps.py", "--live"])
     assert keeps_files(options)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
-from tracerisk.cli.explain import explained
-from tracerisk.cli.hardware_spread import uncertainty_of_run
+from tracerisk.cli.reporting.report_input import RunShown, evidence_shown, report_html, worlds_shown
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.against import review_against
+from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
-from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html, worlds_shown
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
-from tracerisk.cli.verdict import as_typed, verdict_details
+from tracerisk.cli.shared.verdict import as_typed, verdict_details
+from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.results.alerts import run_alerts

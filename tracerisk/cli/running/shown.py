@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.explain import derivation_json, print_derivation
 from tracerisk.cli.running.finished_run import FinishedRun, keeps_files
 from tracerisk.cli.running.in_worlds import print_worlds, worlds_exit, worlds_json
+from tracerisk.cli.shared.explain import derivation_json, print_derivation
 from tracerisk.cli.shared.output import (
     note,
     paper,
@@ -31,8 +31,8 @@ from tracerisk.cli.shared.run_report import (
     print_failure,
     trace_as_typed,
 )
-from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
-from tracerisk.cli.what_if import print_what_if, what_if_data
+from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.solving.figure_options import print_what_if, what_if_data
 from tracerisk.common import trace_json
 from tracerisk.errors import ExitCode
 from tracerisk.prm.formats import model_json

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, NoReturn
 
 from tracerisk.api import RunFailedError
 from tracerisk.cli.running.finished_run import FinishedRun, finish_run
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.running.shown import show_failure, show_run
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.watching import Watch, note_error, watch
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import TraceRiskError

@@ -13,11 +13,11 @@ from typing import Any
 from urllib.parse import parse_qs, quote, unquote
 
 from tracerisk.adder.lock.lock import LOCK_NAME
+from tracerisk.cli.reporting.overview import is_report, overview_row, reports_in
+from tracerisk.cli.reporting.report_input import evidence_shown, report_html, run_shown
 from tracerisk.cli.serving.sections import links_section, live_section, what_if_section
-from tracerisk.cli.shared.overview import is_report, overview_row, reports_in
-from tracerisk.cli.shared.report_input import evidence_shown, report_html, run_shown
+from tracerisk.cli.shared.verdict import verdict_details
 from tracerisk.cli.shared.watching import State, state_of
-from tracerisk.cli.verdict import verdict_details
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Hardware

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import what_if as asked
 from tracerisk.cli.shared.model_files import read_text
 from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit
+from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.solved import chosen
 from tracerisk.errors import InputError
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_file
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import (
     finding_line,
     headline,
@@ -17,7 +17,7 @@ from tracerisk.cli.shared.run_report import (
     recording_folder,
     trace_as_typed,
 )
-from tracerisk.cli.verdict import verdict_json
+from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.errors import InputError
 from tracerisk.trace import Trace, verdict_line
 

@@ -26,7 +26,7 @@ def write_overview(options: argparse.Namespace) -> int:
 
     Raises InputError for options that do not go with it, and where no controller is known.
     """
-    from tracerisk.cli.verdict import verdict_json
+    from tracerisk.cli.shared.verdict import verdict_json
     from tracerisk.pipeline.review.overview import overview
     from tracerisk.report.html.repository.overview import overview_page, report_links
 

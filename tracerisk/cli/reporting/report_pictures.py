@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.running.progress import progress_bar
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.errors import ExitCode, InputError, Location
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 
-from tracerisk.cli.hardware_spread import SAMPLES, add_hardware_spread
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import paper, print_text
+from tracerisk.cli.solving.hardware_spread import SAMPLES, add_hardware_spread
 from tracerisk.common.records import asdict
 from tracerisk.errors import InputError, one_of
 

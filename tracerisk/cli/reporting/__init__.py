@@ -1,0 +1,1 @@
+"""What goes into a report, for the verbs that write or serve one."""
