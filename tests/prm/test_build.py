@@ -10,7 +10,9 @@ import pytest
 from tracerisk.adder.blocks.block import Field
 from tracerisk.errors import BlockError, Location, ModelError
 from tracerisk.prm import GateKind, NextStep, build_model, solve
+from tracerisk.prm.formats import dumps, loads
 from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY
+from tracerisk.prm.trees.events import Share
 
 R = -math.log1p(-0.2)  # the rate of a unit that fails with 0.2 in a visit
 
@@ -334,3 +336,6 @@ def test_spares_and_common_causes_stand_side_by_side(block, component):
     assert solve(model).states[0].top_event == pytest.approx(1 - 0.9 * (1 - apart), rel=1e-12)
     names = [parameter.name for parameter in model.parameters]
     assert names == ["unit {common cause}", "unit {own}"]
+    parts = [(each.component, each.share) for each in model.parameters]
+    assert parts == [("unit", Share.COMMON_CAUSE), ("unit", Share.OWN)]
+    assert loads(dumps(model), "model.json") == model, "the names in the file say the same"

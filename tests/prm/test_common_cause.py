@@ -133,7 +133,7 @@ def test_a_model_of_the_members_is_shared_out():
     expanded = expand_common_cause(tree, [CommonCauseGroup("p", units, BETA, (0.1,))])
     at = expanded.tree.values_at(100.0)
     assert at == pytest.approx({"pump {1 of 2}": 0.9e-7, "pump {2 of 2}": 0.1e-7}, rel=1e-7)
-    pair = ShareOf(Exponential(1.0), 1.0).probability(40.0)
+    pair = ShareOf(Exponential(1.0), 1.0, "pump").probability(40.0)
     assert pair == Exponential(1.0).probability(40.0)
 
 

@@ -121,8 +121,8 @@ def test_what_hits_all_units_at_once_is_no_unit():
     )
     own, common = "pair {own}", "pair {common cause}"
     events = (
-        BasicEvent("pair[1]", own),
-        BasicEvent("pair[2]", own),
-        BasicEvent("pair[all]", common),
+        BasicEvent("pair[1]", own, component="pair"),
+        BasicEvent("pair[2]", own, component="pair"),
+        BasicEvent("pair[all]", common, component="pair"),
     )
     assert tolerated_failures(FaultTree("top", gates, events)) == {"pair": 1}

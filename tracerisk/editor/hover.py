@@ -11,7 +11,6 @@ from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.editor.figures import ControllerFigures, UnitUse
 from tracerisk.editor.outline import Outline
 from tracerisk.prm.hybrid.assessment import StateAssessment
-from tracerisk.prm.review.model_parts import component_of
 from tracerisk.report.functions_table import units_needed
 from tracerisk.report.tables import counted, share_text
 from tracerisk.trace import QualifiedName, verdict_line
@@ -97,7 +96,7 @@ def _components(figures: ControllerFigures, state: StateAssessment) -> Iterator[
     yield "|---|---|---|---|---|"
     for each in ranked[:MOST_COMPONENTS]:
         part = each.contribution / state.top_event if state.top_event > 0.0 else 0.0
-        use = figures.use(state.name, component_of(each.name))
+        use = figures.use(state.name, each.component)
         cells = (
             _plain(each.name),
             units_needed(each),
@@ -155,7 +154,7 @@ def component_markdown(
         state = each.state(name, block.function)
         if state is None or each.assessment is None:
             continue
-        found = [one for one in state.components if component_of(one.name) == entry.name]
+        found = [one for one in state.components if one.component == entry.name]
         contribution = sum(one.contribution for one in found)
         part = contribution / state.top_event if state.top_event > 0.0 else 0.0
         lines.append(
@@ -169,7 +168,7 @@ def component_markdown(
             "If it never failed, the mission's failure probability would fall by "
             f"{share_text(one.fussell_vesely)}."
             for one in each.importances
-            if component_of(one.name) == entry.name
+            if one.component == entry.name
         ]
         lines += ["", *closing_lines(each)]
     return "\n".join(lines)

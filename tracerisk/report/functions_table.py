@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.hybrid.assessment import Assessment, ComponentContribution, StateAssessment
-from tracerisk.prm.review.model_parts import component_of
 from tracerisk.report.tables import ROOMY, WIDE, add_share_columns, plain, share_cells, table_of
 
 if TYPE_CHECKING:
@@ -116,5 +115,5 @@ def units_needed(component: ComponentContribution) -> str:
 
 
 def _active(exposures: Exposures | None, function: str, component: ComponentContribution) -> str:
-    seconds = (exposures or {}).get(function, {}).get(component_of(component.name))
+    seconds = (exposures or {}).get(function, {}).get(component.component)
     return "-" if seconds is None else f"{seconds:.2f}"

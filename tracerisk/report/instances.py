@@ -40,7 +40,7 @@ def component_shares(assessment: Assessment) -> dict[str, float]:
     """
     found: dict[str, float] = {}
     for each in assessment.components:
-        name = each.name.partition(" {")[0]
+        name = each.component
         found[name] = min(1.0, found.get(name, 0.0) + each.fussell_vesely)
     return found
 

@@ -15,4 +15,8 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     An infinite ratio (without the component nothing fails at all) is `None`, JSON's null.
     """
     plain: dict[str, Any] = finite(asdict(assessment))
+    states: list[dict[str, Any]] = plain["states"]
+    for row in (*plain["components"], *(row for state in states for row in state["components"])):
+        # The name says it, by the names of the shares.
+        del row["component"]
     return plain

@@ -12,6 +12,7 @@ from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
 from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
 from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.hybrid.part_names import share_named
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
@@ -139,10 +140,14 @@ def _check_version(found: Mapping[str, Element]) -> None:
 
 def _parameter(element: Element) -> Parameter:
     found = element.fields({"name", "theta"}, optional={"distribution"})
+    name = found["name"].string()
+    component, share = share_named(name)
     return Parameter(
-        found["name"].string(),
+        name,
         found["theta"].probability(),
         read_distribution(found["distribution"]) if "distribution" in found else None,
+        component,
+        share,
     )
 
 
@@ -188,7 +193,9 @@ def _tree(element: Element) -> FaultTree:
 
 def _event(element: Element) -> BasicEvent:
     found = element.fields({"name", "parameter"})
-    return BasicEvent(found["name"].string(), found["parameter"].string())
+    parameter = found["parameter"].string()
+    component, share = share_named(parameter)
+    return BasicEvent(found["name"].string(), parameter, component=component, share=share)
 
 
 def _house(element: Element) -> HouseEvent:

@@ -72,8 +72,10 @@ class ComponentContribution:
     Of `units`, `required` must work; `None` where the tree holds them under several gates.
     `probability` is that of one unit failing during one visit; `contribution` is how much the
     top event's probability falls when the component never fails, nor has failed before.
+    `name` is that of the parameter, which counts all or a share of the failures of `component`.
     """
 
+    component: str
     name: str
     units: int
     required: int | None
@@ -156,8 +158,10 @@ class ComponentImportance:
     `risk_achievement_worth` is F/F with a component that has failed wherever it is used;
     `tenfold` is F(10 theta)/F, each probability at most one.
     Where F is zero, criticality and Fussell-Vesely are zero, the ratios one or infinite.
+    `name` is that of the parameter, which counts all or a share of the failures of `component`.
     """
 
+    component: str
     name: str
     theta: float
     birnbaum: float

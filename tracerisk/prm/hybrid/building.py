@@ -43,6 +43,7 @@ def state_parts(
     check_parameters(values, known)
     states = []
     theta: dict[str, float] = {}
+    events = {event.parameter: event for tree in trees.values() for event in tree.events}
     for rank, (state, tree) in enumerate(trees.items(), 1):
         if state not in following:
             raise ModelError(f"state '{state}': no next; say what follows it, or '{DONE}'")
@@ -56,7 +57,10 @@ def state_parts(
         states.append(FunctionState(state, rank, tree, found, steps))
     return (
         tuple(states),
-        tuple(Parameter(parameter, value) for parameter, value in theta.items()),
+        tuple(
+            Parameter(name, value, component=events[name].component, share=events[name].share)
+            for name, value in theta.items()
+        ),
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.trees.events import Share
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
 
@@ -19,16 +20,23 @@ DONE = "done"
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A component's figure theta, common to all states and instances.
-
-    `theta` is the greatest of its per-visit probabilities over the states; a state that lists
-    a smaller one holds theta times a fixed factor.
-    `distribution` says how far theta may be off, where that is known.
-    """
+    """A component's figure theta, or a share of it, common to all states and instances."""
 
     name: str
+    """Unique in the model."""
     theta: float
+    """The greatest of its per-visit probabilities over the states; a state that lists a smaller
+    one holds theta times a fixed factor."""
     distribution: Distribution | None = None
+    """How far theta may be off, where that is known."""
+    component: str = ""
+    """The component whose figure it is; its own name where none is given."""
+    share: Share = Share.WHOLE
+    """Which of the component's failures it counts."""
+
+    def __post_init__(self) -> None:
+        if not self.component:
+            object.__setattr__(self, "component", self.name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from tracerisk.prm.hybrid.function_fault_tree import (
     latent_units,
 )
 from tracerisk.prm.hybrid.hybrid import HybridModel, endless_states
+from tracerisk.prm.hybrid.part_names import unit_name
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
@@ -162,10 +163,10 @@ def _with_first_units(state: FunctionState, groups: Collection[str]) -> Function
         state.tree.top,
         (
             *state.tree.gates,
-            *(Gate(name, GateKind.OR, (f"{name}[1]",)) for name in sorted(single)),
+            *(Gate(name, GateKind.OR, (unit_name(name, 1),)) for name in sorted(single)),
         ),
         tuple(
-            replace(event, name=f"{event.name}[1]") if event.name in single else event
+            replace(event, name=unit_name(event.name, 1)) if event.name in single else event
             for event in state.tree.events
         ),
     )
@@ -177,7 +178,11 @@ def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:
     for state in states:
         for name, value in state.probabilities.items():
             greatest[name] = max(value, greatest.get(name, 0.0))
-    return tuple(Parameter(name, theta) for name, theta in sorted(greatest.items()))
+    events = {event.parameter: event for state in states for event in state.tree.events}
+    return tuple(
+        Parameter(name, theta, component=events[name].component, share=events[name].share)
+        for name, theta in sorted(greatest.items())
+    )
 
 
 def _check_distinct(blocks: Sequence[RiskBlock]) -> None:

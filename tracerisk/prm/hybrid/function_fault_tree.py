@@ -7,14 +7,18 @@ from dataclasses import replace
 
 from tracerisk.adder.blocks.block import ComponentEntry
 from tracerisk.prm.hybrid.elements import FunctionState
+from tracerisk.prm.hybrid.part_names import (
+    all_units_name,
+    apart_name,
+    parameter_name,
+    spare_group_name,
+    unit_name,
+)
 from tracerisk.prm.numbers.probability import Probability, value_of
-from tracerisk.prm.trees.events import BasicEvent
+from tracerisk.prm.trees.events import BasicEvent, Share
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares, spare_group_failure
-
-# No component can have a name with braces.
-_SPARES = "{spares}"
 
 
 def function_fault_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
@@ -44,11 +48,11 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
     beta-factor model.
     """
     quantity = entry.quantity.value
-    own, common = _parameters_of(entry)
+    own = Share.OWN if _has_common_cause(entry) else Share.WHOLE
     if quantity == 1:
-        return (), (BasicEvent(entry.name, own),)
+        return (), (_event(entry.name, entry, own),)
     redundancy = entry.redundancy.value
-    units = tuple(f"{entry.name}[{number}]" for number in range(1, quantity + 1))
+    units = tuple(unit_name(entry.name, number) for number in range(1, quantity + 1))
     least = quantity - redundancy.required + 1
     if not redundancy or least == 1:
         gate = Gate(entry.name, GateKind.OR, units)
@@ -56,11 +60,11 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
         gate = Gate(entry.name, GateKind.AND, units)
     else:
         gate = Gate(entry.name, GateKind.ATLEAST, units, least)
-    events = tuple(BasicEvent(unit, own) for unit in units)
-    if common is None:
+    events = tuple(_event(unit, entry, own) for unit in units)
+    if own is Share.WHOLE:
         return (gate,), events
-    all_units = BasicEvent(f"{entry.name}[all]", common)
-    apart = Gate(_apart(entry), gate.kind, gate.inputs, gate.k)
+    all_units = _event(all_units_name(entry.name), entry, Share.COMMON_CAUSE)
+    apart = Gate(apart_name(entry.name), gate.kind, gate.inputs, gate.k)
     whole = Gate(entry.name, GateKind.OR, (apart.name, all_units.name))
     return (whole, apart), (*events, all_units)
 
@@ -70,7 +74,7 @@ def component_spares(entry: ComponentEntry) -> dict[str, Spares]:
     redundancy = entry.redundancy.value
     if not redundancy.has_spares or entry.quantity.value == redundancy.required:
         return {}
-    gate = _apart(entry) if redundancy.common_cause else entry.name
+    gate = apart_name(entry.name) if redundancy.common_cause else entry.name
     return {gate: Spares(redundancy.dormancy, redundancy.switch)}
 
 
@@ -81,7 +85,7 @@ def latent_units(entry: ComponentEntry) -> tuple[str, ...]:
         return ()
     if redundancy.detected != "mission_start":
         return ()
-    return tuple(f"{entry.name}[{number}]" for number in range(1, quantity + 1))
+    return tuple(unit_name(entry.name, number) for number in range(1, quantity + 1))
 
 
 def component_figures(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
@@ -90,14 +94,19 @@ def component_figures(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
     Of a common cause with the share b the complements are (1-p) + b p and (1-p) + (1-b) p.
     """
     redundancy, value = entry.redundancy.value, entry.probability.value
-    own, common = _parameters_of(entry)
-    if common is None:
-        return ((own, value),)
+    if not _has_common_cause(entry):
+        return ((entry.name, value),)
     p, q = Probability.of(value)
     share = redundancy.common_cause
     return (
-        (own, value_of(Probability((1.0 - share) * p, q + share * p))),
-        (common, value_of(Probability(share * p, q + (1.0 - share) * p))),
+        (
+            parameter_name(entry.name, Share.OWN),
+            value_of(Probability((1.0 - share) * p, q + share * p)),
+        ),
+        (
+            parameter_name(entry.name, Share.COMMON_CAUSE),
+            value_of(Probability(share * p, q + (1.0 - share) * p)),
+        ),
     )
 
 
@@ -112,17 +121,22 @@ def in_one_visit(state: FunctionState, gates: Collection[str] | None = None) -> 
     if not chosen:
         return state
     tree, values = state.tree, dict(state.probabilities)
-    parameters = {event.name: event.parameter for event in tree.events}
+    events = {event.name: event for event in tree.events}
     replaced, added = {}, []
     for gate in tree.gates:
         if gate.name not in chosen:
             continue
         units = gate.inputs
-        component = units[0].rpartition("[")[0] or gate.name
-        group = BasicEvent(f"{component}[spares]", f"{component} {_SPARES}")
+        first = events[units[0]]
+        group = BasicEvent(
+            spare_group_name(first.component),
+            parameter_name(first.component, Share.SPARES),
+            component=first.component,
+            share=Share.SPARES,
+        )
         values[group.parameter] = value_of(
             spare_group_failure(
-                values[parameters[units[0]]],
+                values[first.parameter],
                 units=len(units),
                 required=len(units) - gate.threshold + 1,
                 spares=state.spares[gate.name],
@@ -147,20 +161,15 @@ def in_one_visit(state: FunctionState, gates: Collection[str] | None = None) -> 
 
 def is_spare_group(event: BasicEvent) -> bool:
     """Return whether an event stands for a group with spares, see `in_one_visit`."""
-    return event.parameter.endswith(f" {_SPARES}")
+    return event.share is Share.SPARES
 
 
-def _apart(entry: ComponentEntry) -> str:
-    """Return the name of the gate of a component's units beside their common cause."""
-    return f"{entry.name} apart"
-
-
-def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
-    """Return the names of a unit's own figure and of the common one; `None` for none.
-
-    No component can have a name with braces.
-    """
+def _has_common_cause(entry: ComponentEntry) -> bool:
+    """Return whether a unit's own failures and the common ones are parameters of their own."""
     redundancy = entry.redundancy.value
-    if not redundancy or entry.quantity.value == 1 or not redundancy.common_cause:
-        return entry.name, None
-    return f"{entry.name} {{own}}", f"{entry.name} {{common cause}}"
+    return bool(redundancy) and entry.quantity.value > 1 and bool(redundancy.common_cause)
+
+
+def _event(name: str, entry: ComponentEntry, share: Share) -> BasicEvent:
+    parameter = parameter_name(entry.name, share)
+    return BasicEvent(name, parameter, component=entry.name, share=share)

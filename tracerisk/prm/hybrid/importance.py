@@ -157,6 +157,7 @@ def _ranked(
         by_unit[unit] = by_unit.get(unit, 0.0) + slope
     scale = parameter.theta / held if held > 0.0 else 0.0
     return ComponentImportance(
+        component=parameter.component,
         name=parameter.name,
         theta=parameter.theta,
         birnbaum=birnbaum,

@@ -130,6 +130,7 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
             top = top_event(state).p
             drops = _drops(state)
         units = _units(state.tree)
+        components = {event.parameter: event.component for event in state.tree.events}
         gates: dict[str, list[Gate]] = {}
         for gate in state.tree.gates:
             for below in gate.inputs:
@@ -144,6 +145,7 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
                 absorption_probability=solved.absorption.get(name, 0.0),
                 components=tuple(
                     ComponentContribution(
+                        component=components[each],
                         name=each,
                         units=len(units[each]),
                         required=_required(gates, units[each]),

@@ -11,9 +11,9 @@ from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.hybrid.elements import FunctionState, Parameter
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
+from tracerisk.prm.trees.events import Share
 
-_PARTS = ("own}", "common cause}")
-_SPARES = " {spares}"
+_PARTS = (Share.OWN, Share.COMMON_CAUSE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,10 +119,13 @@ def groups_of(model: HybridModel) -> dict[str, tuple[Parameter, ...]]:
     under the component's name.
     """
     names = {parameter.name for parameter in model.parameters}
+    with_spares = {each.component for each in model.parameters if each.share is Share.SPARES}
     found: dict[str, tuple[Parameter, ...]] = {}
     for parameter in model.parameters:
-        component, _, part = parameter.name.rpartition(" {")
-        whole = part in _PARTS and component not in names and f"{component}{_SPARES}" not in names
+        component = parameter.component
+        whole = (
+            parameter.share in _PARTS and component not in names and component not in with_spares
+        )
         key = component if whole else parameter.name
         found[key] = (*found.get(key, ()), parameter)
     return found

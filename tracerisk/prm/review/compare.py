@@ -13,7 +13,6 @@ from tracerisk.prm.review.contributions import contribution
 from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
 from tracerisk.prm.review.model_parts import (
     RiskVersion,
-    component_of,
     single_points,
     tolerated_failures,
 )
@@ -282,7 +281,7 @@ class _Marks:
 
 def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SinglePoint, ...]:
     old, new = single_points(before.model), single_points(after.model)
-    known = {component_of(parameter.name) for parameter in before.model.parameters}
+    known = {parameter.component for parameter in before.model.parameters}
     return tuple(
         SinglePoint(name, tuple(new[name]), name not in known)
         for name in sorted(set(new) - set(old))

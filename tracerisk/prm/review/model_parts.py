@@ -116,6 +116,7 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
     """
     above = {name: gate for gate in tree.gates for name in gate.inputs}
     least: dict[str, int] = {}
+    components = {event.parameter: event.component for event in tree.events}
     for event in tree.events:
         tolerated, name = 0, event.name
         while name in above:
@@ -124,14 +125,9 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
         least[event.parameter] = min(tolerated, least.get(event.parameter, tolerated))
     found: dict[str, int] = {}
     for parameter, tolerated in least.items():
-        component = component_of(parameter)
+        component = components[parameter]
         found[component] = max(tolerated, found.get(component, 0))
     return found
-
-
-def component_of(parameter: str) -> str:
-    """Return the component that a parameter is of: its name less what stands in braces."""
-    return parameter.partition(" {")[0]
 
 
 def single_points(model: HybridModel) -> dict[str, list[str]]:

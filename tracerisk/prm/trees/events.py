@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 from tracerisk.common.records import dataclass
 from tracerisk.prm.numbers.probability import Probability
 
@@ -22,22 +24,39 @@ class FailureModel(Protocol):
         """Return the probability that the event happens within the mission, [h]."""
 
 
+class Share(Enum):
+    """Which share of a component's failures an event and its parameter stand for."""
+
+    WHOLE = ""
+    """All failures of a unit."""
+    OWN = "own"
+    """Those of a unit alone, beside a common cause."""
+    COMMON_CAUSE = "common cause"
+    """Those that hit all units at once."""
+    SPARES = "spares"
+    """Those of a whole group with spares in one visit."""
+
+
 @dataclass(frozen=True, slots=True)
 class BasicEvent:
-    """The failure of one unit; `parameter` names the figure that it shares with others.
-
-    Instances of a component, and the states of a chain, share one parameter; an event that is
-    given none has a parameter of its own name.
-    `model` says where the figure comes from; one without is given it when the tree is solved.
-    """
+    """The failure of one unit, or of all units of a component at once."""
 
     name: str
+    """Unique in the tree."""
     parameter: str = ""
+    """The figure that it shares with others, as instances of a component do; else its own name."""
     model: FailureModel | None = None
+    """Where the figure comes from; an event without one is given it when the tree is solved."""
+    component: str = ""
+    """The component that fails; the parameter's name where none is given."""
+    share: Share = Share.WHOLE
+    """Which of the component's failures it is."""
 
     def __post_init__(self) -> None:
         if not self.parameter:
             object.__setattr__(self, "parameter", self.name)
+        if not self.component:
+            object.__setattr__(self, "component", self.parameter)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from tracerisk.prm.hybrid.assessment import FIXED, Assessment
 from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.review.model_parts import component_of
+from tracerisk.prm.hybrid.part_names import all_units_name
 from tracerisk.report.explain.function import aligned_table
 from tracerisk.report.explain.words import number
 
@@ -45,9 +45,10 @@ def _components(state: FunctionState, first: FunctionState) -> Iterator[list[str
     gates = {gate.name: gate for gate in first.tree.gates}
     fails = first.tree.node_probabilities(first.probabilities)
     for name in gates[first.tree.top].inputs:
-        unit = [p for each, p in state.probabilities.items() if component_of(each) == name]
+        of_units = {event.parameter for event in state.tree.events if event.component == name}
+        unit = [p for parameter, p in state.probabilities.items() if parameter in of_units]
         yield [name, number(sum(unit)) if unit else "", number(fails[name].p)]
         parts = gates[name].inputs if name in gates else ()
-        if f"{name}[all]" in parts:
+        if all_units_name(name) in parts:
             yield ["  own failures", "", number(fails[parts[0]].p)]
             yield ["  common cause", "", number(fails[parts[1]].p)]

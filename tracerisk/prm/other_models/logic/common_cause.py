@@ -135,7 +135,11 @@ class ShareOf:
     """A share of the probability that another model gives."""
 
     model: FailureModel
+    """That of the whole figure."""
     share: float
+    """From 0 to 1."""
+    parameter: str
+    """The parameter of the whole figure."""
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the share of the model's probability over the mission, [h]."""
@@ -189,7 +193,7 @@ def expand_common_cause(tree: FaultTree, groups: Sequence[CommonCauseGroup]) -> 
             if shares.setdefault(parameter, (like.parameter, share))[1] != share:
                 parameter = f"{like.parameter} {{{level} of {len(group.members)}, {group.name}}}"
                 shares[parameter] = (like.parameter, share)
-            model = None if like.model is None else _share_of(like.model, share)
+            model = None if like.model is None else _share_of(like, like.model, share)
             for hit in combinations(group.members, level):
                 name = f"[{' '.join(hit)}]"
                 added.append(BasicEvent(name, parameter, model))
@@ -205,9 +209,11 @@ def _share(pair: Probability, share: float) -> Probability:
     return Probability(share * pair.p, (1.0 - share) + share * pair.q)
 
 
-def _share_of(model: FailureModel, share: float) -> FailureModel:
-    """Return a share of a model; of a constant another constant, which needs no mission either."""
-    return Constant(share * model.p) if isinstance(model, Constant) else ShareOf(model, share)
+def _share_of(event: BasicEvent, model: FailureModel, share: float) -> FailureModel:
+    """Return a share of an event's model; of a constant one that needs no mission either."""
+    if isinstance(model, Constant):
+        return Constant(share * model.p)
+    return ShareOf(model, share, event.parameter)
 
 
 def _like_members(

@@ -163,8 +163,8 @@ def _sampled(model: FailureModel, sampling: Sampling, owner: str) -> Array:
     from tracerisk.prm.numbers.arrays import np
 
     if isinstance(model, ShareOf):
-        whole = owner.rpartition(" {")[0]
-        return model.share * np.minimum(_sampled(model.model, sampling, whole), 1.0)
+        whole = _sampled(model.model, sampling, model.parameter)
+        return model.share * np.minimum(whole, 1.0)
     if isinstance(model, ExpressionModel):
         return sampling.of(model.expression, owner)
     raise ModelError(f"event '{owner}': {type(model).__name__} cannot be drawn")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
 from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.report.html import figures
-from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -83,7 +82,7 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
     )
     rows = tuple(
         row_of(
-            Cell(each.name, component=component_of(each.name)),
+            Cell(each.name, component=each.component),
             share_cell(each.fussell_vesely),
             figures.percent(each.criticality),
             figures.ratio(each.birnbaum),
@@ -91,7 +90,7 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
             figures.ratio(each.risk_achievement_worth),
             figures.ratio(each.tenfold),
             figures.probability(each.theta),
-            component=component_of(each.name),
+            component=each.component,
         )
         for each in components
     )
@@ -145,11 +144,11 @@ def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
     """Return the shares of single units, of components that have several; `None` for none."""
     rows = tuple(
         row_of(
-            Cell(each.name, component=component_of(each.name)),
+            Cell(each.name, component=each.component),
             part.name,
             figures.ratio(part.birnbaum),
             figures.percent(part.criticality),
-            component=component_of(each.name),
+            component=each.component,
         )
         for each in components
         if len(each.by_unit) > 1
@@ -173,7 +172,7 @@ def _described(hardware: Hardware, used: set[str]) -> Table:
             "; ".join(_figure(figure) for figure in each.figures),
             *([_source(each) or figures.NOTHING] if has_sources else []),
             "used" if each.name in used else "not used",
-            component=component_of(each.name),
+            component=each.name,
         )
         for each in hardware.components
     )

@@ -17,7 +17,6 @@ from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.report.html import figures
 from tracerisk.report.html.model.leaves import Leaves, leaves_of
-from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -209,9 +208,12 @@ def _data(name: str, state: FunctionState) -> dict[str, str]:
     """Return what a node stands for: the whole function, or one of its components."""
     if name == state.tree.top:
         return {"function": state.name}
-    parameters = {event.name: event.parameter for event in state.tree.events}
-    component = component_of(parameters.get(name, name))
-    return {"function": state.name, "component": component}
+    components = {event.name: event.component for event in state.tree.events}
+    gates = {gate.name: gate for gate in state.tree.gates}
+    # All that is below a gate, but the top, is of one component.
+    while name in gates:
+        name = gates[name].inputs[0]
+    return {"function": state.name, "component": components.get(name, name)}
 
 
 def _uppermost(tree: FaultTree, gates: Mapping[str, Gate]) -> dict[str, None]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from tracerisk.prm.hybrid.assessment import StateAssessment
 from tracerisk.report.functions_table import units_needed
 from tracerisk.report.html import figures
-from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -65,7 +64,7 @@ def _of_function(
     rows = []
     for index, component in enumerate(state.components or (None,)):
         span = count if index == 0 else 0
-        named = None if component is None else component_of(component.name)
+        named = None if component is None else component.component
         cells: list[Cell | str] = ["none", figures.NOTHING]
         fails = figures.NOTHING
         if component is not None:
