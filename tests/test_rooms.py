@@ -82,7 +82,16 @@ SUB_ROOMS = {
         *("expressions", "markov", "cut_sets"),
     ),
     "common": (
-        *("field", "evidence", "hardware", "sandbox", "outcome", "worlds", "acceptances"),
+        *(
+            "field",
+            "evidence",
+            "hardware",
+            "sandbox",
+            "outcome",
+            "worlds",
+            "acceptances",
+            "verdict_codes",
+        ),
         *(
             "trace_json",
             "trace_log",

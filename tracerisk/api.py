@@ -16,6 +16,7 @@ from tracerisk.errors import ControllerFailedError, InputError, Location, TraceR
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from tracerisk.adder.blocks.override import Override
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.common.hardware.model import Hardware
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline import Annotated, Controller
     from tracerisk.pipeline.check.finding import Checked
-    from tracerisk.pipeline.check.overrides import Override
     from tracerisk.pipeline.check.refresh import Refreshed
     from tracerisk.pipeline.evidence.sweep import SweepPoint
     from tracerisk.pipeline.run.ended_run import Progress

@@ -15,7 +15,7 @@ from tracerisk.common.records import picked
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.check.overrides import Override
+    from tracerisk.adder.blocks.override import Override
 
 _WIDTH = 80
 _HEADINGS = ("line", "field", "set by hand", "computed", "drift")

@@ -5,55 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
+from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.errors import one_of
 from tracerisk.trace import Acceptance
-
-ACCEPTABLE: tuple[str, ...] = (
-    "access-denied",
-    "attach-failed",
-    "call-raised",
-    "callback-raised",
-    "command-aborted",
-    "command-cut",
-    "command-ignored",
-    "command-left-on",
-    "command-rejected",
-    "command-replaced",
-    "command-timed-out",
-    "companion-failed",
-    "duration-cut",
-    "error-logged",
-    "fk-failed",
-    "grasped-nothing",
-    "ik-failed",
-    "lookup-failed",
-    "missed-call",
-    "mission-missed",
-    "never-called",
-    "never-grasped",
-    "never-ran",
-    "never-released",
-    "no-command",
-    "object-dropped",
-    "object-knocked",
-    "object-slipped",
-    "object-tipped",
-    "past-limit",
-    "path-cut",
-    "planning-failed",
-    "robot-assumed",
-    "distro-assumed",
-    "input-assumed",
-    "run-exited",
-    "run-raised",
-    "sent-early",
-    "service-refused",
-    "stopped-at-limit",
-    "thread-raised",
-    "unmet-need",
-    "unused-input",
-)
-"""The codes that may be accepted: those of every verdict but `stuck`."""
 
 _KEYS = ("code", "function", "object", "words")
 

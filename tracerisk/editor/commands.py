@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.common.acceptances import ACCEPTABLE
+from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.editor.fixes import ACCEPT, PIN, REFRESH, SETTINGS, acceptance, pin
 from tracerisk.editor.refreshing import POLICIES, Refreshed
 from tracerisk.editor.session import path_of

@@ -9,7 +9,7 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from tracerisk.adder.lock.lock import WrittenBlock, lock_key
-from tracerisk.common.acceptances import ACCEPTABLE
+from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.config import controller_root, loads_toml
 from tracerisk.editor.diagnostics import finding_diagnostic
 from tracerisk.editor.pins import pinning, value_line, written_value

@@ -9,12 +9,13 @@ from typing import Any
 import pytest
 from lxml import html as lxml_html
 
+from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import Location
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
 from tracerisk.prm.review.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report
-from tracerisk.report.html.report_input import Pin, ReportInput, SourceBlock, SourceFile
+from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
 from tracerisk.trace import (
     Contact,
     Element,
@@ -109,7 +110,7 @@ def hostile_page() -> str:
     }
     model = HybridModel.of("".join(texts), trees)
     place = Location(HOSTILE[0], 1)
-    pins = tuple(Pin(each, each, each, each, 3.0, place) for each in HOSTILE)
+    pins = tuple(Override("value", each, each, place, each, each, 3.0) for each in HOSTILE)
     blocks = tuple(SourceBlock(name, 1, 1, 1) for name in texts)
     sources = tuple(SourceFile(each, f"x = '''{each}'''\n# {each}", blocks) for each in HOSTILE)
     report = ReportInput(
@@ -167,8 +168,10 @@ def full_page(arm: HybridModel, eventful: RiskDiff, review_of: Callable[..., Rev
                 SourceFile("more/tool.py", source, (SourceBlock("pick", 9, 10, 10),)),
             ),
             pins=(
-                Pin("move.motor.probability", "2e-7", "1e-7", "FMEA-112", 100.0, place),
-                Pin("pick.next", "done 1", None, None, None, place),
+                Override(
+                    "value", "move.motor.probability", "2e-7", place, "1e-7", "FMEA-112", 100.0
+                ),
+                Override("value", "pick.next", "done 1", place),
             ),
             trace=trace,
             exposures={"move": {"motor": 5.0}, "pick": {"gripper": 3.0}},

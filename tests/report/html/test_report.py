@@ -14,13 +14,14 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from markupsafe import Markup
 
+from tracerisk.adder.blocks.override import Override
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
 from tracerisk.report.html.page import _with_code, page, rendered
 from tracerisk.report.html.report import render_report
-from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
+from tracerisk.report.html.report_input import SourceBlock, SourceFile
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.section import Data, Section, json_in_script
 from tracerisk.report.html.sources import shown_sources
@@ -208,8 +209,8 @@ def _shown(text):
 def test_pins_are_reported_with_reason_and_drift(arm, report_of, parsed):
     place = Location("a.py", 1)
     pins = (
-        Pin("move.motor.probability", "2e-7", "1e-7", "FMEA-112", 100.0, place),
-        Pin("pick.next", "done 1", None, None, None, place),
+        Override("value", "move.motor.probability", "2e-7", place, "1e-7", "FMEA-112", 100.0),
+        Override("value", "pick.next", "done 1", place),
     )
     source = SourceFile("a.py", "x\n")
     page = parsed(render_report(report_of(arm, pins=pins, sources=(source,))))
@@ -228,7 +229,7 @@ def test_pins_are_reported_with_reason_and_drift(arm, report_of, parsed):
     ],
 )  # fmt: skip
 def test_a_drift_has_three_digits(drift, expected):
-    pin = Pin("a.b", "1", "2", None, drift, Location("a.py", 1))
+    pin = Override("value", "a.b", "1", Location("a.py", 1), "2", None, drift)
     assert drift_of_pin(pin) == expected
 
 

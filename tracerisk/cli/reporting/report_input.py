@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.review.risk_change import Review
-    from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
+    from tracerisk.report.html.report_input import SourceBlock, SourceFile
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
 
@@ -110,6 +110,7 @@ def report_html(
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.cli.shared.run_report import finding_line, object_lines
+    from tracerisk.pipeline.check.overrides import overrides_in
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
@@ -119,7 +120,7 @@ def report_html(
         assessment=assessment,
         model=model,
         sources=shown_sources(sources),
-        pins=shown_pins(sources),
+        pins=overrides_in([Path(file) for file in sources], contents=sources),
         review=review,
         verdict=tuple(verdict),
         sections=more,
@@ -175,17 +176,6 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
             tuple(_named(block, names[ref]) for ref, block in found if ref.file == file),
         )
         for file, text in texts.items()
-    )
-
-
-def shown_pins(sources: Mapping[str, bytes]) -> tuple[Pin, ...]:
-    """Return what users set in the blocks of the sources, with what is computed there."""
-    from tracerisk.pipeline.check.overrides import overrides_in
-    from tracerisk.report.html.report_input import Pin
-
-    return tuple(
-        Pin(each.field, each.value, each.computed, each.reason, each.drift, each.location)
-        for each in overrides_in([Path(file) for file in sources], contents=sources)
     )
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.override import Override
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     NEXT,
@@ -29,33 +29,6 @@ from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
 from tracerisk.trace import QualifiedName
-
-OverrideKind = Literal["value", "added", "omitted", "block"]
-"""A value (`:=`), a component added or omitted, or a whole block given by hand."""
-
-
-@dataclass(frozen=True, slots=True)
-class Override:
-    """One thing that a user set.
-
-    `field` is its dotted path, such as `place.gripper.probability`; `value` what the user
-    wrote, `computed` what the tool computes now, both as text: `None` where the tool computes
-    nothing there, or nothing is known of it.
-    `drift` is how far the user's value lies from the computed one [%], `None` where there is
-    nothing to compare: see `drift_of`.
-    """
-
-    kind: OverrideKind
-    field: str
-    value: str
-    location: Location
-    computed: str | None = None
-    reason: str | None = None
-    drift: float | None = None
-
-    def exceeds(self, max_drift: float) -> bool:
-        """Return whether the drift is known and greater, above or below, than `max_drift` [%]."""
-        return self.drift is not None and abs(self.drift) > max_drift
 
 
 def overrides_in(

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from tracerisk.common.verdict_codes import CODES
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
@@ -34,59 +35,6 @@ from tracerisk.trace import (
     Verdict,
     VerdictKind,
 )
-
-CODES: dict[str, VerdictKind] = {
-    "command-aborted": "faulted",
-    "command-rejected": "faulted",
-    "command-ignored": "faulted",
-    "command-left-on": "faulted",
-    "service-refused": "faulted",
-    "lookup-failed": "faulted",
-    "ik-failed": "faulted",
-    "fk-failed": "faulted",
-    "planning-failed": "faulted",
-    "path-cut": "faulted",
-    "attach-failed": "faulted",
-    "call-raised": "faulted",
-    "callback-raised": "faulted",
-    "thread-raised": "faulted",
-    "error-logged": "faulted",
-    "run-raised": "faulted",
-    "run-exited": "faulted",
-    "grasped-nothing": "faulted",
-    "object-slipped": "faulted",
-    "object-dropped": "faulted",
-    "object-tipped": "faulted",
-    "object-knocked": "faulted",
-    "past-limit": "faulted",
-    "sent-early": "faulted",
-    MISSION_MISSED: "faulted",
-    NEVER_RAN: "partial",
-    MISSED_CALL: "partial",
-    NEVER_CALLED: "partial",
-    UNUSED_INPUT: "partial",
-    "command-replaced": "partial",
-    "command-cut": "partial",
-    "command-timed-out": "partial",
-    "no-command": "partial",
-    "never-grasped": "partial",
-    "never-released": "partial",
-    "unmet-need": "partial",
-    "access-denied": "partial",
-    "companion-failed": "partial",
-    "robot-assumed": "partial",
-    "distro-assumed": "partial",
-    "input-assumed": "partial",
-    "stopped-at-limit": "partial",
-    "duration-cut": "partial",
-    "run-deadlock": "stuck",
-    "run-no-motion": "stuck",
-    "run-wall-limit": "stuck",
-    "run-memory-limit": "stuck",
-    "run-died": "stuck",
-    "run-not-importable": "stuck",
-}
-"""Every code of a reason, and what it makes of the run where it is not accepted."""
 
 _OF_FINDING = {
     "execution_failure": "command-aborted",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from tracerisk.adder.blocks.override import Override
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
-from tracerisk.report.html.report_input import Pin, ReportInput
+from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import line_links
 from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
@@ -66,7 +67,7 @@ def assumptions_section(report: ReportInput) -> Section:
     return Section("assumptions", "Assumptions", html)
 
 
-def drift(pin: Pin) -> str:
+def drift(pin: Override) -> str:
     """Return how far a user's value lies from the computed one."""
     if pin.drift is None:
         return figures.NOTHING

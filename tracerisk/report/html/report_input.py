@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Hardware
-from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.risk_change import Review
@@ -38,21 +38,6 @@ class SourceFile:
 
 
 @dataclass(frozen=True, slots=True)
-class Pin:
-    """What a user set in a block: see `tracerisk.pipeline.check.overrides.Override`.
-
-    `drift` is how far it lies from what is computed now [%], `None` where nothing is.
-    """
-
-    field: str
-    value: str
-    computed: str | None
-    reason: str | None
-    drift: float | None
-    location: Location
-
-
-@dataclass(frozen=True, slots=True)
 class ReportInput:
     """All that a report is made of.
 
@@ -71,7 +56,7 @@ class ReportInput:
     assessment: Assessment
     model: HybridModel
     sources: tuple[SourceFile, ...] = ()
-    pins: tuple[Pin, ...] = ()
+    pins: tuple[Override, ...] = ()
     trace: Trace | None = None
     no_trace: str = ""
     outcome: tuple[str, ...] = ()

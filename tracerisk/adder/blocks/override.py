@@ -1,0 +1,36 @@
+"""One thing that a user set by hand in a risk block."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.errors import Location
+
+OverrideKind = Literal["value", "added", "omitted", "block"]
+"""A value (`:=`), a component added or omitted, or a whole block given by hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """One thing that a user set, beside what the tool computes there now."""
+
+    kind: OverrideKind
+    """What was set."""
+    field: str
+    """Its dotted path, such as `place.gripper.probability`."""
+    value: str
+    """What the user wrote."""
+    location: Location
+    """Where it stands."""
+    computed: str | None = None
+    """What the tool computes; `None` where it computes nothing there, or nothing is known of it."""
+    reason: str | None = None
+    """The user's comment."""
+    drift: float | None = None
+    """How far the user's value lies from the computed one [%]; `None` where there is nothing to
+    compare."""
+
+    def exceeds(self, max_drift: float) -> bool:
+        """Return whether the drift is known and greater, above or below, than `max_drift` [%]."""
+        return self.drift is not None and abs(self.drift) > max_drift
