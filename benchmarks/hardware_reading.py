@@ -88,8 +88,8 @@ def main() -> int:
         path.write_text(sysml(options.parts), encoding="utf-8")
         yaml = path.with_suffix(".yaml")
         write_yaml(path, yaml)
-        ours = READ.format(module="sysml.reader", function="read_sysml", path=str(path))
-        theirs = READ.format(module="yaml.reader", function="read_hardware", path=str(yaml))
+        ours = READ.format(module="sysml.sysml_reader", function="read_sysml", path=str(path))
+        theirs = READ.format(module="yaml.hardware_reader", function="read_hardware", path=str(yaml))
         readings: dict[str, list[float]] = {"start": [], "sysml": [], "yaml": []}
         for _ in range(options.times):
             readings["start"].append(child_seconds([sys.executable, "-c", "pass"]))
@@ -112,7 +112,7 @@ def main() -> int:
 
 def write_yaml(path: Path, yaml: Path) -> None:
     """Write the description in YAML too."""
-    from tracerisk.common.hardware.sysml.reader import read_sysml
+    from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
     from tracerisk.common.hardware.yaml.writer import write_hardware
 
     yaml.write_text(write_hardware(read_sysml(path)), encoding="utf-8")

@@ -28,7 +28,7 @@ from types import FrameType
 import quick
 
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_model
 from tracerisk.prm.other_models.properties import Answer, PropertyFile, ask, parse_properties
 
 QUICK_SUITE = {

@@ -13,7 +13,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from tracerisk.common.hardware.binding import bind
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.twin.robots.robot import load_robot
 
 TEXT = (Path(__file__).parents[1] / "docs" / "hardware.md").read_text(encoding="utf-8")

@@ -28,7 +28,9 @@ SUB_ROOMS = {
     "pipeline": (
         *(
             "recordings",
-            "results",
+            "pictures",
+            "start",
+            "failure_data",
             "review",
             "check",
             "mutation",
@@ -68,7 +70,16 @@ SUB_ROOMS = {
     ),
     "cli": (REST, "running", "serving", "reporting", "solving", "shared"),
     "report": (
-        *("png", "html", "model_files", "linked", "cut_sets", "what_if", "mutants", "terminal"),
+        *(
+            "png",
+            "html",
+            "model_files",
+            "linked",
+            "cut_sets",
+            "model_answers",
+            "mutants",
+            "terminal",
+        ),
         *("sarif", "explain", "hardware_table", "functions_table", "run_figures", "assumed"),
         *("instances", "fmea", "worlds", "series", "diff", "tables"),
     ),

@@ -290,7 +290,7 @@ def evidence_replays(
     folder is a file.
     """
     from tracerisk.common.dependencies import require_simulator
-    from tracerisk.pipeline.results.evidence_replays import write_replays
+    from tracerisk.pipeline.pictures.evidence_replays import write_replays
 
     require_simulator("replaying failures")
     return write_replays(Path(path), found, Path(folder), settings, progress=progress)

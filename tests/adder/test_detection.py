@@ -7,7 +7,7 @@ import math
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 from tracerisk.trace import Cycle, FunctionRef, QualifiedName, RunEnd, Trace, TracedFunction, Visit
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model

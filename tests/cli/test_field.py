@@ -10,7 +10,7 @@ import pytest
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.common import trace_json
 from tracerisk.common.field.file import dump_field, read_field
-from tracerisk.pipeline.results.field_profile import gather_field
+from tracerisk.pipeline.recordings.field_profile import gather_field
 from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 
 PICK, PLACE = (FunctionRef("cell.py", name) for name in ("pick", "place"))

@@ -15,7 +15,7 @@ from tests.slow import slow_but
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import read_description
 from tracerisk.common.hardware.shipped import hardware_of
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
 CELL = """\

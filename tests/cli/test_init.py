@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from tracerisk.pipeline.results.project_start import _action
+from tracerisk.pipeline.start.project_start import _action
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 

@@ -24,16 +24,16 @@ from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell as EvidenceCell
 from tracerisk.common.evidence.cells import Evidence
 from tracerisk.common.evidence.file import dump_evidence, loads_evidence
-from tracerisk.common.hardware.sysml.reader import read_sysml
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.other_models.formats import galileo, linked_json
-from tracerisk.prm.other_models.formats.open_psa.reader import loads_open_psa
+from tracerisk.prm.other_models.formats.open_psa.open_psa_reader import loads_open_psa
 from tracerisk.prm.other_models.formats.openpra import dumps_openpra, loads_openpra
-from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_model
 from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.other_models.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
@@ -49,7 +49,7 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
-from tracerisk.twin.robots.reader import read_robot
+from tracerisk.twin.robots.robot_reader import read_robot
 from tracerisk.twin.urdf.srdf import read_srdf
 
 

@@ -14,7 +14,7 @@ from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell, Evidence
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.trace import Exposure
 
 CELLS = 40

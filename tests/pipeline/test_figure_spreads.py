@@ -12,9 +12,9 @@ import pytest
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.common.evidence.cells import Cell, Evidence
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.pipeline import build
-from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
+from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.other_models.formats import linked_json

@@ -9,7 +9,7 @@ from tests.pipeline.made_mission import FACTS, PANDA, SCENE, track
 from tracerisk.errors import ScenarioError
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.judged import missed
-from tracerisk.pipeline.mission.names import check_names, check_objects
+from tracerisk.pipeline.mission.named_objects import check_names, check_objects
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 
 

@@ -9,7 +9,7 @@ import pytest
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import hardware_of
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.trace import Trace
 
 HARDWARE = """\

@@ -18,7 +18,7 @@ from tracerisk.prm.hybrid.groups.bounds import Moments, any_group
 from tracerisk.prm.hybrid.mission import held_bound, mission_figures, solve_mission
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.sampled_mission import failure_samples
-from tracerisk.prm.questions.what_if import with_values
+from tracerisk.prm.questions.set_values import with_values
 
 ROUNDING = 1 + 1e-12
 

@@ -17,7 +17,7 @@ from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
 from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.other_models.linked.conversion import FAILURE
 from tracerisk.prm.questions.pair_importance import pair_importances
-from tracerisk.prm.questions.what_if import with_values
+from tracerisk.prm.questions.set_values import with_values
 from tracerisk.prm.trees.events import BasicEvent
 from tracerisk.prm.trees.gates import Gate, GateKind
 from tracerisk.prm.trees.spares import Spares

@@ -28,11 +28,11 @@ from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.questions.draws import MOST_TOGETHER, InputDraws, UncertainInput
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
+from tracerisk.prm.questions.set_values import with_values
 from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.tails import intervals
 from tracerisk.prm.questions.uncertainty import propagate
-from tracerisk.prm.questions.what_if import with_values
-from tracerisk.report.what_if import render_uncertainty
+from tracerisk.report.model_answers import render_uncertainty
 
 LOOP = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
 SHARES = np.array([0.05, 0.5, 0.95])

@@ -8,7 +8,7 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model, solve
-from tracerisk.prm.questions.what_if import log_spaced, set_values, sweep, value_of, with_values
+from tracerisk.prm.questions.set_values import log_spaced, set_values, sweep, value_of, with_values
 
 LOOP = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
 

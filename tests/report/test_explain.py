@@ -14,7 +14,7 @@ from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.adder.figures.derive import derive_function, function_named
 from tracerisk.common import trace_json
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import InputError
 from tracerisk.report.explain.function import render_derivation
 from tracerisk.trace import (

@@ -12,7 +12,7 @@ from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.common.hardware.redundancy import ALL_NEEDED
 from tracerisk.common.hardware.sources import assumed_sources
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.text.paper import Paper
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model

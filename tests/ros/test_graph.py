@@ -2,7 +2,7 @@
 
 import pytest
 
-from tracerisk.ros.graph import names
+from tracerisk.ros.graph import graph_names
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.graph import Graph, ServiceFailedError
 from tracerisk.ros.graph.parameters import ParameterTree
@@ -363,20 +363,20 @@ def test_a_parameter_is_searched_for_from_the_node_upwards():
     ],
 )
 def test_names_resolve_as_the_node_says_them(name, resolved):
-    assert names.resolve(name, "/cell/arm", {"/remapped": "/elsewhere"}) == resolved
+    assert graph_names.resolve(name, "/cell/arm", {"/remapped": "/elsewhere"}) == resolved
 
 
 def test_a_command_line_holds_remappings_and_parameters():
     arguments = ["--fast", "a:=b", "_rate:=10", "__name:=arm", "x:=", "not a:=remap"]
-    assert names.load_mappings(arguments) == {"a": "b", "__name": "arm"}
-    assert names.load_parameters(arguments) == {"rate": "10"}
+    assert graph_names.load_mappings(arguments) == {"a": "b", "__name": "arm"}
+    assert graph_names.load_parameters(arguments) == {"rate": "10"}
 
 
 @pytest.mark.parametrize(
     ("name", "legal"), [("a/b", True), ("~x", True), ("/x1_y", True), ("1a", False), ("a b", False)]
 )
 def test_legal_names(name, legal):
-    assert names.is_legal_name(name) is legal
+    assert graph_names.is_legal_name(name) is legal
 
 
 def test_there_is_no_runtime_outside_a_run(scheduler, graph):

@@ -9,8 +9,8 @@ import pytest
 from tracerisk.errors import RobotError
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.physics.collision import CollisionWorld
-from tracerisk.twin.robots.reader import read_robot
 from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot_reader import read_robot
 
 SHIPPED = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots" / "shipped"
 

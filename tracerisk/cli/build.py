@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     model, _ = set_in(model, options)
     spreads = spreads_of_files(options.files, model, options, is_needed=not sets_a_rate(options))
     if spreads is not None:
-        from tracerisk.pipeline.results.figure_spreads import with_distributions
+        from tracerisk.pipeline.failure_data.figure_spreads import with_distributions
 
         model = with_distributions(model, spreads.figures)
         print_spreads(spreads, options)

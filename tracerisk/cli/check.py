@@ -82,7 +82,7 @@ def _check(options: argparse.Namespace) -> int:
     errors = [each for each in found if isinstance(each, TraceRiskError)]
     findings = [finding for each in checked for finding in each.findings]
     if options.sarif is not None:
-        from tracerisk.pipeline.results.alerts import check_alerts
+        from tracerisk.pipeline.review.alerts import check_alerts
 
         write_sarif(options.sarif, check_alerts(paths, found))
     code = max(

@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
     if options.sarif is not None:
-        from tracerisk.pipeline.results.alerts import repository_root, review_alerts
+        from tracerisk.pipeline.review.alerts import repository_root, review_alerts
 
         alerts = review_alerts(found, repository_root(Path.cwd() / "_"))
         write_sarif(options.sarif, alerts)

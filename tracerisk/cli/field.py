@@ -19,7 +19,7 @@ from tracerisk.cli.shared.recordings import add_reading, check_robot, read_recor
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.results.field_profile import Apart
+    from tracerisk.pipeline.recordings.field_profile import Apart
     from tracerisk.trace import Trace
 
 
@@ -40,8 +40,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.common.field.file import dump_field, field_data
+    from tracerisk.pipeline.recordings.field_profile import (
+        apart_from_twin,
+        gather_field,
+        read_mission,
+    )
     from tracerisk.pipeline.recordings.messages import is_recording
-    from tracerisk.pipeline.results.field_profile import apart_from_twin, gather_field, read_mission
     from tracerisk.report.series.field import render_field
     from tracerisk.report.tables import counted
 

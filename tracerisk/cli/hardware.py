@@ -18,7 +18,7 @@ from tracerisk.errors import InputError, Location
 if TYPE_CHECKING:
     from tracerisk.common.hardware.binding import BoundComponent
     from tracerisk.common.hardware.model import Hardware
-    from tracerisk.pipeline.results.hardware_update import Update
+    from tracerisk.pipeline.failure_data.field_failures import Update
     from tracerisk.twin.robots.robot import Robot
 
 
@@ -220,7 +220,7 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
 def _update(options: argparse.Namespace) -> int:
     from tracerisk.common.field.file import read_field
     from tracerisk.common.hardware.formats import format_of_name, read_description
-    from tracerisk.pipeline.results.hardware_update import read_failures, updated_yaml, updates
+    from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
 
     if format_of_name(options.file) != "yaml":
         raise InputError(
@@ -262,7 +262,7 @@ def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
     """Put figures of a table into a description."""
     from dataclasses import asdict
 
-    from tracerisk.pipeline.results.hardware_figures import read_figures, with_figures
+    from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
 
     found = read_figures(Path(options.figures), hardware)
     _write_updated(options, found, options.figures, with_figures)

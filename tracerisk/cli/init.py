@@ -12,7 +12,7 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.results.project_start import ProjectStart
+    from tracerisk.pipeline.start.project_start import ProjectStart
 
 _MOST_SHOWN = 10
 _MOST_ASKED = 3
@@ -35,7 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.results.project_start import project_start
+    from tracerisk.pipeline.start.project_start import project_start
 
     folder = Path(options.folder)
     if not folder.is_dir():

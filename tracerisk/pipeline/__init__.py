@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.common.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.results.explanation import explain as explain
+    from tracerisk.pipeline.failure_data.explanation import explain as explain
     from tracerisk.pipeline.stages import Annotated as Annotated
     from tracerisk.pipeline.stages import annotate as annotate
     from tracerisk.pipeline.stages import at_annotated_lines as at_annotated_lines
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import load_controller as load_controller
 
 _HOMES = {
-    "results.explanation": "explain",
+    "failure_data.explanation": "explain",
     "stages": (
         "Annotated annotate at_annotated_lines build check_blocks hand_set load_hardware "
         "load_robot load_settings solve strip trace_controller"

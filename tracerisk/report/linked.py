@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.other_models.linked.importance import ParameterImportance
-from tracerisk.prm.other_models.linked.what_if import FigureSweep
+from tracerisk.prm.other_models.linked.parameter_sweep import FigureSweep
 from tracerisk.report.tables import MEASURES, render_parts, table_of
 
 

@@ -13,7 +13,7 @@ from tracerisk.common.hardware.model import (
 )
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.hardware.shipped import shipped_hardware
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.common.hardware.strategies import hardware_descriptions
 from tracerisk.common.hardware.description_data import description_data
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 
 STRANGE = (

@@ -15,7 +15,7 @@ from tests.common.hardware.broken import BROKEN
 from tests.common.hardware.strategies import hardware_descriptions
 from tracerisk.common.hardware.description_data import description_data
 from tracerisk.common.hardware.shipped import shipped_names
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.hardware.yaml.writer import write_hardware
 
 SCHEMA = json.loads(files("tracerisk.common.hardware").joinpath("hardware.schema.json").read_text())

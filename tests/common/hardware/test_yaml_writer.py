@@ -19,7 +19,7 @@ from tracerisk.common.hardware.model import (
     LoadLaw,
 )
 from tracerisk.common.hardware.shipped import shipped_hardware, shipped_names
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.hardware.yaml.writer import write_hardware
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.other_models.formats.explicit import read_explicit
-from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_model
 from tracerisk.prm.other_models.properties import ask, parse_properties
 
 GAMBLER = """dtmc

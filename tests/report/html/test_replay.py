@@ -11,7 +11,7 @@ import pytest
 from tracerisk.common.geometry.rotation import quaternion_of, rotated
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import Location, LogError
-from tracerisk.pipeline.results.run_section import recorded_run
+from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.run.joining import with_joins
 from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
 from tracerisk.report.html.run.replay_frames import unpack_frames

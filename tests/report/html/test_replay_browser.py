@@ -17,7 +17,7 @@ from markupsafe import Markup
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.shipped import hardware_of
-from tracerisk.pipeline.results.run_section import recorded_run
+from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
 from tracerisk.report.html.run.replay import RecordedRun, Replay, make_replay
 from tracerisk.report.html.run.replay_model import bodies_data, scene_bodies

@@ -79,7 +79,7 @@ def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> 
     from tracerisk.adder.figures.computed import compute_blocks
     from tracerisk.pipeline import load_hardware
     from tracerisk.pipeline.freshness.used_evidence import used_evidence
-    from tracerisk.pipeline.results.run_section import run_section
+    from tracerisk.pipeline.pictures.run_section import run_section
 
     hardware = load_hardware(settings, trace.robot)
     evidence = None

@@ -81,7 +81,7 @@ def write_report_pictures(
     `given` is the trace that the command line names. A run that is done again may fail: then its
     error is reported and nothing is written.
     """
-    from tracerisk.pipeline.results.run_pictures import (
+    from tracerisk.pipeline.pictures.run_pictures import (
         kept_recording,
         run_again,
         write_films,

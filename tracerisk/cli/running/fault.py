@@ -65,7 +65,7 @@ def run_faults(options: argparse.Namespace) -> int:
     Raises RunFailedError when the run without them came to a bad end.
     """
     from tracerisk import api
-    from tracerisk.pipeline.results.run_section import recorded_run
+    from tracerisk.pipeline.pictures.run_section import recorded_run
 
     recorded = None
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
@@ -90,7 +90,7 @@ def run_faults(options: argparse.Namespace) -> int:
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
         from tracerisk.pipeline import load_controller, load_hardware, load_settings
-        from tracerisk.pipeline.results.run_section import run_section
+        from tracerisk.pipeline.pictures.run_section import run_section
         from tracerisk.report.html.fault_report import render_fault_report
 
         settings = load_settings(load_controller(options.controller), shared.run_settings(options))

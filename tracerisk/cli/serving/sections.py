@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from tracerisk.pipeline.results.what_if import (
+from tracerisk.cli.serving.model_changes import (
     FASTEST,
     LEAST,
     MOST,

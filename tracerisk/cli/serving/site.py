@@ -15,6 +15,7 @@ from urllib.parse import parse_qs, quote, unquote
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.cli.reporting.overview import is_report, overview_row, reports_in
 from tracerisk.cli.reporting.report_input import evidence_shown, report_html, run_shown
+from tracerisk.cli.serving.model_changes import Answer, Choices, answer, choices_of, read_change
 from tracerisk.cli.serving.sections import links_section, live_section, what_if_section
 from tracerisk.cli.shared.verdict import verdict_details
 from tracerisk.cli.shared.watching import State, state_of
@@ -24,7 +25,6 @@ from tracerisk.common.hardware.model import Hardware
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
-from tracerisk.pipeline.results.what_if import Answer, Choices, answer, choices_of, read_change
 from tracerisk.pipeline.review.history import history
 from tracerisk.pipeline.review.overview import KnownController, overview
 from tracerisk.report.html.model.components import importance_section

@@ -17,7 +17,7 @@ from tracerisk.prm.other_models.formats.explicit_chain import ChainKind, Explici
 from tracerisk.prm.other_models.markov.solver import SMALL
 
 if TYPE_CHECKING:
-    from tracerisk.prm.other_models.formats.prism.reader import PrismModel
+    from tracerisk.prm.other_models.formats.prism.prism_reader import PrismModel
     from tracerisk.prm.other_models.properties import PropertyFile
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
@@ -49,7 +49,7 @@ class ChainFile:
     def value_of(self, name: str) -> float:
         """Return what a constant is in the file; not a number where it is left open."""
         from tracerisk.cli.shared.sources import read_file
-        from tracerisk.prm.other_models.formats.prism.reader import constant_values
+        from tracerisk.prm.other_models.formats.prism.prism_reader import constant_values
 
         if name in self.constants:
             return self.constants[name]
@@ -96,7 +96,7 @@ class ChainFile:
         self, questions: PropertyFile, constants: Mapping[str, float], figure: str | None
     ) -> Solved:
         """Answer the properties; the figure of one that differs by start is its greatest."""
-        from tracerisk.prm.other_models.formats.prism.reader import read_prism_model
+        from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_model
         from tracerisk.prm.other_models.properties import ask
         from tracerisk.report.model_files import render_answers
 

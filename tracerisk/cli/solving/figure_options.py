@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
+    from tracerisk.pipeline.failure_data.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.numbers.distributions import Distribution
-    from tracerisk.prm.other_models.linked.what_if import FigureSweep
+    from tracerisk.prm.other_models.linked.parameter_sweep import FigureSweep
     from tracerisk.prm.questions.pair_importance import PairImportance
+    from tracerisk.prm.questions.set_values import SetValue, Sweep
     from tracerisk.prm.questions.uncertainty import Uncertainty
-    from tracerisk.prm.questions.what_if import SetValue, Sweep
 
 MOST_POINTS = 10_000
 _RATE = ".rate"
@@ -88,7 +88,7 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
 
     Raises InputError when a value is malformed, or a name unknown.
     """
-    from tracerisk.prm.questions.what_if import set_values, value_of, with_values
+    from tracerisk.prm.questions.set_values import set_values, value_of, with_values
 
     def figure(text: str, where: str) -> float:
         name = where.removeprefix("--set ").rpartition("=")[0]
@@ -170,7 +170,7 @@ def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
     ranges = parse_sweeps(options, probability)
     if not ranges:
         return []
-    from tracerisk.prm.questions.what_if import log_spaced, sweep
+    from tracerisk.prm.questions.set_values import log_spaced, sweep
 
     return [sweep(model, name, log_spaced(low, high, count)) for name, low, high, count in ranges]
 
@@ -209,8 +209,8 @@ def uncertainty_of(
     """
     if not wants_uncertainty(options):
         return None
+    from tracerisk.prm.questions.set_values import groups_of, parameters_of
     from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
-    from tracerisk.prm.questions.what_if import groups_of, parameters_of
 
     def known(name: str) -> str:
         parameters_of(model, name)
@@ -299,7 +299,7 @@ def print_what_if(
     pairs: Sequence[PairImportance] | None,
 ) -> None:
     """Print what was asked, below the table of the assessment."""
-    from tracerisk.report import what_if as report
+    from tracerisk.report import model_answers as report
 
     tables: list[str] = []
 
@@ -321,7 +321,7 @@ def print_what_if(
 def print_set(changes: list[SetValue]) -> None:
     """Print what was set, above the table of the assessment."""
     if changes:
-        from tracerisk.report.what_if import render_set_values
+        from tracerisk.report.model_answers import render_set_values
 
         print_text(render_set_values(changes, paper()))
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from tracerisk.adder.figures.instances import ComponentInstances
     from tracerisk.common.hardware.model import Hardware
-    from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
+    from tracerisk.pipeline.failure_data.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
@@ -137,7 +137,7 @@ def _checked(
     robot: str = "",
     is_needed: bool = True,
 ) -> HardwareSpreads:
-    from tracerisk.pipeline.results.figure_spreads import hardware_spreads
+    from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads
 
     load_factor = _load_factor(robot) if robot else 1.0
     found = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)

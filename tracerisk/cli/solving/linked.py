@@ -25,8 +25,8 @@ def solve_linked(options: argparse.Namespace) -> int:
     from tracerisk.common.text.finite import finite
     from tracerisk.prm.other_models.formats import linked_json
     from tracerisk.prm.other_models.linked.importance import importances
-    from tracerisk.prm.other_models.linked.what_if import sweep
-    from tracerisk.prm.questions.what_if import SetValue, log_spaced
+    from tracerisk.prm.other_models.linked.parameter_sweep import sweep
+    from tracerisk.prm.questions.set_values import SetValue, log_spaced
 
     model = linked_json.loads(read_text(options.files[0]), options.files[0])
     figure = _figure(model, options)
@@ -54,7 +54,7 @@ def solve_linked(options: argparse.Namespace) -> int:
         return int(code)
     asked.print_set(changes)
     from tracerisk.report import linked as report
-    from tracerisk.report.what_if import render_uncertainty
+    from tracerisk.report.model_answers import render_uncertainty
 
     _show(report.render_figures, model.name, solution.figures)
     if ranked:

@@ -33,13 +33,13 @@ class LogicFile:
 
     def with_values(self, values: Mapping[str, float]) -> LogicFile:
         """Return the model with parameters, events, house events or groups set."""
-        from tracerisk.prm.other_models.logic.what_if import with_values
+        from tracerisk.prm.other_models.logic.set_figures import with_values
 
         return replace(self, model=with_values(self.model, values))
 
     def value_of(self, name: str) -> float:
         """Return the figure that the model has now; not a number where it has none."""
-        from tracerisk.prm.other_models.logic.what_if import value_of
+        from tracerisk.prm.other_models.logic.set_figures import value_of
 
         return value_of(self.model, name, self.mission_time_h or 0.0)
 
@@ -128,7 +128,7 @@ class LogicFile:
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return the uncertainty of a top: the one that is asked for, or the only one."""
-        from tracerisk.prm.other_models.logic.what_if import propagate
+        from tracerisk.prm.other_models.logic.set_figures import propagate
 
         names = self.model.tops if figure is None else self._gate(figure)
         if len(names) != 1:

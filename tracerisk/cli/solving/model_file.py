@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from tracerisk.prm.other_models.linked.what_if import FigureSweep
+    from tracerisk.prm.other_models.linked.parameter_sweep import FigureSweep
     from tracerisk.prm.other_models.properties import PropertyFile
+    from tracerisk.prm.questions.set_values import SetValue
     from tracerisk.prm.questions.time_curve import Curve
-    from tracerisk.prm.questions.what_if import SetValue
 
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
 
@@ -63,7 +63,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
         return int(code)
     parts = list(solved.shown)
     if changes:
-        from tracerisk.report.what_if import render_set_values
+        from tracerisk.report.model_answers import render_set_values
 
         parts.insert(0, (render_set_values, (changes,)))
     if sweeps:
@@ -71,7 +71,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
 
         parts += [(render_sweeps, (figure, sweeps)) for figure in solved.figures]
     if spread is not None:
-        from tracerisk.report.what_if import render_uncertainty
+        from tracerisk.report.model_answers import render_uncertainty
 
         figure = options.figure or next(iter(solved.figures))
         parts.append((render_uncertainty, (spread, figure)))
@@ -86,7 +86,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
 def _changes(given: Solvable, values: Mapping[str, float]) -> list[SetValue]:
     if not values:
         return []
-    from tracerisk.prm.questions.what_if import SetValue
+    from tracerisk.prm.questions.set_values import SetValue
 
     return [SetValue(name, given.value_of(name), now) for name, now in values.items()]
 
@@ -95,8 +95,8 @@ def _sweeps(model: Solvable, options: argparse.Namespace) -> list[FigureSweep]:
     wanted = asked.parse_sweeps(options, asked.number)
     if not wanted:
         return []
-    from tracerisk.prm.other_models.linked.what_if import FigurePoint, FigureSweep
-    from tracerisk.prm.questions.what_if import log_spaced
+    from tracerisk.prm.other_models.linked.parameter_sweep import FigurePoint, FigureSweep
+    from tracerisk.prm.questions.set_values import log_spaced
 
     sweeps = []
     for name, low, high, count in wanted:

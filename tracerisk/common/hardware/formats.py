@@ -30,10 +30,10 @@ def read_description(path: Path, *, shown: str | None = None) -> Hardware:
     """
     if path.suffix.lower() == ".sysml":
         # Imported here: YAML is read without the parser of SysML.
-        from tracerisk.common.hardware.sysml.reader import read_sysml
+        from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 
         return read_sysml(path, shown=shown)
-    from tracerisk.common.hardware.yaml.reader import read_hardware
+    from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 
     return read_hardware(path, shown=shown)
 

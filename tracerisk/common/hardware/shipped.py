@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tracerisk.common.hardware.model import Hardware
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError, one_of
 
 _FOLDER = Path(__file__).parent / "robots"

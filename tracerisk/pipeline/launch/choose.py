@@ -29,7 +29,7 @@ from tracerisk.pipeline.launch_files.records import (
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
-from tracerisk.ros.graph import names
+from tracerisk.ros.graph import graph_names
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
@@ -104,7 +104,7 @@ class _Candidate:
     def gives(self, asked: frozenset[str]) -> int:
         """Return how many of the parameters asked for it gives, whole namespaces too."""
         own = self.own
-        mark = "." if self.file.ros == 2 else names.SEP
+        mark = "." if self.file.ros == 2 else graph_names.SEP
         return sum(
             1
             for name in asked

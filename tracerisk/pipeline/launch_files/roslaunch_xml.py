@@ -25,7 +25,7 @@ from tracerisk.pipeline.launch_files.robot_sources import (
     source_of_problem,
 )
 from tracerisk.pipeline.launch_files.roslaunch_texts import RoslaunchError, Texts, typed
-from tracerisk.ros.graph import names
+from tracerisk.ros.graph import graph_names
 from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
 
 _DEEPEST = 30
@@ -48,7 +48,7 @@ class _Scope:
 
     def within(self, namespace: str) -> _Scope:
         """Return a scope of its own within a namespace."""
-        space = names.join(self.namespace, namespace) if namespace else self.namespace
+        space = graph_names.join(self.namespace, namespace) if namespace else self.namespace
         return replace(
             self, namespace=space, remaps=list(self.remaps), environment=dict(self.environment)
         )
@@ -184,7 +184,7 @@ class _Reader:
         texts = scope.texts
         name = texts.of(element.string("name"))
         inner = scope.within(texts.of(element.attributes.get("ns", "")))
-        owner = names.join(inner.namespace, name)
+        owner = graph_names.join(inner.namespace, name)
         inner = replace(inner, owner=owner)
         # Remappings may stand behind the parameters, so that all of them are read first.
         self._children(element, inner)
@@ -265,14 +265,18 @@ class _Reader:
             # Outside of a node, `~` is a name below that of the node that is read next.
             name = name[1:].lstrip("/")
         if name.startswith("/"):
-            return names.canonical(name)
+            return graph_names.canonical(name)
         space = scope.owner if scope.owner is not None else scope.namespace
-        return names.canonical(names.join(space, name)) if name else names.canonical(space)
+        return (
+            graph_names.canonical(graph_names.join(space, name))
+            if name
+            else graph_names.canonical(space)
+        )
 
     def _set(self, name: str, value: Any) -> None:
         if isinstance(value, dict) and value:
             for key, inner in value.items():
-                self._set(names.canonical(f"{name.rstrip('/')}/{key}"), inner)
+                self._set(graph_names.canonical(f"{name.rstrip('/')}/{key}"), inner)
         elif not _is_storable(value):
             self.left_out[name] = f"the parameter server holds no {value!r}"
         else:

@@ -14,7 +14,7 @@ from typing import IO, Any, Protocol
 
 from tracerisk.common.dependencies import require_dds
 from tracerisk.errors import InputError
-from tracerisk.pipeline.recordings.names import COMMANDS
+from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
 from tracerisk.ros.live.link import Frame
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 

@@ -19,8 +19,8 @@ from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
-from tracerisk.pipeline.recordings.names import COMMANDS
 from tracerisk.pipeline.recordings.probed import Boundaries, elements_of, lines_of, probed
+from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
 from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName
 from tracerisk.twin.robots.robot import Robot
 

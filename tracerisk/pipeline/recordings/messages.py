@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.common.dependencies import is_installed, missing_extra
 from tracerisk.errors import Location, LogError, Readable
-from tracerisk.pipeline.recordings.names import MAGIC
+from tracerisk.pipeline.recordings.recorded_topics import MAGIC
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

@@ -15,7 +15,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.pipeline.recordings.names import MAGIC
+from tracerisk.pipeline.recordings.recorded_topics import MAGIC
 
 CHUNK_BYTES = 1024 * 1024
 _LEVEL = -5  # of zstd: less than half the time of -1, and a seventh more bytes here

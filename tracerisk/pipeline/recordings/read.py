@@ -8,7 +8,7 @@ from pathlib import Path
 from tracerisk.common import trace_json
 from tracerisk.errors import Location, LogError, Readable
 from tracerisk.pipeline.recordings.messages import MOST_BYTES
-from tracerisk.pipeline.recordings.names import MAGIC, TRACE
+from tracerisk.pipeline.recordings.recorded_topics import MAGIC, TRACE
 from tracerisk.trace import Trace
 
 

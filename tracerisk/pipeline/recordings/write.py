@@ -37,7 +37,17 @@ from tracerisk.pipeline.recordings.cdr import (
     text_message,
 )
 from tracerisk.pipeline.recordings.frames import MovingFrames, fixed_frames
-from tracerisk.pipeline.recordings.names import (
+from tracerisk.pipeline.recordings.packed import (
+    Message,
+    PackedWriter,
+    Part,
+    Rows,
+    Series,
+    Times,
+    put,
+    put_stamps,
+)
+from tracerisk.pipeline.recordings.recorded_topics import (
     COMMANDS,
     CONTACTS,
     DESCRIPTION,
@@ -49,16 +59,6 @@ from tracerisk.pipeline.recordings.names import (
     TF_STATIC,
     TRACE,
     VISITS,
-)
-from tracerisk.pipeline.recordings.packed import (
-    Message,
-    PackedWriter,
-    Part,
-    Rows,
-    Series,
-    Times,
-    put,
-    put_stamps,
 )
 from tracerisk.pipeline.trace.run_files import EVENTS, ROBOT
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples

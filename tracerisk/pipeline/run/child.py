@@ -36,7 +36,7 @@ from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch.left_open import filled
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.mission.asked_calls import AskedCalls
-from tracerisk.pipeline.mission.names import check_names
+from tracerisk.pipeline.mission.named_objects import check_names
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companions.companion_run import Companions

@@ -193,7 +193,7 @@ def _mission(
         return
     from tracerisk.pipeline.mission.facts import mission_facts
     from tracerisk.pipeline.mission.judged import missed
-    from tracerisk.pipeline.mission.names import check_objects
+    from tracerisk.pipeline.mission.named_objects import check_objects
     from tracerisk.ros.scenario.scenario import read_scenario
 
     scenario = read_scenario(Path(ran.settings.scenario))

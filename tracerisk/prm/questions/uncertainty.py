@@ -138,7 +138,7 @@ def propagate(
     from tracerisk.prm.hybrid.solve import solve_figures
     from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sampled_mission import failure_sampler
-    from tracerisk.prm.questions.what_if import groups_of, parameters_of
+    from tracerisk.prm.questions.set_values import groups_of, parameters_of
 
     given, groups = {}, groups_of(model)
     for name, distribution in (distributions or {}).items():

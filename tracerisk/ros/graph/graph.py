@@ -21,7 +21,7 @@ from tracerisk.common.worlds.world import NOMINAL, World
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
 from tracerisk.ros.controller.node_process import NodeProcess
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.time.publishing_pace import PublishingPace
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler

@@ -7,7 +7,7 @@ import datetime as dt
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from tracerisk.ros.graph import names
+from tracerisk.ros.graph import graph_names
 
 _LIMIT = 2**31
 
@@ -23,14 +23,14 @@ class ParameterTree:
 
     def ask(self, name: str) -> None:
         """Note that a parameter was asked for: `/pick/speed`, or the name that a node declares."""
-        self._asked.add(tuple(_parts(name.replace(".", names.SEP))))
+        self._asked.add(tuple(_parts(name.replace(".", graph_names.SEP))))
 
     def is_asked(self, name: str) -> bool:
         """Return whether anybody asked for a parameter, its namespace or something below it.
 
         A name without its namespace counts: `speed` for `/pick/speed`, and the other way round.
         """
-        parts = tuple(_parts(name.lstrip("~").replace(".", names.SEP)))
+        parts = tuple(_parts(name.lstrip("~").replace(".", graph_names.SEP)))
         return any(
             (len(asked) <= len(parts) and asked in (parts[: len(asked)], parts[-len(asked) :]))
             or any(
@@ -144,23 +144,23 @@ class ParameterTree:
         Raises:
             ValueError: `key` is empty or private.
         """
-        if not key or names.is_private(key):
+        if not key or graph_names.is_private(key):
             raise ValueError(f"invalid key [{key}]")
-        if names.is_global(key):
+        if graph_names.is_global(key):
             return key if self.has(key) else None
         first = _parts(key)[0]
         spaces = _parts(node)
         for depth in range(len(spaces), -1, -1):
-            space = names.SEP + names.SEP.join(spaces[:depth])
-            if self.has(names.join(space, first)):
-                return names.join(space, key)
+            space = graph_names.SEP + graph_names.SEP.join(spaces[:depth])
+            if self.has(graph_names.join(space, first)):
+                return graph_names.join(space, key)
         return None
 
     def _offered(self, name: str) -> Any:
         """Return what is offered of a name: a value, or one within a dictionary."""
         parts = _parts(name)
         for end in range(len(parts), 0, -1):
-            offered = self._offers.get(names.SEP + names.SEP.join(parts[:end]))
+            offered = self._offers.get(graph_names.SEP + graph_names.SEP.join(parts[:end]))
             if offered is None and end <= 2:
                 offered = self._offers.get(parts[end - 1])
             value = None if offered is None else offered()
@@ -178,14 +178,16 @@ class ParameterTree:
         """Return the global names of what is offered, sorted."""
         found: set[str] = set()
         for base_name, offered in self._offers.items():
-            name = base_name if names.is_global(base_name) else f"{names.SEP}{base_name}"
+            name = (
+                base_name if graph_names.is_global(base_name) else f"{graph_names.SEP}{base_name}"
+            )
             value = None if self._holds_itself(name) else offered()
             found.update(() if value is None else _leaves(name, value))
         return sorted(found)
 
 
 def _parts(name: str) -> list[str]:
-    return [part for part in name.split(names.SEP) if part]
+    return [part for part in name.split(graph_names.SEP) if part]
 
 
 def _leaves(prefix: str, value: Any) -> Iterator[str]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import InputError
 from tracerisk.instrument.tracer import Frame
 from tracerisk.ros.graph.graph import Change, Publication, Subscription
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.rospy_hooks import digest

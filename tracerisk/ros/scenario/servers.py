@@ -13,7 +13,7 @@ from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.graph import ServiceFailedError
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.fields import action_parts, service_parts, type_of
 from tracerisk.ros.scenario.message import MessageTemplate

@@ -12,7 +12,7 @@ from tracerisk.ros.controller.thread import undisturbed
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change, Publication
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE

@@ -410,7 +410,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
     shipped robots when there is no such robot.
     """
     # Imported here, for the reader builds on the classes above.
-    from tracerisk.twin.robots.reader import read_robot
+    from tracerisk.twin.robots.robot_reader import read_robot
 
     text = str(name_or_path)
     if text in robot_names():
@@ -426,7 +426,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
 
 @functools.cache  # robots are frozen, and each is read several times to find the one that is meant
 def _shipped(name: str) -> Robot:
-    from tracerisk.twin.robots.reader import read_robot
+    from tracerisk.twin.robots.robot_reader import read_robot
 
     path = SHIPPED_ROBOTS / f"{name}.yaml"
     return read_robot(path, shown=f"robots/{path.name}")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.errors import HardwareError
 
 EVERYTHING = Path(__file__).with_name("everything.sysml")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common.hardware.sysml.language.standard_names import FEATURES
-from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 
 TEXT = (Path(__file__).parents[4] / "docs" / "sysml.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```sysml\n(.*?)```", TEXT, re.DOTALL)

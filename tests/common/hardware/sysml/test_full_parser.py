@@ -21,7 +21,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.hardware.sysml.writer import write_sysml
 
 longeron = pytest.importorskip("longeron", reason="longeron, a full parser, is not installed")

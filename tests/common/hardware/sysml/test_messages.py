@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.errors import HardwareError
 
 HEAD = (

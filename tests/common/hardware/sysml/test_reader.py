@@ -12,8 +12,8 @@ from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package, SourceText
-from tracerisk.common.hardware.sysml.reader import read_sysml
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 
 HERE = Path(__file__).parent

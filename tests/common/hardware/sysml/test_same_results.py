@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.common.hardware.yaml.reader import read_hardware
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.trace import (
     Element,
     Exposure,

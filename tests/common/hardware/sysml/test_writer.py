@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, settings
 
 from tests.common.hardware.strategies import hardware_descriptions
-from tracerisk.common.hardware.sysml.reader import read_sysml
+from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.hardware.sysml.writer import write_sysml
 
 

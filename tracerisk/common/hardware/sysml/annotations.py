@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.standard_names import (
     FEATURES,
     LEVELS,

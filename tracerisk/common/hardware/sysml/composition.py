@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.syntax import Element, Multiplicity, Reference
 from tracerisk.errors import HardwareError
 

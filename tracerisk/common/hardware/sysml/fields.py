@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from tracerisk.common.hardware.sysml.annotations import Given, Metadata
-from tracerisk.common.hardware.sysml.language.names import Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
 from tracerisk.common.hardware.sysml.language.standard_names import ENUMERATIONS, OURS, Standard
 from tracerisk.common.hardware.sysml.values import Amount, Built, Context, Meaning
 from tracerisk.errors import HardwareError, Location, one_of

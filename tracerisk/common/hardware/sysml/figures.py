@@ -18,7 +18,7 @@ from tracerisk.common.hardware.model import (
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.common.hardware.sysml.annotations import Metadata
 from tracerisk.common.hardware.sysml.fields import Fields
-from tracerisk.common.hardware.sysml.language.names import Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
 from tracerisk.common.hardware.sysml.language.standard_names import (
     LEVELS,
     RISK,

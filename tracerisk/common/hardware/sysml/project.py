@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tracerisk.common.hardware.sysml.language.names import Found, Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
 from tracerisk.common.hardware.sysml.language.syntax import Element, SourceText

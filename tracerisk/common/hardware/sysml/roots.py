@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from tracerisk.common.hardware.sysml.annotations import Annotations
 from tracerisk.common.hardware.sysml.composition import Composition
-from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package
 from tracerisk.errors import HardwareError
 

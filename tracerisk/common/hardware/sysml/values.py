@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeAlias
 
-from tracerisk.common.hardware.sysml.language.names import MAX_CHAIN, Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import MAX_CHAIN, Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.standard_names import OURS, TIME_UNITS, Standard
 from tracerisk.common.hardware.sysml.language.syntax import (
     Computed,

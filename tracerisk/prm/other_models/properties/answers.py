@@ -12,7 +12,7 @@ from tracerisk.prm.other_models.formats.explicit_chain import ExplicitChain, Rew
 from tracerisk.prm.other_models.formats.prism.evaluation import Scope, State, truth
 from tracerisk.prm.other_models.formats.prism.expressions import Expression
 from tracerisk.prm.other_models.formats.prism.operations import Value
-from tracerisk.prm.other_models.formats.prism.reader import PrismModel
+from tracerisk.prm.other_models.formats.prism.prism_reader import PrismModel
 from tracerisk.prm.other_models.properties.parser import parse_properties
 from tracerisk.prm.other_models.properties.property import Asked, Property, PropertyFile
 from tracerisk.prm.other_models.properties.values import ChainValues

@@ -7,7 +7,7 @@ from typing import Any
 
 from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tracerisk.ros.graph import names as _names
+from tracerisk.ros.graph import graph_names as _names
 from tracerisk.ros.graph.runtime import current
 
 SEP = "/"

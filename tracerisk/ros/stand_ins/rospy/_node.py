@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.graph import names
+from tracerisk.ros.graph import graph_names
 from tracerisk.ros.graph.runtime import Runtime, current
 
 if TYPE_CHECKING:
@@ -21,9 +21,9 @@ class NodeState:
         self.runtime = runtime
         self.scheduler = runtime.scheduler
         self.graph = runtime.graph
-        self.mappings = names.load_mappings(runtime.argv)
-        space = self.mappings.get("__ns", os.environ.get("ROS_NAMESPACE", names.SEP))
-        self.namespace = names.make_global(space)
+        self.mappings = graph_names.load_mappings(runtime.argv)
+        space = self.mappings.get("__ns", os.environ.get("ROS_NAMESPACE", graph_names.SEP))
+        self.namespace = graph_names.make_global(space)
         self.name = self.namespace + "unnamed"
         self.resolved_mappings: dict[str, str] = {}
         self.is_initialized = False
@@ -50,10 +50,10 @@ class NodeState:
     def set_name(self, name: str) -> None:
         """Take a resolved name, and resolve the remappings with it."""
         self.name = name
-        self.namespace = names.namespace(name)
+        self.namespace = graph_names.namespace(name)
         self.resolved_mappings = {
-            old if old.startswith("__") else names.resolve(old, name): (
-                new if old.startswith("__") else names.resolve(new, name)
+            old if old.startswith("__") else graph_names.resolve(old, name): (
+                new if old.startswith("__") else graph_names.resolve(new, name)
             )
             for old, new in self.mappings.items()
         }

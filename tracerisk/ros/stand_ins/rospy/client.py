@@ -6,7 +6,7 @@ import warnings
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.graph import names as graph_names
+from tracerisk.ros.graph import graph_names
 from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS

@@ -6,7 +6,7 @@ import struct
 from io import BytesIO
 from typing import Any
 
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.messages.ros1_base import DeserializationError, Message
 
 from .exceptions import ROSException

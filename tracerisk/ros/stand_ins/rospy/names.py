@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from tracerisk.ros.graph import names as graph_names
+from tracerisk.ros.graph import graph_names
 
 from ._node import node
 from .exceptions import ROSException, ROSInitException

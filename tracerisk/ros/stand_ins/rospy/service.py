@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
-from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.messages.ros1_base import Message
 from tracerisk.ros.time.rostime import Duration
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tracerisk.common.hardware.sysml.annotations import KINDS
-from tracerisk.common.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.standard_names import OURS, Standard
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package, Reference, Skipped
 from tracerisk.errors import HardwareError

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.common.hardware.sysml.language.names import Found, Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.standard_names import Standard, known_members
 from tracerisk.common.hardware.sysml.language.syntax import Reference
 from tracerisk.errors import one_of

@@ -5,7 +5,7 @@ University of Virginia (1998); the extensions of Storm (stormchecker.org, "DFT i
 of FFORT (dftbenchmarks.utwente.nl, "FFORT fault trees input format").
 """
 
-from tracerisk.prm.other_models.formats.galileo.reader import loads, parameter_names
+from tracerisk.prm.other_models.formats.galileo.galileo_reader import loads, parameter_names
 from tracerisk.prm.other_models.formats.galileo.writer import dumps
 
 __all__ = ["dumps", "loads", "parameter_names"]

@@ -1,7 +1,10 @@
 """The Open-PSA Model Exchange Format 2.0d, XML, as SCRAM 0.16 reads it."""
 
 from tracerisk.common.on_demand import on_demand
-from tracerisk.prm.other_models.formats.open_psa.reader import loads_open_psa, read_open_psa
+from tracerisk.prm.other_models.formats.open_psa.open_psa_reader import (
+    loads_open_psa,
+    read_open_psa,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

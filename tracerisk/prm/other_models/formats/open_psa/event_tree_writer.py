@@ -33,7 +33,7 @@ from tracerisk.prm.other_models.logic.model import Attribute, EventTreeDefinitio
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from tracerisk.prm.other_models.formats.open_psa.names import Names
+    from tracerisk.prm.other_models.formats.open_psa.element_names import Names
 
 
 def event_tree_nodes(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.other_models.formats.conversion import logic_of_tree
-from tracerisk.prm.other_models.formats.open_psa.names import Names
+from tracerisk.prm.other_models.formats.open_psa.element_names import Names
 from tracerisk.prm.other_models.formats.open_psa.rewriting import (
     GATE_MARK,
     NAMES_MARK,

@@ -42,8 +42,8 @@ def hardware_spreads(
     the load of a joint may be off, by masses on which public sources disagree; the share of a
     figure that wears by a load law of exponent k is off by its k-th power, beside its own factor.
     """
+    from tracerisk.prm.questions.set_values import groups_of
     from tracerisk.prm.questions.uncertainty import FigureSpread
-    from tracerisk.prm.questions.what_if import groups_of
 
     known = groups_of(model)
     shares = {each.component.name: each.figure_shares for each in instances or ()}
@@ -109,7 +109,7 @@ def with_distributions(
     Communications Systems 8, 1960), about the value as its mean where each figure is one; so it
     is of a figure and the share of it that ends the mission.
     """
-    from tracerisk.prm.questions.what_if import groups_of
+    from tracerisk.prm.questions.set_values import groups_of
 
     given = {
         part.name: _joined(spreads[name])

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.prm.questions.pair_importance import PairImportance
+from tracerisk.prm.questions.set_values import SetValue, Sweep
 from tracerisk.prm.questions.uncertainty import Uncertainty
-from tracerisk.prm.questions.what_if import SetValue, Sweep
 from tracerisk.report.tables import MEASURES, part_of, render_parts, table_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import Any
 
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.pipeline.results.hardware_update import number, rows_of
+from tracerisk.pipeline.failure_data.field_failures import number, rows_of
 
 _COLUMNS = ("component", "failure_rate", "probability", "per", "error_factor", "source")
 _PER = {"failure_rate": ("hour", "minute"), "probability": ("hour", "minute", "demand")}

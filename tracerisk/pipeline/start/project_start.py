@@ -311,4 +311,4 @@ def _action() -> str:
 
 
 def _template(name: str) -> bytes:
-    return resources.files("tracerisk.pipeline.results").joinpath(f"start/{name}").read_bytes()
+    return resources.files("tracerisk.pipeline.start").joinpath(f"templates/{name}").read_bytes()

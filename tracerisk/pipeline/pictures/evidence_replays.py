@@ -19,7 +19,7 @@ from tracerisk.errors import InputError, LogError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, fault_of, nominal_of
 from tracerisk.pipeline.evidence.workers import CellProgress
 from tracerisk.pipeline.freshness.freshness import stated
-from tracerisk.pipeline.results.run_section import recorded_run, run_section
+from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
 from tracerisk.report.html.evidence import render_evidence

@@ -14,7 +14,7 @@ from tracerisk.common.hardware.sysml import figures as meaning
 from tracerisk.common.hardware.sysml.annotations import Annotations, Metadata
 from tracerisk.common.hardware.sysml.composition import Composition, Place, product
 from tracerisk.common.hardware.sysml.fields import Fields
-from tracerisk.common.hardware.sysml.language.names import Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
 from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
 from tracerisk.common.hardware.sysml.language.syntax import Element
 from tracerisk.common.hardware.sysml.project import Project

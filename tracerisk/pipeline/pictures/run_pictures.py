@@ -29,7 +29,7 @@ def run_again(
     The same sources and settings make the same run. The recording is `None` where nothing was
     simulated. Raises as `trace_controller`.
     """
-    from tracerisk.pipeline.results.run_section import recorded_run
+    from tracerisk.pipeline.pictures.run_section import recorded_run
     from tracerisk.pipeline.stages import trace_controller
 
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
@@ -42,7 +42,7 @@ def kept_recording(folder: str) -> RecordedRun:
 
     Raises LogError where it holds none.
     """
-    from tracerisk.pipeline.results.run_section import recorded_run
+    from tracerisk.pipeline.pictures.run_section import recorded_run
 
     with Readable(folder, LogError):
         found = recorded_run(Path(folder))

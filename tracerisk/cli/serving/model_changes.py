@@ -15,7 +15,7 @@ from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.errors import InputError, one_of
 from tracerisk.pipeline.stages import blocks_of, solve
 from tracerisk.prm.hybrid.from_blocks import build_model
-from tracerisk.prm.questions.what_if import groups_of, value_of, with_values
+from tracerisk.prm.questions.set_values import groups_of, value_of, with_values
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock

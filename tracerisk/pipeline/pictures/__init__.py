@@ -1,0 +1,1 @@
+"""Pictures and replays of runs, for reports."""
