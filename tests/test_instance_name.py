@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.adder.blocks.values import is_function_name, read_transition
-from tracerisk.adder.sources.definitions import normal_name
 from tracerisk.common.instance_name import instance_name, is_name_at, name_at, places, plain_label
+from tracerisk.instrument.source.function_definitions import normal_name
 
 
 @given(st.text())

@@ -7,8 +7,8 @@ import ast
 import pytest
 from libcst.metadata.position_provider import WhitespaceInclusivePositionProvidingCodegenState
 
-from tracerisk.adder.sources.definitions import MODULE, function_at
 from tracerisk.adder.sources.positions import function_sites
+from tracerisk.instrument.source.function_definitions import MODULE, function_at
 
 SOURCE = """\
 import arm

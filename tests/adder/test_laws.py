@@ -21,11 +21,12 @@ from tracerisk.adder.blocks.values import (
     computed_probability,
     computed_redundancy,
 )
-from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
 from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
+from tracerisk.adder.sources.python_lines import module_line, parse_python
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import SourceError, UnsafeRewriteError
+from tracerisk.instrument.source.function_definitions import MODULE, definitions
 
 STANDARD_LIBRARY = Path(sysconfig.get_path("stdlib"))
 SAMPLE_SIZE = 100

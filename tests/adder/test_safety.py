@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.adder.sources.definitions import parse_python
 from tracerisk.adder.sources.edits import Edit, apply_edits
+from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program
 from tracerisk.errors import UnsafeRewriteError
 

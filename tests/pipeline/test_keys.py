@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.known_keys import known_keys
+from tracerisk.instrument.source.literals.known_keys import known_keys
 
 HEAD = """\
 import os, select, sys, termios, tty

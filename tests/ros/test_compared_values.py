@@ -7,8 +7,11 @@ import ast
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.compared_values import compared_in_callback, without_emergency
-from tracerisk.instrument.source.named_literals import counted_names
+from tracerisk.instrument.source.literals.compared_values import (
+    compared_in_callback,
+    without_emergency,
+)
+from tracerisk.instrument.source.literals.named_literals import counted_names
 
 SOURCE = """\
 sub = Subscriber("/parts", Part, on_part)

@@ -8,7 +8,7 @@ import pytest
 
 from tracerisk.common.text.yaml_reader import read_large_yaml
 from tracerisk.errors import Location
-from tracerisk.instrument.source.filled_messages import listed_names
+from tracerisk.instrument.source.literals.filled_messages import listed_names
 from tracerisk.ros.drafts.drafted_driver import Asked, guessed_driver
 from tracerisk.ros.drafts.said_around import ranges_said
 from tracerisk.ros.messages.ros1 import Interfaces

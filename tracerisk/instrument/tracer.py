@@ -20,7 +20,8 @@ from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
 from tracerisk.instrument.marks.caught_exceptions import CaughtFailure, caught_failure
-from tracerisk.instrument.source.python_source import MODULE_NAME, FunctionSite
+from tracerisk.instrument.source.function_definitions import MODULE
+from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
 from tracerisk.trace import FunctionRef, QualifiedName
@@ -186,7 +187,7 @@ class Tracer:
         self, code: CodeType, namespace: dict[str, Any], file: str, *, is_library: bool = False
     ) -> None:
         """Execute module-level code as the function `<module>` of `file`."""
-        record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
+        record = _Record(FunctionRef(file, MODULE), 1, code)
         self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)
         token = self.top.set((self.top.get(), record, self.next_activation(), set(), ""))
@@ -249,7 +250,7 @@ class Tracer:
             base = _Base(_bare_root(), self.next_activation())
         frame = self._innermost_controller_frame()
         if frame is None:
-            ref, site = FunctionRef(self._main_file, MODULE_NAME), (1, 0)
+            ref, site = FunctionRef(self._main_file, MODULE), (1, 0)
             return (Frame(ref, 1, base.activation, site, base.kind),)
         ref = FunctionRef(self._files[frame.f_code.co_filename], _enclosing_function(frame))
         line = self._ran.get(ref, frame.f_code.co_firstlineno)
@@ -367,7 +368,7 @@ def _enclosing_function(frame: FrameType) -> QualifiedName:
     parts = qualified_name(frame.f_code, frame.f_globals).split(".<locals>.")
     while parts and parts[-1].startswith("<"):
         parts.pop()
-    return QualifiedName(".<locals>.".join(parts)) if parts else MODULE_NAME
+    return QualifiedName(".<locals>.".join(parts)) if parts else MODULE
 
 
 def _bare_root() -> RootKind:

@@ -30,7 +30,6 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.lock.lock import ControllerLock, Lock, written_block
 from tracerisk.adder.lock.reading import loads
-from tracerisk.adder.sources.definitions import MODULE, definitions
 from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.boundary import guarded
@@ -38,6 +37,7 @@ from tracerisk.cli.parser import parse
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.records import replace
 from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.trace import FunctionRef, QualifiedName
 
 FORMS = (

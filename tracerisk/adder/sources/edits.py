@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tracerisk.adder.sources.definitions import BYTE_ORDER_MARK, PythonSource
+from tracerisk.adder.sources.python_lines import BYTE_ORDER_MARK, PythonSource
 from tracerisk.common.records import dataclass
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.adder.sources.python_lines import parse_python
+from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.instrument.source.language import is_c
 from tracerisk.trace import QualifiedName
 

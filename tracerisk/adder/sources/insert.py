@@ -14,24 +14,22 @@ from collections.abc import Mapping
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block, width_behind
 from tracerisk.adder.sources.c_blocks import insert_c_blocks, strip_c_blocks
-from tracerisk.adder.sources.definitions import (
+from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
+from tracerisk.adder.sources.placed import PlacedBlock, targets_of
+from tracerisk.adder.sources.python_lines import (
     BYTE_ORDER_MARK,
-    MODULE,
     PythonSource,
     Site,
-    definitions,
     header_end,
     module_line,
-    normal_name,
     parse_python,
     preamble_end,
 )
-from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
-from tracerisk.adder.sources.placed import PlacedBlock, targets_of
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
 from tracerisk.common.instance_name import is_name_at
 from tracerisk.errors import InputError, Location, UnsafeRewriteError
+from tracerisk.instrument.source.function_definitions import MODULE, definitions, normal_name
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 

@@ -9,8 +9,9 @@ from typing import cast
 import libcst as cst
 from libcst.metadata import CodeRange, MetadataWrapper, PositionProvider
 
-from tracerisk.adder.sources.definitions import Site, normal_name
+from tracerisk.adder.sources.python_lines import Site
 from tracerisk.errors import interruption
+from tracerisk.instrument.source.function_definitions import normal_name
 from tracerisk.trace import QualifiedName
 
 

@@ -22,7 +22,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
-from tracerisk.adder.sources.definitions import comment_lines, parse_python
+from tracerisk.adder.sources.python_lines import comment_lines, parse_python
 from tracerisk.common.records import dataclass, replace
 from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location

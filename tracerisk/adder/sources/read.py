@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
-from tracerisk.adder.sources.definitions import (
+from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
+from tracerisk.adder.sources.python_lines import (
     BYTE_ORDER_MARK,
-    MODULE,
-    Definition,
     PythonSource,
     comment_lines,
-    definitions,
     docstring_end,
-    first_line,
     header_end,
-    normal_name,
     parse_python,
 )
-from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
 from tracerisk.common.instance_name import is_name_at
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location
+from tracerisk.instrument.source.function_definitions import (
+    MODULE,
+    Definition,
+    definitions,
+    first_line,
+    normal_name,
+)
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 

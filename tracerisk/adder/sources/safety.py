@@ -9,9 +9,9 @@ import ast
 from collections.abc import Iterable
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.sources.definitions import PythonSource, parse_python
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
 from tracerisk.adder.sources.placed import PlacedBlock, check_same_blocks, check_same_bytes
+from tracerisk.adder.sources.python_lines import PythonSource, parse_python
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 

@@ -14,6 +14,7 @@ from pathlib import PurePosixPath
 import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
+from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.name_resolution import (
     ClassBody,
     NameResolver,
@@ -21,12 +22,7 @@ from tracerisk.instrument.source.name_resolution import (
     external_name,
     written_name,
 )
-from tracerisk.instrument.source.python_source import (
-    MODULE_NAME,
-    FunctionSite,
-    ParsedSource,
-    parse_source,
-)
+from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 from tracerisk.trace import FunctionRef, Uncovered
 
 
@@ -165,13 +161,13 @@ def uncovered(
     return tuple(
         Uncovered(site.ref, site.line, is_spare=site.ref in spare)
         for site in motion_reaching(graph, motion_names)
-        if site.ref not in ran and site.ref.name != MODULE_NAME
+        if site.ref not in ran and site.ref.name != MODULE
     )
 
 
 def _spare(graph: CallGraph, ran: Collection[FunctionRef]) -> frozenset[FunctionRef]:
     """Return the functions to which only `except` clauses of those that `ran` lead."""
-    never = {ref for ref in graph.calls if ref not in ran and ref.name != MODULE_NAME}
+    never = {ref for ref in graph.calls if ref not in ran and ref.name != MODULE}
     spare: set[FunctionRef] = set()
     pending = [ref for ref in graph.calls if ref not in never]
     while pending:
@@ -210,7 +206,7 @@ class _Reader(cst.CSTVisitor):
 
     def __init__(self, parsed: ParsedSource) -> None:
         super().__init__()
-        self._module = module = FunctionRef(parsed.file, MODULE_NAME)
+        self._module = module = FunctionRef(parsed.file, MODULE)
         self._remaining = iter(parsed.functions)
         self._scope = Scope("module", "", None, module)
         self._uses: dict[FunctionRef, _Uses] = {module: _Uses(1)}

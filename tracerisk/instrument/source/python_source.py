@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from tracerisk.errors import Location, SourceError
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.instrument.source.function_definitions import definitions
+from tracerisk.trace import FunctionRef
 
 _PYTHON_2_REASONS = (
     "Missing parentheses in call to 'print'",
@@ -36,10 +37,6 @@ _PYTHON_2_LINES = tuple(
         r"\blambda\s*\(",
     )
 )
-
-
-MODULE_NAME = QualifiedName("<module>")
-"""The pseudo-function of module-level code."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,19 +85,7 @@ def parse_source(source: bytes, file: str) -> ParsedSource:
 
 
 def _functions(tree: ast.Module, file: str) -> tuple[FunctionSite, ...]:
-    sites: list[FunctionSite] = []
-    pending: list[tuple[ast.AST, str]] = [(tree, "")]
-    while pending:
-        node, prefix = pending.pop()
-        for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
-                name = prefix + child.name
-                sites.append(FunctionSite(FunctionRef(file, QualifiedName(name)), child.lineno))
-                pending.append((child, f"{name}.<locals>."))
-            elif isinstance(child, ast.ClassDef):
-                pending.append((child, f"{prefix}{child.name}."))
-            else:
-                pending.append((child, prefix))
+    sites = [FunctionSite(FunctionRef(file, found.name), found.line) for found in definitions(tree)]
     return tuple(sorted(sites, key=lambda site: site.line))
 
 

@@ -11,10 +11,10 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.lock.lock import Written
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
-from tracerisk.adder.sources.definitions import MODULE
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.config import Settings, setting_origins
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
+from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import Trace
 

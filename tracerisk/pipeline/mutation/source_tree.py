@@ -11,9 +11,10 @@ from typing import cast
 import libcst as cst
 from libcst.metadata import ByteSpanPositionProvider, CodeSpan, MetadataWrapper
 
-from tracerisk.adder.sources.definitions import BYTE_ORDER_MARK
+from tracerisk.adder.sources.python_lines import BYTE_ORDER_MARK
 from tracerisk.errors import Location, UnsafeRewriteError
-from tracerisk.instrument.source.python_source import MODULE_NAME, parse_source
+from tracerisk.instrument.source.function_definitions import MODULE
+from tracerisk.instrument.source.python_source import parse_source
 from tracerisk.pipeline.mutation.change import Change, ChangeKind, Draft, brief
 
 _MAIN_TEST = "__name__"
@@ -131,7 +132,7 @@ class Walk(cst.CSTVisitor):
         self.above: list[cst.CSTNode] = []
         """The nodes around the present one, the outermost first."""
         self._prefixes = [""]
-        self._functions = [str(MODULE_NAME)]
+        self._functions = [str(MODULE)]
         self._owners = [""]
 
     @property

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
-from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.adder.sources.python_lines import parse_python
+from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.prm.review.risk_change import is_noise
 

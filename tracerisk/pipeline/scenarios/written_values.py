@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.text.yaml_reader import plain_yaml
-from tracerisk.instrument.source.filled_messages import filled_fields, plain_value
+from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.scenarios.written_frames import (
     COMMAND,

@@ -17,7 +17,7 @@ from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
-from tracerisk.instrument.source.python_source import MODULE_NAME
+from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
@@ -184,7 +184,7 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
     seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
     issuers = {command.stack[-1].function for command in recording.commands}
     reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
-    able = {ref for ref in reaching if ref.name != MODULE_NAME and ref.file in own} | issuers
+    able = {ref for ref in reaching if ref.name != MODULE and ref.file in own} | issuers
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
 
 

@@ -8,13 +8,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.sources.definitions import function_at, parse_python
+from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.marks.call_log import CALLS, Calls
 from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
+from tracerisk.instrument.source.function_definitions import function_at
 from tracerisk.pipeline.robot.elsewhere import not_blamed
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.grasp_place import grasp_place

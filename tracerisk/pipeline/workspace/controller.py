@@ -13,7 +13,7 @@ from tracerisk.common.text.patterns import pattern
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c
-from tracerisk.instrument.source.named_literals import counted_names
+from tracerisk.instrument.source.literals.named_literals import counted_names
 
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
 _RELAY = pattern(

@@ -23,11 +23,12 @@ from collections.abc import Collection, Iterator
 from functools import cached_property, lru_cache
 from pathlib import Path
 
-from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.limits import is_secret
 from tracerisk.common.text.patterns import pattern
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
 from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED

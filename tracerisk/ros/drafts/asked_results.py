@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.compared_values import (
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.literals.compared_values import (
     asserted,
     bare_value,
     calls_at,
@@ -19,7 +20,6 @@ from tracerisk.instrument.source.compared_values import (
     parameter_name,
     source_tree,
 )
-from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 
 _FURTHEST = 3  # functions through which a result is followed
 _CASTS = frozenset({"str", "int", "float", "bool", "round"})

@@ -9,15 +9,15 @@ from typing import Any
 
 from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import InputError, Location
-from tracerisk.instrument.source.compared_values import (
+from tracerisk.instrument.source.literals.compared_values import (
     compared_in_callback,
     compared_in_file,
     ordered_answers,
     source_tree,
     without_emergency,
 )
-from tracerisk.instrument.source.filled_messages import listed_names
-from tracerisk.instrument.source.known_keys import known_keys
+from tracerisk.instrument.source.literals.filled_messages import listed_names
+from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver

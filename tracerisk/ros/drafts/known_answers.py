@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterator
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.compared_values import comparisons, ordered_answers
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.literals.compared_values import comparisons, ordered_answers
 from tracerisk.ros.drafts.asked_results import (
     calls_of,
     compared_results,

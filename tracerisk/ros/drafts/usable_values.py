@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from tracerisk.instrument.source.compared_values import Compared
+from tracerisk.instrument.source.literals.compared_values import Compared
 from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
 from tracerisk.ros.drafts.named_numbers import Reach, Units, named_number, units_of, units_said
 from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.instrument.source.named_literals import counted_names
+from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (

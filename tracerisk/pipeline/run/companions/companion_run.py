@@ -16,7 +16,7 @@ from typing import Any
 from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
 from tracerisk.instrument.recording import Recorder
-from tracerisk.instrument.source.python_source import MODULE_NAME
+from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import COMPANION, Companion
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
@@ -113,7 +113,7 @@ class Companions:
         if process is None:
             return ()
         # What it does unasked is its own file's: such a node is none to start beside another.
-        own = FunctionRef(process.name, MODULE_NAME)
+        own = FunctionRef(process.name, MODULE)
         return process.asked_by or (Frame(own, 1, 0, (1, 0), "main"),)
 
 

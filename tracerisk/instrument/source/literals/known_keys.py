@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterable, Iterator
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.compared_values import ordered_answers, source_tree
+from tracerisk.instrument.source.literals.compared_values import ordered_answers, source_tree
 
 _ESCAPE = "\x1b"
 _LONGEST_CODE = 6

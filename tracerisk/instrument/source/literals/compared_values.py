@@ -15,8 +15,8 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, imported_names, last_name
-from tracerisk.instrument.source.named_literals import with_named_literals
-from tracerisk.instrument.source.package_settings import package_settings
+from tracerisk.instrument.source.literals.named_literals import with_named_literals
+from tracerisk.instrument.source.literals.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})

@@ -1,7 +1,10 @@
-"""Where the functions of a Python source stand, by the standard library alone.
+"""A Python source as lines of bytes and a tree, by the standard library alone.
 
 Reading and removing blocks must be fast and needs no libcst; and what libcst's positions put
 in is checked against what this module finds.
+`instrument/source/python_source.py` parses what is to run: it decodes and compiles the source and
+says how to mend it, for which a check of blocks has no time. Here a source stays bytes, and a
+conflict marker is an error of its blocks.
 """
 
 from __future__ import annotations
@@ -9,7 +12,7 @@ from __future__ import annotations
 import ast
 import io
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -17,39 +20,16 @@ from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location, SourceError
-from tracerisk.trace import QualifiedName
+from tracerisk.instrument.source.function_definitions import Definition, first_line
 
 if TYPE_CHECKING:
     from tokenize import TokenInfo
 
-MODULE = QualifiedName("<module>")
-"""The pseudo-function that module-level code is."""
-
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
-_LEAVES = frozenset(
-    {
-        *(ast.Expr, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Return, ast.Import),
-        *(ast.ImportFrom, ast.Pass, ast.Raise, ast.Assert, ast.Delete, ast.Global),
-        *(ast.Nonlocal, ast.Break, ast.Continue),
-    }
-)
 # A header of one line without strings, comments or brackets that could go on over others.
 _PLAIN_HEADER = pattern(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
 _CODING = pattern(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
-
-
-@dataclass(frozen=True, slots=True)
-class Definition:
-    """One `def` or `async def`: lines count from 1.
-
-    `line` is that of the `def`, `body_line` the first of its first statement, decorators
-    included.
-    """
-
-    name: QualifiedName
-    line: int
-    body_line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +65,6 @@ class PythonSource:
                 f"the line is not {self.encoding} text: {error.reason}",
                 Location(self.file, number),
             ) from error
-
-
-def normal_name(name: str) -> str:
-    """Return `name` as Python compares identifiers (NFKC)."""
-    if name.isascii():
-        return name
-    from unicodedata import normalize
-
-    return normalize("NFKC", name)
 
 
 @lru_cache(maxsize=2)  # of one source both functions and blocks are asked for
@@ -139,64 +110,9 @@ def _forbid_conflict_markers(source: bytes, file: str) -> None:
             )
 
 
-def first_line(statement: ast.stmt) -> int:
-    """Return the first line of a statement, decorators included."""
-    decorators: Sequence[ast.expr] = getattr(statement, "decorator_list", ())
-    return min([statement.lineno, *(decorator.lineno for decorator in decorators)])
-
-
 def module_line(source: PythonSource) -> int:
     """Return the line of the module's first statement; 1 where it has none."""
     return first_line(source.tree.body[0]) if source.tree.body else 1
-
-
-def definitions(tree: ast.Module) -> Iterator[Definition]:
-    """Yield every function definition of the module in the order of the source."""
-    # The children that can hold no statement are most of them.
-    stack: list[tuple[ast.AST, str]] = [(tree, "")]
-    while stack:
-        node, prefix = stack.pop()
-        inner = prefix
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            name = f"{prefix}{node.name}"
-            yield Definition(QualifiedName(name), node.lineno, first_line(node.body[0]))
-            inner = f"{name}.<locals>."
-        elif isinstance(node, ast.ClassDef):
-            inner = f"{prefix}{node.name}."
-        stack += [(child, inner) for child in reversed(_inner(node))]
-
-
-def _inner(node: ast.AST) -> list[ast.AST]:
-    """Return what stands directly within a node and can hold statements."""
-    children: list[ast.AST] = []
-    for part in ("body", "handlers", "orelse", "finalbody", "cases"):
-        found = getattr(node, part, None)
-        if isinstance(found, list):
-            children += found
-    return [child for child in children if type(child) not in _LEAVES]
-
-
-def function_at(tree: ast.Module, line: int) -> QualifiedName:
-    """Return the innermost function around a line; the module's pseudo-function outside all."""
-    found, prefix = MODULE, ""
-    around: list[ast.AST] = [tree]
-    while around:
-        node = around.pop()
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            prefix += node.name
-            if isinstance(node, ast.ClassDef):
-                prefix += "."
-            else:
-                found = QualifiedName(prefix)
-                prefix += ".<locals>."
-            around.clear()
-        # The cases of a `match` have no lines.
-        around += [
-            child
-            for child in reversed(_inner(node))
-            if getattr(child, "lineno", line) <= line <= (getattr(child, "end_lineno", 0) or line)
-        ]
-    return found
 
 
 def header_end(source: PythonSource, definition: Definition) -> int | None:

@@ -1,0 +1,97 @@
+"""Where the functions of a parsed Python source stand, and which one is around a line."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+
+from tracerisk.common.records import dataclass
+from tracerisk.trace import QualifiedName
+
+MODULE = QualifiedName("<module>")
+"""The pseudo-function that module-level code is."""
+
+_LEAVES = frozenset(
+    {
+        *(ast.Expr, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Return, ast.Import),
+        *(ast.ImportFrom, ast.Pass, ast.Raise, ast.Assert, ast.Delete, ast.Global),
+        *(ast.Nonlocal, ast.Break, ast.Continue),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One `def` or `async def`: lines count from 1.
+
+    `line` is that of the `def`, `body_line` the first of its first statement, decorators
+    included.
+    """
+
+    name: QualifiedName
+    line: int
+    body_line: int
+
+
+def normal_name(name: str) -> str:
+    """Return `name` as Python compares identifiers (NFKC)."""
+    if name.isascii():
+        return name
+    from unicodedata import normalize
+
+    return normalize("NFKC", name)
+
+
+def first_line(statement: ast.stmt) -> int:
+    """Return the first line of a statement, decorators included."""
+    decorators: Sequence[ast.expr] = getattr(statement, "decorator_list", ())
+    return min([statement.lineno, *(decorator.lineno for decorator in decorators)])
+
+
+def definitions(tree: ast.Module) -> Iterator[Definition]:
+    """Yield every function definition of the module in the order of the source."""
+    # The children that can hold no statement are most of them.
+    stack: list[tuple[ast.AST, str]] = [(tree, "")]
+    while stack:
+        node, prefix = stack.pop()
+        inner = prefix
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            name = f"{prefix}{node.name}"
+            yield Definition(QualifiedName(name), node.lineno, first_line(node.body[0]))
+            inner = f"{name}.<locals>."
+        elif isinstance(node, ast.ClassDef):
+            inner = f"{prefix}{node.name}."
+        stack += [(child, inner) for child in reversed(_inner(node))]
+
+
+def _inner(node: ast.AST) -> list[ast.AST]:
+    """Return what stands directly within a node and can hold statements."""
+    children: list[ast.AST] = []
+    for part in ("body", "handlers", "orelse", "finalbody", "cases"):
+        found = getattr(node, part, None)
+        if isinstance(found, list):
+            children += found
+    return [child for child in children if type(child) not in _LEAVES]
+
+
+def function_at(tree: ast.Module, line: int) -> QualifiedName:
+    """Return the innermost function around a line; the module's pseudo-function outside all."""
+    found, prefix = MODULE, ""
+    around: list[ast.AST] = [tree]
+    while around:
+        node = around.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            prefix += node.name
+            if isinstance(node, ast.ClassDef):
+                prefix += "."
+            else:
+                found = QualifiedName(prefix)
+                prefix += ".<locals>."
+            around.clear()
+        # The cases of a `match` have no lines.
+        around += [
+            child
+            for child in reversed(_inner(node))
+            if getattr(child, "lineno", line) <= line <= (getattr(child, "end_lineno", 0) or line)
+        ]
+    return found
