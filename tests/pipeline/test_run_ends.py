@@ -331,3 +331,47 @@ def test_a_motion_outlasts_a_controller_no_longer_than_the_run_may_last(run):
     )
     assert data["trace"]["end"]["simulated_s"] == pytest.approx(5.0, abs=0.1)
     assert data["trace"]["visits"][-1]["outcome"] == "unfinished"
+
+
+STREAM = """\
+import rospy
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+rospy.init_node("stream")
+topic = "/position_joint_trajectory_controller/command"
+commands = rospy.Publisher(topic, JointTrajectory, queue_size=1)
+names = [f"panda_joint{number}" for number in range(1, 8)]
+
+def send(turn):
+    point = JointTrajectoryPoint(time_from_start=rospy.Duration(5))
+    point.positions = [turn, -0.785, 0, -2.356, 0, 1.571, 0.785]
+    commands.publish(JointTrajectory(joint_names=names, points=[point]))
+
+"""
+RATE = "rate = rospy.Rate(1)\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "cause"),
+    [
+        (f"{RATE}while not rospy.is_shutdown():\n    send(0.2)\n    rate.sleep()\n", "idle"),
+        ("rospy.Timer(rospy.Duration(1), lambda _: send(0.2))\nrospy.spin()\n", "idle"),
+        (f"{RATE}while True:\n    send(0.2)\n    send(0.21)\n    rate.sleep()\n", "idle"),
+        (
+            f"{RATE}n = 0\nwhile True:\n    send(0.2 * (n % 7))\n    n += 1\n    rate.sleep()\n",
+            "duration",
+        ),
+        (
+            "while True:\n    send(0.2)\n    rospy.sleep(6)\n    send(0)\n    rospy.sleep(6)\n",
+            "cycles",
+        ),
+    ],
+    ids=["one goal in a loop", "by a timer", "two near goals", "other goals", "goals that arrive"],
+)
+def test_the_same_goal_again_and_again_that_never_arrives_ends_a_run(example, body, cause):
+    example.write("c.py", STREAM + body)
+    outcome = example.run("trace", "c.py", "--robot", "panda", "--duration", "90", "--json")
+    end = outcome.json["trace"]["end"]
+    assert end["cause"] == cause, outcome.err
+    if cause == "idle":
+        assert "nothing but the same was commanded in 60 s" in end["message"]
+        assert end["simulated_s"] < 70

@@ -129,3 +129,31 @@ rospy.sleep(2.2)
     assert ran["planned"] == [True] * 4
     assert len(ran.commands) == 4
     assert ran.position("joint1") == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("names", "positions"),
+    [
+        (["joint1", "joint2", "joint3", "joint4", "gripper"], [0.2, -0.5, 0.3, 0.4, 0.01]),
+        (["joint1", "joint2", "joint3", "joint4", "grip", "sub"], [0.2, -0.5, 0.3, 0.4, 0.1, 0.1]),
+        (["a", "b", "c", "d"], [0.2, -0.5, 0.3, 0.4]),
+        ([], [0.2, -0.5, 0.3, 0.4]),
+    ],
+    ids=["gripper", "two more", "other names", "no names"],
+)
+def test_an_open_manipulator_takes_its_joints_in_their_order(run_on, names, positions):
+    ran = run_on(
+        "open_manipulator_x",
+        f"""
+import rospy
+from open_manipulator_msgs.srv import *
+rospy.init_node('task')
+asked = SetJointPositionRequest(path_time=1.0)
+asked.joint_position.joint_name, asked.joint_position.position = {names}, {positions}
+planned = rospy.ServiceProxy('goal_joint_space_path', SetJointPosition)(asked).is_planned
+rospy.sleep(1.5)
+""",
+    )
+    assert ran["planned"]
+    found = [ran.position(f"joint{number}") for number in range(1, 5)]
+    assert found == pytest.approx([0.2, -0.5, 0.3, 0.4], abs=0.02)

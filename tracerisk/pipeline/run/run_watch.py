@@ -5,7 +5,7 @@ See docs/theory.md#when-a-run-ends.
 
 from __future__ import annotations
 
-from bisect import bisect
+from bisect import bisect, insort
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -30,21 +30,34 @@ _Way = tuple[object, ...]
 @dataclass(slots=True)
 class _Iteration:
     start_ns: int
+    number: int
+    """Its index among those of its loop that commanded something."""
+    of_loop: _Loop
     ways: list[_Way] = field(default_factory=list)
     goals: list[tuple[float, ...]] = field(default_factory=list)
     has_reached: bool = False
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Loop:
-    """An endless loop, or all callbacks together; `quiet_ns` is since when it commands nothing."""
+    """An endless loop, or all callbacks together."""
 
     thread: int
     place: Location | None
-    current: _Iteration
     quiet_ns: int
-    past: list[_Iteration] = field(default_factory=list)
+    """Since when it commands nothing [ns]."""
     root: int = 0
+    past: list[_Iteration] = field(default_factory=list)
+    """Those that commanded something."""
+    reached: list[int] = field(default_factory=list)
+    """The indices of those of which a command arrived, sorted."""
+    same_from: int = 0
+    """The index of the first of the latest ones that all command the same."""
+    current: _Iteration = field(init=False)
+
+    def begin(self, now_ns: int) -> None:
+        """Begin an iteration."""
+        self.current = _Iteration(now_ns, len(self.past), self)
 
 
 class RunWatch:
@@ -73,12 +86,12 @@ class RunWatch:
         key = (thread, file, line)
         loop = self._loops.pop(key, None)
         if loop is None:
-            loop = _Loop(thread, Location(file, line), _Iteration(now_ns), now_ns)
+            loop = _Loop(thread, Location(file, line), now_ns)
         elif loop.current.ways:
             self._close(loop, now_ns)
         # The last of the table is the innermost of those that run.
         self._loops[key] = loop
-        loop.current = _Iteration(now_ns)
+        loop.begin(now_ns)
         self._scheduler.raise_if_over()
 
     def before_command(self, stack: Sequence[Frame]) -> None:
@@ -91,14 +104,13 @@ class RunWatch:
         now_ns = self._scheduler.now_ns
         loop = self._callbacks
         if loop is None:
-            loop = self._callbacks = _Loop(
-                0, None, _Iteration(now_ns), now_ns, root=root.activation
-            )
+            loop = self._callbacks = _Loop(0, None, now_ns, root.activation)
+            loop.begin(now_ns)
         if loop.root != root.activation:
             loop.root = root.activation
             if loop.current.ways:
                 self._close(loop, now_ns)
-            loop.current = _Iteration(now_ns)
+            loop.begin(now_ns)
             self._scheduler.raise_if_over()
 
     def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
@@ -124,7 +136,9 @@ class RunWatch:
         """Note that a command ends, and how."""
         self._last_command_ns = self._scheduler.now_ns
         for iteration in self._iteration_of.pop(command_id, ()):
-            iteration.has_reached |= end == "arrived"
+            if end == "arrived" and not iteration.has_reached:
+                iteration.has_reached = True
+                insort(iteration.of_loop.reached, iteration.number)
 
     @property
     def has_commanded(self) -> bool:
@@ -232,11 +246,19 @@ class RunWatch:
         return True
 
     def _close(self, loop: _Loop, now_ns: int) -> None:
-        """Close an iteration that commanded something, and end the run at the third cycle."""
+        """Close an iteration that commanded something, and end the run at the third cycle.
+
+        What is commanded again and again and never arrives, replaced by the next say, is no cycle:
+        such a run ends once it has gone on for as long as a loop may idle.
+        """
         loop.past.append(loop.current)
         loop.quiet_ns = now_ns
-        found = _cycle_start(loop.past)
-        if found is not None and self._scheduler.over is None and not self._is_expecting:
+        if not _is_same_cycle(loop.past[-1:], loop.past[-2:-1]):
+            loop.same_from = loop.current.number
+        if self._scheduler.over is not None or self._is_expecting:
+            return
+        found = _cycle_start(loop.past, loop.reached)
+        if found is not None:
             start, seen = found
             self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
             self._scheduler.end(
@@ -244,16 +266,31 @@ class RunWatch:
                 f"the same cycle came {seen} times in a loop without an end",
                 loop.place,
             )
+        elif self._never_arrives(loop, now_ns):
+            self._scheduler.end(
+                "idle",
+                f"nothing but the same was commanded in {self.idle_s:g} s of a loop without an "
+                "end, and it never arrived",
+                loop.place,
+            )
+
+    def _never_arrives(self, loop: _Loop, now_ns: int) -> bool:
+        """Return whether a loop has long commanded the same, and none of it has arrived."""
+        if len(loop.past) - loop.same_from < CYCLES_SEEN:
+            return False
+        if loop.reached and loop.reached[-1] >= loop.same_from:
+            return False
+        return now_ns - loop.past[loop.same_from].start_ns >= self.idle_s * 1e9
 
 
-def _cycle_start(past: Sequence[_Iteration]) -> tuple[int, int] | None:
+def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[int, int] | None:
     """Return where in the iterations the last equal cycles begin and how many, if enough are.
 
-    A goal must have been reached in each. Cycles of the same ways that lead elsewhere each time,
-    to places drawn at random say, are taken as equal when very many of them have come.
+    A goal must have been reached in each: `reached` are the indices of those. Cycles of the same
+    ways that lead elsewhere each time, to places drawn at random say, are taken as equal when very
+    many of them have come.
     """
     # Asked at each iteration of a loop that may do nothing else: the quick checks come first.
-    reached = [number for number, each in enumerate(past) if each.has_reached]
     if len(reached) < CYCLES_SEEN:
         return None
     for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
@@ -275,6 +312,8 @@ def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> 
 
 
 def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
+    if len(cycle) != len(other):
+        return False
     return _has_same_ways(cycle, other) and all(
         len(one.goals) == len(two.goals)
         and all(is_near(*goals, _SAME_GOAL) for goals in zip(one.goals, two.goals, strict=True))
