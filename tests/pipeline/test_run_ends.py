@@ -375,3 +375,33 @@ def test_the_same_goal_again_and_again_that_never_arrives_ends_a_run(example, bo
     if cause == "idle":
         assert "nothing but the same was commanded in 60 s" in end["message"]
         assert end["simulated_s"] < 70
+
+
+def test_a_service_that_is_called_again_and_again_for_the_same_ends_a_run(example):
+    example.write(
+        "c.py",
+        """\
+import rclpy
+from open_manipulator_msgs.srv import SetJointPosition
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("op")
+    node.create_timer(1.0, lambda: None)
+    path = node.create_client(SetJointPosition, "goal_joint_space_path")
+    request = SetJointPosition.Request(path_time=5.0)
+    request.joint_position.joint_name = [f"joint{number}" for number in range(1, 5)]
+    request.joint_position.position = [0.1, 0.0, 0.0, 0.0]
+    while rclpy.ok():
+        rclpy.spin_once(node)
+        path.call_async(request)
+
+main()
+""",
+    )
+    outcome = example.run(
+        "trace", "c.py", "--robot", "open_manipulator_x", "--duration", "90", "--json"
+    )
+    end = outcome.json["trace"]["end"]
+    assert end["cause"] == "idle", outcome.err
+    assert end["simulated_s"] < 70

@@ -22,6 +22,7 @@ CYCLES_SEEN = 3
 _CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
 _SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
 _LONGEST_CYCLE = 100
+_MANY_THE_SAME = 5000  # of so many that command the same a third of the idle time is enough
 
 # A way to a command: each function and the place in it. An iteration is its ways, in turn.
 _Way = tuple[object, ...]
@@ -118,9 +119,11 @@ class RunWatch:
         self._last_command_ns = self._scheduler.now_ns
         way = tuple((frame.function, frame.site, frame.instance) for frame in stack)
         is_callback = stack[0].root not in (None, "main", "thread")
-        loops = [
-            loop for loop in self._loops.values() if loop.thread == self._scheduler.baton.ident()
-        ]
+        thread, main = self._scheduler.baton.ident(), self._main()
+        if stack[0].root == "main" and main is not None:
+            # The call of a service is carried out by another thread than the one that called.
+            thread = main.ident
+        loops = [loop for loop in self._loops.values() if loop.thread == thread]
         if is_callback and self._callbacks is not None:
             loops.append(self._callbacks)
         for loop in loops:
@@ -267,20 +270,21 @@ class RunWatch:
                 loop.place,
             )
         elif self._never_arrives(loop, now_ns):
+            lasting_s = (now_ns - loop.past[loop.same_from].start_ns) * 1e-9
             self._scheduler.end(
                 "idle",
-                f"nothing but the same was commanded in {self.idle_s:g} s of a loop without an "
+                f"nothing but the same was commanded in {lasting_s:.0f} s of a loop without an "
                 "end, and it never arrived",
                 loop.place,
             )
 
     def _never_arrives(self, loop: _Loop, now_ns: int) -> bool:
         """Return whether a loop has long commanded the same, and none of it has arrived."""
-        if len(loop.past) - loop.same_from < CYCLES_SEEN:
+        count = len(loop.past) - loop.same_from
+        if count < CYCLES_SEEN or (loop.reached and loop.reached[-1] >= loop.same_from):
             return False
-        if loop.reached and loop.reached[-1] >= loop.same_from:
-            return False
-        return now_ns - loop.past[loop.same_from].start_ns >= self.idle_s * 1e9
+        lasting_s = (now_ns - loop.past[loop.same_from].start_ns) * 1e-9
+        return lasting_s >= (self.idle_s if count < _MANY_THE_SAME else self.idle_s / 3)
 
 
 def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[int, int] | None:
