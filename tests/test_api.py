@@ -43,8 +43,8 @@ def test_settings_go_before_those_of_the_project(example, quick):
 
 
 def test_a_run_that_ends_badly_is_an_error_with_its_trace(example, quick):
-    path = example.write("quick.py", "import nothing_of_that_name\n" + quick())
-    with pytest.raises(RunFailedError, match="nothing_of_that_name") as caught:
+    path = example.write("quick.py", "import pymycobot\n" + quick())
+    with pytest.raises(RunFailedError, match="pymycobot") as caught:
         tracerisk.assess(path)
     assert caught.value.trace.end.cause == "not_importable"
     assert caught.value.trace.verdict.kind == "stuck"

@@ -285,10 +285,10 @@ def test_calls_that_wait_come_one_after_the_other(example):
 
 
 def test_what_nothing_helps_is_reported_with_what_was_found(example):
-    example.write("c.py", HEAD + "import not_there_at_all\n")
+    example.write("c.py", HEAD + "import pymycobot\n")
     outcome = example.run("scenario", "c.py", "--write")
     assert outcome.code == 2
-    assert "No module named 'not_there_at_all'" in outcome.err
+    assert "No module named 'pymycobot'" in outcome.err
     assert outcome.err.count("tracerisk:") == 1
 
 

@@ -347,7 +347,7 @@ def test_an_import_of_what_is_not_there_is_bad_input(name, example, quick):
     source = quick().replace("import moveit", f"{statement}\nimport moveit", 1)
     example.write("controller.py", source)
     before = example.files()
-    outcome = example.run("run", "controller.py")
+    outcome = example.run("run", "controller.py", "--no-draft")
     assert outcome.code == 2
     assert "Traceback" not in outcome.err
     assert "tracerisk: controller.py:2: " in outcome.err
@@ -358,7 +358,7 @@ def test_an_import_of_what_is_not_there_is_bad_input(name, example, quick):
 def test_an_import_that_fails_late_keeps_the_trace_so_far(example, quick):
     source = quick("import nothere")
     example.write("controller.py", source)
-    outcome = example.run("run", "controller.py", "--json")
+    outcome = example.run("run", "controller.py", "--json", "--no-draft")
     assert outcome.code == outcome.json["exit_code"] == 2
     assert outcome.json["error"]["line"] == line_of(source, "import nothere")
     assert HELD in outcome.err

@@ -19,7 +19,7 @@ def reported(example, quick):
             example.write(f"{name}.py", text)
         lines = "\n".join(statements)
         example.write("c.py", f"{lines}\n{quick()}")
-        outcome = example.run("run", "c.py", "--robot", "panda")
+        outcome = example.run("run", "c.py", "--robot", "panda", "--no-draft")
         assert outcome.code == 2, outcome.err
         (line,) = [each for each in outcome.err.splitlines() if "tracerisk: " in each]
         return line

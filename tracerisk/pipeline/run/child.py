@@ -81,6 +81,7 @@ from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
+from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
 from tracerisk.ros.imports.python_names import removed_python_names
 from tracerisk.ros.imports.vendor_libraries import (
     VENDOR_LIBRARIES,
@@ -281,6 +282,7 @@ def _run(
         needs.judge,
         missing,
         scheduler.outlast,
+        on_missing=needs.modules_missing,
     )
     scheduler.on_abort = end.abort
     replaced = request.replaced_bytes
@@ -304,6 +306,10 @@ def _run(
         is_library=Libraries(script, root, request.states).holds,
         replaced=replaced,
     )
+    placeholders = PlaceholderFinder(
+        [name for name, _ in scenario.modules],
+        PlaceholderValues(lambda: values.posture, lambda: scheduler.now_ns),
+    )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
         _files(request, recorder) as overlay,
@@ -312,6 +318,7 @@ def _run(
         stand_ins,
         beside.active(),
         installed.active(),
+        placeholders,
         removed_numpy_names(),
         removed_python_names(request.distro.name),
         served_opencv_names(),

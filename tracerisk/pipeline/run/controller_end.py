@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import NoReturn
@@ -51,6 +51,8 @@ class ControllerEnd:
     missing: MissingModules | None = None
     outlast: Callable[[], None] = lambda: None
     before_exit: Callable[[], None] = lambda: None
+    on_missing: Callable[[Mapping[str, str], Location | None], None] = lambda *_: None
+    """Called with the modules for which placeholders may stand, and with the place that failed."""
     _reported: bool = dataclasses.field(default=False, init=False)
     _owner: int = dataclasses.field(default_factory=os.getpid, init=False)
 
@@ -134,7 +136,8 @@ class ControllerEnd:
 
     def _raised(self, error: BaseException) -> None:
         if isinstance(error, ModuleNotFoundError):
-            self._report("not_importable", self._not_there(error), self._place_of(error))
+            place = self._place_of(error)
+            self._report("not_importable", self._not_there(error, place), place)
             return
         hint = self._python_2(error)
         if hint is not None:
@@ -153,7 +156,7 @@ class ControllerEnd:
         self._report("raised", message, self._place_of(error))
         _print_traceback(error)
 
-    def _not_there(self, error: ModuleNotFoundError) -> str:
+    def _not_there(self, error: ModuleNotFoundError, place: Location | None) -> str:
         """Return which modules are not there; of a part of a package, what the error says."""
         name = error.name or ""
         plain = f"No module named '{name}'"
@@ -162,6 +165,7 @@ class ControllerEnd:
         parent, _, _ = name.partition(".")
         if parent != name and parent in sys.modules:
             return str(error)
+        self.on_missing(self.missing.replaceable(name), place)
         return self.missing.sentence(name)
 
     def _python_2(self, error: BaseException) -> str | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,7 +13,7 @@ from tracerisk.instrument.source.python_2 import python_2_hint, walk_with_guards
 from tracerisk.instrument.source.python_source import parse_source, parsed
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
-from tracerisk.ros.imports.vendor_libraries import remedy
+from tracerisk.ros.imports.vendor_libraries import may_stand_in, remedy
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,21 @@ class MissingModules:
         top = failed.partition(".")[0]
         names = dict.fromkeys([top, *_absent(self._imported(files), top)])
         return _sentence(list(names), self.provided)
+
+    def replaceable(self, failed: str) -> Mapping[str, str]:
+        """Return the modules that are missing where a placeholder may stand for each, else none.
+
+        Each comes with what to do about it. A library that moves the robot, or is of ROS, has
+        effects that no placeholder has.
+        """
+        files = self._files()
+        if any(python_2_hint(source_bytes(path), self._shown(path)) for path in files):
+            return {}
+        top = failed.partition(".")[0]
+        names = (top, *_absent(self._imported(files), top))
+        if not all(may_stand_in(name, self.provided) for name in names):
+            return {}
+        return {name: _remedy_words(name, self.provided) for name in names}
 
     def python_2(self) -> str | None:
         """Return the hint where the script or one of its own modules is Python 2."""
@@ -91,6 +106,13 @@ def _absent(names: Iterable[str], known: str) -> Iterator[str]:
         except (ImportError, ValueError, TraceRiskError):
             # It is there, whatever is wrong with it.
             continue
+
+
+def _remedy_words(name: str, provided: Collection[str]) -> str:
+    found = remedy(name, provided)
+    if found.distribution is None:
+        return found.words
+    return f"`pip install {found.distribution}` in {_ENVIRONMENT} gives the real one"
 
 
 def _sentence(names: Sequence[str], provided: Collection[str]) -> str:

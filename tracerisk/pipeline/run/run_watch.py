@@ -119,7 +119,8 @@ class RunWatch:
         self._last_command_ns = self._scheduler.now_ns
         way = tuple((frame.function, frame.site, frame.instance) for frame in stack)
         is_callback = stack[0].root not in (None, "main", "thread")
-        thread, main = self._scheduler.baton.ident(), self._main()
+        main = self._main()
+        thread: int | None = self._scheduler.baton.ident()
         if stack[0].root == "main" and main is not None:
             # The call of a service is carried out by another thread than the one that called.
             thread = main.ident

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -80,6 +80,7 @@ class UnmetNeeds:
     shift: Callable[[], PlaceAndShift | None] = lambda: None
     _at_end: dict[_Asked, tuple[Missed, ...]] | None = field(default=None, init=False)
     _named: tuple[Missed, ...] = field(default=(), init=False)
+    _modules: tuple[Missed, ...] = field(default=(), init=False)
 
     def __post_init__(self) -> None:
         self.runtime.scheduler.on_over = self._keep
@@ -92,6 +93,12 @@ class UnmetNeeds:
     def _as_of_end(self, asked: _Asked) -> tuple[Missed, ...]:
         """Return what one of its methods returned when the run was over, or does now."""
         return asked() if self._at_end is None else self._at_end[asked]
+
+    def modules_missing(self, found: Mapping[str, str], place: Location | None) -> None:
+        """Note modules that are not here, each with what to do about it."""
+        self._modules = tuple(
+            Missed(Need("module", name, words), 0, 0, place) for name, words in found.items()
+        )
 
     def waited_for(self) -> tuple[Missed, ...]:
         """Return what a controller that only waits may be waiting for."""
@@ -255,7 +262,7 @@ class UnmetNeeds:
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
         # Of a library's many clients only those are in use that are waited for or called.
         own = [each for each in unserved if each.need.kind == "topic" or self._is_script(each)]
-        for each in (*own, *beside, *uncalled, *left_off, *obeyed):
+        for each in (*self._modules, *own, *beside, *uncalled, *left_off, *obeyed):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():

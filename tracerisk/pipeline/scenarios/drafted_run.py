@@ -93,7 +93,7 @@ def _may_need_draft(
     if (is_whole and trace.functions) or trace.end.cause in OF_THE_MACHINE:
         return False
     if trace.end.cause == "not_importable":
-        return False
+        return any(each.section == "modules" for run in runs for each in run.drafts)
     if any(run.needs and any(each.value is not None for each in run.drafts) for run in runs):
         return True
     if settings.args:

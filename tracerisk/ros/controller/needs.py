@@ -16,7 +16,7 @@ from tracerisk.ros.controller.frames import controller_frame
 
 NeedKind = Literal[
     "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object", "start",
-    "command",
+    "command", "module",
 ]  # fmt: skip
 
 KEYS = "keys that are pressed"
@@ -33,7 +33,8 @@ class Need:
 
     `parent` is the frame in which a frame is looked up; `type_name` of a parameter is `string`,
     `double_array` and so on, as far as the controller says it, that of an object of the planning
-    scene `attached` where the robot must hold it, `model` where it is one of Gazebo.
+    scene `attached` where the robot must hold it, `model` where it is one of Gazebo; of a module it
+    is what to do about it.
     """
 
     kind: NeedKind
@@ -56,6 +57,7 @@ class Need:
             "object": "object of the planning scene",
             "start": "a start with room to move for",
             "command": "a driver that obeys",
+            "module": "module",
         }[self.kind]
         if self.name == KEYS:
             return KEYS

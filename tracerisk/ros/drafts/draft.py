@@ -51,6 +51,7 @@ SECTIONS: Mapping[NeedKind, str] = {
     "start": "start",
     "input": "answers",
     "command": "drivers",
+    "module": "modules",
 }
 """Where a scenario gives what is needed."""
 
@@ -440,6 +441,12 @@ def _answer(lack: _Lack) -> _Made:
     return list(answers), f"as the code compares the answer to {need.name}"
 
 
+def _module(lack: _Lack) -> _Made:
+    words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"
+    remedy = f"; {lack.need.type_name}" if lack.need.type_name else ""
+    return {"module": lack.need.name}, f"{words}{remedy}"
+
+
 _ENTRIES = {
     "topic": _topic,
     "service": _service,
@@ -452,4 +459,5 @@ _ENTRIES = {
     "input": _answer,
     "parameter": lambda lack: drafted_parameter(lack.need, lack.place, lack.values),
     "command": _command,
+    "module": _module,
 }

@@ -181,6 +181,15 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
     )
 
 
+def may_stand_in(name: str, provided: Collection[str]) -> bool:
+    """Return whether a placeholder may stand for a top-level module that nobody has.
+
+    None does for what commands the robot, past ROS or in its own way, and for what is ROS's.
+    """
+    known = {*_HARDWARE, *_REPOSITORIES, *REMOVED_MODULES, *provided}
+    return name not in known and missing_module(name, provided) is None
+
+
 @lru_cache(maxsize=1)
 def distributions() -> Mapping[str, str]:
     """Return the distribution on the package index that provides each module, where it is known.

@@ -19,7 +19,7 @@ MARK = "# assumed"
 """What the comment of an unconfirmed line begins with."""
 
 _MARK = re.compile(r"(?:^|(?<=\s))#\s*assumed\b\s*:?\s*(?P<words>.*?)\s*$")
-_NAMES = ("topic", "name", "service", "action", "frame", "driver")
+_NAMES = ("topic", "name", "service", "action", "frame", "driver", "module")
 
 
 @dataclass(frozen=True, slots=True)

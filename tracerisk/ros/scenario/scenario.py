@@ -118,6 +118,8 @@ class Scenario:
     calls: tuple[YamlMap, ...] = ()
     objects: tuple[YamlMap, ...] = ()
     drivers: tuple[YamlMap, ...] = ()
+    modules: tuple[tuple[str, Location], ...] = ()
+    """Python modules for which placeholders stand where they are not here, each with its place."""
     answers: tuple[str, ...] = ()
     accept: tuple[Acceptance, ...] = ()
     robot: str | None = None
@@ -145,7 +147,7 @@ def read_scenario(path: Path) -> Scenario:
         {
             *("parameters", "publish", "services", "actions"),
             *("calls", "frames", "objects", "answers", "accept", "arguments", "robot", "success"),
-            *("start", "drivers"),
+            *("start", "drivers", "modules"),
         }
     )
     assumed = unconfirmed(path, top)
@@ -160,6 +162,7 @@ def read_scenario(path: Path) -> Scenario:
         calls=_section(top, "calls"),
         objects=_section(top, "objects"),
         drivers=_section(top, "drivers"),
+        modules=_entries(top, "modules", _module),
         answers=_texts(top, "answers", "one answer for each input()"),
         accept=_accept(top),
         robot=_robot(top, path),
@@ -259,6 +262,14 @@ def _service(entry: YamlMap) -> Served:
         entry.optional_string("fails"),
         entry.key_location("type"),
     )
+
+
+def _module(entry: YamlMap) -> tuple[str, Location]:
+    entry.forbid_unknown({"module"})
+    name = entry.string("module")
+    if not name.isidentifier():
+        entry.fail("module", f"'{name}' is no top-level module; give its name, such as scipy")
+    return name, entry.key_location("module")
 
 
 _GOAL_KEYS = frozenset({"status", "after", "result", "feedback", "text"})

@@ -10,6 +10,7 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.ros.graph.parameter_files import into_tree
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.imports.placeholder_modules import is_placeholder
 from tracerisk.ros.scenario.calls import ScenarioCall
 from tracerisk.ros.scenario.frames import ScenarioFrames
 from tracerisk.ros.scenario.known_objects import add_known_objects
@@ -33,6 +34,7 @@ class ScenarioWorld:
         self.schedule = Schedule(runtime.scheduler)
         self._parameters = scenario.parameters
         self._unconfirmed = scenario.unconfirmed
+        self._modules = scenario.modules
         self._asked = runtime.graph.parameters
         into_tree(runtime.parameters, runtime.graph.parameters)
         self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
@@ -67,6 +69,11 @@ class ScenarioWorld:
                 (f"nobody asked for parameter {each.name}", each.location)
                 for each in self._parameters
                 if each.location is not None and not self._asked.is_asked(each.name)
+            ),
+            *(
+                (f"no placeholder was needed for module {name}", place)
+                for name, place in self._modules
+                if not is_placeholder(name)
             ),
         ]
         return tuple(

@@ -1,0 +1,140 @@
+"""Modules that are not here, for which a scenario has placeholders."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections import deque
+from importlib import import_module
+from operator import add
+
+import numpy as np
+import pytest
+
+from tests.conftest import quick_controller
+from tracerisk.ros.imports.placeholder_modules import (
+    PlaceholderFinder,
+    PlaceholderValues,
+    is_placeholder,
+)
+
+POSTURE = (0.1, -0.7, 0.3)
+
+
+@pytest.fixture
+def absent():
+    with PlaceholderFinder(["absent", "numpy"], PlaceholderValues(lambda: POSTURE, lambda: 7)):
+        import absent
+
+        yield absent
+
+
+def test_a_part_of_a_placeholder_is_one_and_goes_with_its_block(absent):
+    from absent.deep import Thing
+    from absent.deep.down import thing
+
+    assert is_placeholder("absent.deep.down")
+    assert repr(Thing) == "<a placeholder for absent.deep.Thing>"
+    assert thing(1, b=2).more is not None
+
+
+def test_what_is_there_stays_and_what_nobody_names_is_missing(absent):
+    assert not is_placeholder("numpy")
+    assert import_module("numpy") is np
+    with pytest.raises(ModuleNotFoundError):
+        import_module("absent_too")
+
+
+def test_after_its_block_a_placeholder_is_no_module_any_more():
+    with PlaceholderFinder(["absent"], PlaceholderValues(lambda: POSTURE, lambda: 7)):
+        import absent
+    assert "absent" not in sys.modules
+    with pytest.raises(ModuleNotFoundError):
+        import_module("absent")
+    assert absent.name is not None
+
+
+@pytest.mark.parametrize(
+    ("asked", "given"),
+    [
+        (lambda a: add(a.solve(1).q.tolist(), [0.5]), [*POSTURE, 0.5]),
+        (lambda a: add([0.5], a.solve(1)), [0.5, *POSTURE]),
+        (lambda a: list(a.q), [*POSTURE]),
+        (lambda a: np.array(a.q).tolist(), [*POSTURE]),
+        (lambda a: list(np.array([1.0, 2.0, 3.0]) - a.q), [*POSTURE]),
+        (lambda a: list(2 * a.A(1) @ a.B), [*POSTURE]),
+        (lambda a: (a.q[np.int64(1)], a.q[-1]), (-0.7, 0.3)),
+        (lambda a: a.q[:2], [0.1, -0.7]),
+        (lambda a: (float(a.q), len(a.q), f"{a.q}", bool(a.ok)), (0.1, 3, "", True)),
+        (lambda a: (a.error > 0.01, a.error <= 3, isinstance(3, a.Kind)), (False,) * 3),
+    ],
+)
+def test_where_numbers_are_asked_of_a_placeholder_it_is_a_posture(absent, asked, given):
+    assert asked(absent) == given
+
+
+def test_a_placeholder_decorates_is_derived_from_and_is_caught(absent):
+    app = absent.App()
+
+    @app.get("/here")
+    def here() -> str:
+        return "here"
+
+    @absent.mark
+    class Marked(absent.Model):
+        pass
+
+    assert here() == "here"
+    assert Marked(size=3).size == 3
+    with absent.locked() as held:
+        held.value = 3
+    with pytest.raises(ZeroDivisionError), contextlib.suppress(absent.LibraryError):
+        absent.size = 1 / 0
+
+
+def test_who_asks_a_placeholder_without_an_end_is_told_so(absent):
+    with pytest.raises(RuntimeError, match=r"absent\.prompt, which is a placeholder, was called"):
+        deque(iter(absent.prompt, "quit"), maxlen=0)
+
+
+LINE = "turn = absent_library.solve(1.0).q[0]"
+IMPORTS = {
+    "of nobody": ("import absent_library", LINE, "put it beside the controller"),
+    "of the index": (
+        "import roslibpy as absent_library",
+        LINE,
+        "`pip install roslibpy` in the environment in which tracerisk runs gives the real one",
+    ),
+    "of its own module": ("from beside import absent_library", LINE, "put it beside"),
+    "in a function": ("pass", f"import absent_library\n    {LINE}", "put it beside"),
+}
+
+
+@pytest.mark.parametrize(("statement", "line", "remedy"), IMPORTS.values(), ids=IMPORTS)
+def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy):
+    example.write("beside.py", "import absent_library\n")
+    example.write("c.py", f"{statement}\n{quick_controller(line, 'arm.stop()')}")
+    stuck = example.run("trace", "c.py", "--robot", "panda", "--json", "--no-draft")
+    assert stuck.json["verdict"]["kind"] == "stuck"
+    ran = example.run("trace", "c.py", "--robot", "panda", "--json")
+    verdict = ran.json["verdict"]
+    assert verdict["kind"] == "partial", ran.err
+    (reason,) = [each for each in verdict["reasons"] if each["code"] == "input-assumed"]
+    assert "is drafted: a placeholder, whose numbers are a posture of panda" in reason["words"]
+    assert remedy in reason["words"]
+
+
+@pytest.mark.parametrize("statement", ["import pymycobot", "from acme_msgs.msg import Go"])
+def test_no_placeholder_stands_for_what_moves_the_robot_or_is_of_ros(example, statement):
+    example.write("c.py", f"{statement}\nimport absent_library\n{quick_controller()}")
+    ran = example.run("trace", "c.py", "--robot", "panda", "--json")
+    assert ran.json["verdict"]["kind"] == "stuck"
+
+
+def test_a_placeholder_that_nobody_confirmed_or_needed_is_reported(example):
+    example.write("c.py", f"import absent_library\n{quick_controller()}")
+    example.write("cell.yaml", "modules:\n  - module: absent_library\n  - module: other\n")
+    ran = example.run("trace", "c.py", "--robot", "panda", "--scenario", "cell.yaml", "--json")
+    found = [each["message"] for each in ran.json["trace"]["findings"]]
+    assert any("no placeholder was needed for module other" in each for each in found)
+    assert not any("absent_library" in each for each in found)

@@ -1,0 +1,247 @@
+"""Modules that are not here, each with a placeholder for whatever a program takes of it.
+
+A placeholder can be handed on, called, indexed, derived from, and gives more of its kind. Where
+numbers are asked of it, it is a posture of the arm: what such a program makes of a library's
+numbers is most often a goal of its joints. That is an assumption of the scenario which names the
+module, and no run on it is complete.
+"""
+
+from __future__ import annotations
+
+import importlib.abc
+import importlib.machinery
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+_MOST_CALLS = 10_000  # at one instant: who asks so often waits for an answer that never comes
+
+
+@dataclass(slots=True, eq=False)
+class PlaceholderValues:
+    """What the placeholders of one run give."""
+
+    posture: Callable[[], Sequence[float]]
+    """The numbers of one: positions of the arm's joints [rad or m]."""
+    now_ns: Callable[[], int]
+    """The simulated time [ns]."""
+    _at_ns: int = field(default=-1, init=False)
+    _calls: int = field(default=0, init=False)
+
+    def count_call(self, name: str) -> None:
+        """Raise RuntimeError where placeholders are called without an end at one instant."""
+        now_ns = self.now_ns()
+        if now_ns != self._at_ns:
+            self._at_ns, self._calls = now_ns, 0
+        self._calls += 1
+        if self._calls > _MOST_CALLS:
+            raise RuntimeError(
+                f"{name}, which is a placeholder, was called {_MOST_CALLS} times at one instant: "
+                "the program waits for what only the real module gives"
+            )
+
+
+class Placeholder:
+    """Whatever a program takes of a module that is not here, by its name."""
+
+    __array_ufunc__ = None  # arithmetic with arrays is this class's own
+
+    def __init__(self, name: str, values: PlaceholderValues) -> None:
+        self._placeholder = name, values
+
+    def _numbers(self) -> list[float]:
+        return list(self._placeholder[1].posture())
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return _of(f"{self._placeholder[0]}.{name}", self._placeholder[1])
+
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        """Return another placeholder; as a decorator, what is decorated."""
+        name, values = self._placeholder
+        values.count_call(name)
+        is_decorator = len(given) == 1 and not named and hasattr(given[0], "__qualname__")
+        return given[0] if is_decorator else Placeholder(f"{name}()", values)
+
+    def __mro_entries__(self, _: tuple[Any, ...]) -> tuple[type, ...]:
+        """Return what a class that derives from the placeholder derives from instead."""
+        name, values = self._placeholder
+
+        class FromPlaceholder:
+            def __init__(self, *_: Any, **named: Any) -> None:
+                vars(self).update(named)
+
+            def __getattr__(self, attribute: str) -> Any:
+                if attribute.startswith("__"):
+                    raise AttributeError(attribute)
+                return _of(f"{name}.{attribute}", values)
+
+        return (FromPlaceholder,)
+
+    def __instancecheck__(self, _: object) -> bool:
+        return False
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, slice):
+            return self._numbers()[key]
+        if hasattr(key, "__index__") and not isinstance(key, Placeholder):
+            return self._numbers()[key]
+        return Placeholder(f"{self._placeholder[0]}[]", self._placeholder[1])
+
+    def __setitem__(self, _: Any, __: Any) -> None:
+        """Take what is put in, and forget it."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "_placeholder":
+            object.__setattr__(self, name, value)
+
+    def __iter__(self) -> Iterator[float]:
+        return iter(self._numbers())
+
+    def __len__(self) -> int:
+        return len(self._numbers())
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        import numpy as np
+
+        return np.array(self._numbers(), dtype or float)
+
+    def __float__(self) -> float:
+        return self._numbers()[0]
+
+    def __int__(self) -> int:
+        return 0
+
+    __index__ = __int__
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the block."""
+
+    def _combined(self, _: Any) -> Any:
+        return self
+
+    __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _combined
+    __matmul__ = __rmatmul__ = __pow__ = __mod__ = __floordiv__ = __or__ = __ror__ = _combined
+    __and__ = __rand__ = _combined
+
+    def __add__(self, other: Any) -> Any:
+        # Of lists, a sum is both of them.
+        return [*self, *other] if isinstance(other, list) else self
+
+    def __radd__(self, other: Any) -> Any:
+        return [*other, *self] if isinstance(other, list) else self
+
+    def __neg__(self) -> Self:
+        return self
+
+    __pos__ = __abs__ = __neg__
+
+    def _is_beyond(self, _: object) -> bool:
+        """Return that it exceeds nothing: a loop until it is small enough ends."""
+        return False
+
+    __lt__ = __gt__ = __le__ = __ge__ = _is_beyond
+
+    def __hash__(self) -> int:
+        return hash(self._placeholder[0])
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __str__(self) -> str:
+        return ""
+
+    def __format__(self, _: str) -> str:
+        return ""
+
+    def __repr__(self) -> str:
+        return f"<a placeholder for {self._placeholder[0]}>"
+
+
+def _of(name: str, values: PlaceholderValues) -> Any:
+    """Return the placeholder of a name; an `except` clause needs a class of exceptions."""
+    last = name.rpartition(".")[2]
+    if last[:1].isupper() and last.endswith(("Error", "Exception", "Timeout")):
+        return type(last, (Exception,), {})
+    return Placeholder(name, values)
+
+
+class PlaceholderModule(ModuleType):
+    """A module whose names are all placeholders."""
+
+    __path__: list[str]
+
+    def __init__(self, name: str, values: PlaceholderValues) -> None:
+        super().__init__(name, f"A placeholder for {name}.")
+        self.__path__ = []
+        self._values = values
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "__all__":
+            return []
+        if name.startswith("__"):
+            raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
+        made = _of(f"{self.__name__}.{name}", self._values)
+        # An exception that is caught is the one that was imported.
+        setattr(self, name, made)
+        return made
+
+
+class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Serves modules that nothing else finds, by their top `names`, within its block."""
+
+    def __init__(self, names: Sequence[str], values: PlaceholderValues) -> None:
+        self._names = frozenset(names)
+        self._values = values
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Any = None,  # noqa: ARG002 - the import system gives it
+        target: Any = None,  # noqa: ARG002
+    ) -> importlib.machinery.ModuleSpec | None:
+        """Return the spec of a module that has one of the names, or lies below it."""
+        top = fullname.partition(".")[0]
+        if top not in self._names:
+            return None
+        if top != fullname and not is_placeholder(top):
+            return None
+        return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
+        """Return the module."""
+        return PlaceholderModule(spec.name, self._values)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Do nothing: the module has no code."""
+
+    def __enter__(self) -> Self:
+        # Behind all that finds a real one.
+        sys.meta_path.append(self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        sys.meta_path.remove(self)
+        for name in [name for name, each in sys.modules.items() if _is_served(each)]:
+            del sys.modules[name]
+
+
+def is_placeholder(name: str) -> bool:
+    """Return whether a module was imported, and is a placeholder."""
+    return _is_served(sys.modules.get(name))
+
+
+def _is_served(module: object) -> bool:
+    return isinstance(module, PlaceholderModule)
