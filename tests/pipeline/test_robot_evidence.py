@@ -440,6 +440,42 @@ def test_a_gripper_alone_is_doubted_where_an_arm_is_named(tmp_path, source, doub
 
 
 @pytest.mark.parametrize(
+    ("ends", "joints"),
+    [
+        (("base_link", "tool0"), UR),
+        (("panda_link0", "panda_link8"), PANDA),
+        (("stand", "flange"), SIX),
+        (("left_base_link", "left_tool0"), [f"left_{joint}" for joint in UR]),
+    ],
+    ids=["ur", "panda", "nobody's", "prefixed"],
+)
+def test_a_gripper_alone_is_not_the_robot_of_an_srdf_that_has_an_arm(tmp_path, ends, joints):
+    fingers = [f"finger_{number}" for number in range(9)]
+    limit = '<axis xyz="0 1 0"/><limit lower="0" upper="0.04" effort="9" velocity="1"/>'
+    parts = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="prismatic"><parent link="palm"/>'
+        f'<child link="{name}"/>{limit}</joint>'
+        for name in fingers
+    )
+    hand = "".join(f'<link name="{name}"/>' for name in fingers)
+    states = "".join(f'<joint name="{joint}" value="0.1"/>' for joint in joints)
+    groups = (
+        f'<group name="arm_group"><chain base_link="{ends[0]}" tip_link="{ends[1]}"/></group>'
+        f'<group name="hand">{hand}</group>'
+        f'<group_state name="home" group="arm_group">{states}</group_state>'
+    )
+    files = {
+        "go_DOT_py": 'arm = MoveGroupCommander("arm_group")\n',
+        "package_DOT_xml": PACKAGE.format("cell"),
+        "hand_DOT_urdf": f'<robot name="hand"><link name="palm"/>{parts}</robot>',
+        "cell_DOT_srdf": f'<robot name="cell">{groups}</robot>',
+    }
+    robot = chosen(tmp_path, **files).robot
+    assert {*joints} <= {joint.name for joint in robot.arm_joints}
+    assert "gripper alone" not in robot.doubt
+
+
+@pytest.mark.parametrize(
     ("name", "joints", "renamed"),
     [
         ("mycobot_280", SIX, True),

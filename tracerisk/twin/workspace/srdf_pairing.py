@@ -116,12 +116,17 @@ class UrdfChoice:
 def has_parts_of(robot: Robot, srdf: Srdf, *, lacks_parts: bool = False) -> bool:
     """Return whether a robot has most joints and links of an SRDF's groups, and a whole group.
 
-    Of a robot that `lacks_parts` of absent packages, such as its gripper, a group is enough.
+    Of a robot that `lacks_parts` of absent packages, such as its gripper, a group is enough. A
+    gripper alone is not the robot of an SRDF that has the chain of an arm.
     """
     names: set[str] = set()
     for group in srdf.groups:
         names.update(group.joints, group.links, *group.chains)
     has = {*robot.link_names, *(one.name for one in robot.attachments)}
+    if not robot.arm_joints and any(
+        {*chain} - has for group in srdf.groups for chain in group.chains
+    ):
+        return False
     if not lacks_parts and len(names & has) < _FITS * len(names):
         return False
     return any(group.name in robot.groups for group in srdf.groups)
