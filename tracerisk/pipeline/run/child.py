@@ -94,6 +94,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.readings.stale_messages import StaleMessages
+from tracerisk.ros.robot.bring_up.xacro_command import answered_xacro
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import TwinFrames
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
@@ -319,6 +320,7 @@ def _run(
         beside.active(),
         installed.active(),
         placeholders,
+        answered_xacro(runtime),
         removed_numpy_names(),
         removed_python_names(request.distro.name),
         served_opencv_names(),

@@ -17,6 +17,7 @@ import os
 import re
 import sys
 import sysconfig
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -131,6 +132,17 @@ def _take_old_forms() -> None:
     xacro.eval_all, xacro.handle_macro_call = evaluated, called
 
 
+class _Given(dict[str, Any]):
+    """Arguments of xacro; what nothing gives is asked of `absent`."""
+
+    def __init__(self, given: dict[str, Any], absent: Callable[[str], Any]) -> None:
+        super().__init__(given)
+        self._absent = absent
+
+    def __missing__(self, name: str) -> Any:
+        return self._absent(name)
+
+
 class _Lacking:
     """Lets xacro go on where packages, the macros in them, and arguments are absent."""
 
@@ -196,6 +208,17 @@ class _Lacking:
             xacro.eval_all(node, macros, symbols)
             return True
 
+        def absent(name: str) -> str:
+            self.arguments.setdefault(name)
+            return ""
+
+        class Context(dict[str, Any]):
+            """What the substitutions know: `xacro.arg()` reads the arguments of it."""
+
+            def __setitem__(self, key: str, value: Any) -> None:
+                super().__setitem__(key, _Given(value, absent) if key == "arg" else value)
+
+        xacro.substitution_args_context = Context(xacro.substitution_args_context)
         substitution_args._eval_find, xacro.get_include_files = found, included
         substitution_args._eval_arg, xacro.handle_macro_call = given, called
         xacro.get_boolean_value = decided

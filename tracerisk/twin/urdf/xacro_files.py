@@ -18,7 +18,10 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
 _LONGEST_REASON = 200
-_ABSENT_ARGUMENT = re.compile(r"Undefined substitution argument (\w+)")
+_ABSENT_ARGUMENT = re.compile(
+    r"Undefined substitution argument (\w+)|^when evaluating expression 'xacro\.arg\(\W(\w+)\W\)'",
+    re.MULTILINE,
+)
 _ABSENT_PACKAGE = re.compile(r"Package not found: ([\w.-]+)")
 
 
@@ -110,9 +113,10 @@ def expanded_xacro(
             )
         argument = _ABSENT_ARGUMENT.search(said)
         if argument is not None:
+            name = argument[1] or argument[2]
             raise LackingError(
-                f"xacro cannot expand it: nothing gives its argument {argument[1]}; give it in "
-                "the launch file that loads it",
+                f"xacro cannot expand it: nothing gives its argument {name}; give it in the launch "
+                "file that loads it",
                 Location(file),
             )
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))

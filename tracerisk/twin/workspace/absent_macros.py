@@ -18,8 +18,7 @@ from tracerisk.twin.robots.robot_names import mentioned
 from tracerisk.twin.urdf.text import urdf_text
 from tracerisk.twin.urdf.xacro_child import ABSENT_MACRO, MACRO_NAME
 
-# The arms of a maker's description package, the most usual one first.
-_ARMS: Mapping[str, tuple[str, ...]] = {
+ARMS: Mapping[str, tuple[str, ...]] = {
     "franka_description": ("panda", "fr3"),
     "iiwa_description": ("iiwa7_stack", "iiwa14_stack"),
     "interbotix_xsarm_descriptions": ("wx250s", "vx300s", "wx200", "rx200", "px100"),
@@ -35,6 +34,7 @@ _ARMS: Mapping[str, tuple[str, ...]] = {
     "widowx_arm_description": ("widowx",),
     "xarm_description": ("xarm7", "xarm6", "lite6"),
 }  # fmt: skip
+"""The arms of a maker's description package, the most usual one first."""
 # Parameters of the macros: UniversalRobots/Universal_Robots_ROS2_Description urdf/ur_macro.xacro,
 # xArm-Developer/xarm_ros2 xarm_description/urdf/xarm_device_macro.xacro, frankaemika/franka_ros
 # franka_description/robots/common/franka_arm.xacro, Kinovarobotics/ros2_kortex
@@ -109,7 +109,7 @@ class _Drawing:
         for file in files:
             package, _, name = file.partition("/")
             stem = name.rpartition("/")[2].partition(".")[0]
-            family = _ARMS.get(package, ())
+            family = ARMS.get(package, ())
             named = mentioned(stem, self._robots) or mentioned(package, self._robots)
             found = [each for each in family if each in named] or sorted(named) or list(family)
             if not found:
@@ -143,7 +143,7 @@ class _Drawing:
 
     def _arms_of(self, call: ET.Element, macro: str) -> tuple[str, ...]:
         """Return the shipped robots that a call may mean, the most usual first."""
-        family = tuple(name for each in self._packages for name in _ARMS.get(each, ()))
+        family = tuple(name for each in self._packages for name in ARMS.get(each, ()))
         for text in self._texts(call, macro):
             named = mentioned(text, self._robots)
             narrowed = [name for name in family if name in named] or sorted(named)

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.absent_shares import absent_share
 
 _NAME = re.compile(r"[a-zA-Z0-9][a-zA-Z0-9_-]+", re.ASCII)
 
@@ -35,6 +36,9 @@ def _folder_of(package_name: str) -> Path:
         raise ValueError(f"'{package_name}' is not a valid package name")
     packages = current().findable
     if package_name not in packages:
+        absent = absent_share(package_name, current())
+        if absent is not None:
+            return absent
         raise PackageNotFoundError(
             f"package '{package_name}' not found, searching: {current().searched}"
         )

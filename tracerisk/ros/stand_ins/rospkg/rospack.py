@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.robot.bring_up.absent_shares import absent_share
 
 from .common import PACKAGE_FILE, ResourceNotFound
 from .manifest import Manifest, parse_manifest_file
@@ -53,6 +54,9 @@ class RosPack:
             ResourceNotFound: there is no such package.
         """
         if name not in self._folders:
+            absent = absent_share(name, current())
+            if absent is not None:
+                return str(absent)
             raise ResourceNotFound(name, self._ros_paths)
         return str(self._folders[name])
 

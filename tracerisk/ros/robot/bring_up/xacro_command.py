@@ -1,0 +1,152 @@
+"""The command `xacro`, which programs start to get a description: answered without a process.
+
+No ROS is installed, so the program would end with an exception for want of the command.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import shlex
+import subprocess
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.errors import TraceRiskError
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.twin.urdf.semantic_text import srdf_text
+from tracerisk.twin.urdf.text import urdf_text
+from tracerisk.twin.urdf.xacro_files import expand_xacro
+
+_STARTS = (("xacro",), ("rosrun", "xacro", "xacro"), ("ros2", "run", "xacro", "xacro"))
+_MOVING = ("revolute", "continuous", "prismatic")
+_MOST_SHOWN = 4
+_TEXT = ("text", "universal_newlines", "encoding", "errors")
+
+
+@contextlib.contextmanager
+def answered_xacro(runtime: Runtime) -> Iterator[None]:
+    """Answer the command while this is open, however `subprocess` or `os` starts it."""
+
+    class Popen(subprocess.Popen[Any]):
+        """A process, or the answer of `xacro` in its place."""
+
+        def __new__(cls, args: Any, *_: Any, **how: Any) -> Any:
+            words = _words(args)
+            if words is None:
+                return super().__new__(cls)
+            return _AnsweredProcess(args, _expanded(words, runtime), how)
+
+    real_popen = os.popen
+
+    def popen(command: str, *rest: Any, **how: Any) -> Any:
+        words = _words(command)
+        if words is None:
+            return real_popen(command, *rest, **how)
+        return io.StringIO(_expanded(words, runtime))
+
+    with replaced([(subprocess, "Popen", Popen), (os, "popen", popen)]):
+        yield
+
+
+def _words(args: Any) -> list[str] | None:
+    """Return the words behind the command where it is `xacro`, else `None`."""
+    try:
+        given = shlex.split(args) if isinstance(args, str) else [os.fspath(each) for each in args]
+    except (TypeError, ValueError):
+        return None
+    words = [each.decode(errors="replace") if isinstance(each, bytes) else each for each in given]
+    if not words:
+        return None
+    words[0] = words[0].rpartition("/")[2]
+    for start in _STARTS:
+        if tuple(words[: len(start)]) == start:
+            return words[len(start) :]
+    return None
+
+
+def _expanded(words: Sequence[str], runtime: Runtime) -> str:
+    """Return what xacro would write for its arguments.
+
+    Of a file that cannot be expanded here, it is the robot that is simulated, with a finding.
+    """
+    given = dict(each.split(":=", 1) for each in words if ":=" in each)
+    files = [each for each in words if ":=" not in each and not each.startswith("-")]
+    output = next((words[at + 1] for at in range(len(words) - 1) if words[at] == "-o"), None)
+    path = Path(next((each for each in files if each != output), ""))
+    robot, words = runtime.twin.robot, ""
+    try:
+        text = expand_xacro(path, runtime.findable, arguments=given).decode()
+    except (TraceRiskError, OSError) as error:
+        reason = error.message if isinstance(error, TraceRiskError) else str(error)
+        text = srdf_text(robot) if ".srdf" in path.name else urdf_text(robot)
+        words = f"xacro {path.name} is answered with {robot.name}, which is simulated: {reason}"
+    else:
+        others = sorted(_moving(text) - {joint.name for joint in robot.joints})
+        if others:
+            words = (
+                f"xacro makes a robot of {path.name} with {', '.join(others[:_MOST_SHOWN])}, and "
+                f"{robot.name} is simulated, which has no such joint"
+            )
+    if words:
+        runtime.recorder.finding("answer_assumed", words, object_name=path.name)
+    if output is None:
+        return text
+    Path(output).write_text(text, encoding="utf-8")
+    return ""
+
+
+def _moving(text: str) -> set[str]:
+    """Return the joints of a description that move; none of another document."""
+    try:
+        top = ET.fromstring(text)
+    except ET.ParseError:
+        return set()
+    moving = [each for each in top.findall("joint") if each.get("type") in _MOVING]
+    return {each.get("name", "") for each in moving}
+
+
+class _AnsweredProcess:
+    """A process that has ended well, with what it wrote."""
+
+    pid = 0
+    returncode = 0
+    stdin = None
+
+    def __init__(self, args: Any, text: str, how: dict[str, Any]) -> None:
+        self.args = args
+        is_text = any(how.get(name) for name in _TEXT)
+        self._said: str | bytes = text if is_text else text.encode()
+        self._quiet: str | bytes = "" if is_text else b""
+        make: Any = io.StringIO if is_text else io.BytesIO
+        target: Any = how.get("stdout")
+        self.stdout = make(self._said) if target == subprocess.PIPE else None
+        self.stderr = make(self._quiet) if how.get("stderr") == subprocess.PIPE else None
+        if hasattr(target, "write"):
+            target.write(self._said if "b" in getattr(target, "mode", "") else text)
+
+    def communicate(self, *_: Any, **__: Any) -> tuple[Any, Any]:
+        """Return what it wrote, on pipes alone."""
+        said = None if self.stdout is None else self._said
+        return said, None if self.stderr is None else self._quiet
+
+    def wait(self, *_: Any, **__: Any) -> int:
+        """Return its exit code."""
+        return 0
+
+    poll = wait
+
+    def kill(self) -> None:
+        """Do nothing: it has ended."""
+
+    terminate = kill
+
+    def __enter__(self) -> _AnsweredProcess:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the block."""
