@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.pipeline.workspace.prefixes import find_prefixes, installed_packages
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top, searched
 
 
@@ -146,6 +147,20 @@ def test_a_script_in_no_package_has_what_it_imports_of_the_repositories_beside_i
     found = find_workspace(root).packages
     assert found["arm_modules"] == sources / "toolboxes" / "xs_toolbox" / "arm_modules"
     assert "unasked" not in found
+
+
+@pytest.mark.parametrize("place", ["a/b/c/scripts", "examples/python_demos", "scripts", "."])
+def test_what_is_needed_and_what_fills_in_are_of_the_same_src(tmp_path, place):
+    sources = tmp_path / "ws" / "src"
+    repository(sources / "demos", "arm_control")
+    repository(sources / "toolboxes", "xs_toolbox/arm_modules", "unasked")
+    root = sources / "demos" / place
+    root.mkdir(parents=True, exist_ok=True)
+    (root / "bartender.py").write_text("from arm_modules.arm import Arm\n")
+    workspace = find_workspace(root)
+    beside = installed_packages(find_prefixes(root, project_top(root), 2, environment={}))
+    assert workspace.packages["arm_modules"] == beside["arm_modules"]
+    assert {*beside} - {*workspace.packages} == {"unasked"}
 
 
 def test_files_are_listed_in_order_and_a_pipe_is_none(tmp_path):

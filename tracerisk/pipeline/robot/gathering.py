@@ -36,7 +36,8 @@ from tracerisk.pipeline.robot.speech import Speech, own_speeches, speeches_besid
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.workspace import imported_names, named_packages, workspace_of
+from tracerisk.pipeline.workspace.package_folders import imported_names
+from tracerisk.pipeline.workspace.workspace import named_packages, workspace_of
 from tracerisk.ros.vendors.driver_search import read_drivers, shipped_drivers
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken

@@ -1,15 +1,23 @@
-"""Folders of ROS packages in sources: those that have a `package.xml`, and their names."""
+"""Folders of ROS packages in sources: those that have a `package.xml`, and their names.
+
+Some lie beside the controller's project, in other repositories in the `src` of its workspace. What
+the controller needs of them is of its own workspace (`needed_beside`); the rest fills in what is
+absent (`prefixes.py`), for unrelated ones may be collected in such a folder too.
+"""
 
 from __future__ import annotations
 
 import itertools
 import os
+import re
 import stat
 import time
 from collections import deque
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
+from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
 
 PACKAGE_FILE = "package.xml"
@@ -21,6 +29,17 @@ MOST_ENTRIES = 50_000
 LONGEST_SEARCH_S = 10.0
 """How long a search for packages takes: folders may lie on a slow disk [s]."""
 
+REPOSITORY = ".git"
+"""The folder that the top of a repository has."""
+SOURCES = "src"
+"""The folder in which a workspace keeps its packages."""
+
+_ABOVE = 2  # folders above a project in which its `src` may be
+_MOST_BESIDE = 100
+_DEEPEST_BESIDE = 4  # repository, stack, family, package
+_MOST_SEEN_BESIDE = 20_000
+_MOST_MODULES = 300
+_IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 _MOST_BYTES = 256 * 1024
 _NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
@@ -103,3 +122,91 @@ def head_of(path: Path, most: int) -> str:
             return stream.read(most).decode("utf-8", errors="replace")
     except OSError:
         return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Siblings:
+    """The place of a project in the `src` of a workspace."""
+
+    project: Path
+    """The top of the controller's repository or, without one, of its project."""
+    sources: Path
+    """The folder `src` above it."""
+
+    @property
+    def folders(self) -> Iterator[Path]:
+        """The folders beside the project, on its level and on those above up to `src`."""
+        height = list(self.project.parents).index(self.sources)
+        above = self.project.parents[: height + 1]
+        own = {self.project, *above}
+        found = (folder / name for folder in above for name in _folders_in(folder))
+        for folder in itertools.islice(found, _MOST_BESIDE):
+            if folder not in own and folder.name not in NOT_SEARCHED:
+                yield folder
+
+
+def siblings_of(root: Path, top: Path) -> Siblings | None:
+    """Return what is beside the project of `root`, whose top is `top`; `None` in no `src`."""
+    above = itertools.takewhile(
+        lambda folder: folder not in (Path.home(), Path("/")), (root, *root.parents)
+    )
+    project = next((folder for folder in above if (folder / REPOSITORY).exists()), top)
+    sources = next((each for each in project.parents[:_ABOVE] if each.name == SOURCES), None)
+    return None if sources is None else Siblings(project, sources)
+
+
+def packages_of_sibling(folder: Path) -> Iterator[Path]:
+    """Yield the packages of a folder beside a project."""
+    yield from packages_below(folder, _DEEPEST_BESIDE, most=_MOST_SEEN_BESIDE)
+
+
+def needed_beside(root: Path, siblings: Siblings | None) -> dict[str, Path]:
+    """Return the packages beside `root` that it needs, and those that these need.
+
+    Besides what is around it in two folders, they are those of the `siblings` of its project.
+    """
+    beside: dict[str, Path] = {}
+    around = (each for each in root.parents[:_ABOVE] if each not in (Path.home(), Path("/")))
+    near = (package for folder in around for package in packages_below(folder, deepest=_ABOVE))
+    far = (
+        package
+        for folder in (siblings.folders if siblings is not None else ())
+        for package in packages_of_sibling(folder)
+    )
+    for package in (*near, *far):
+        beside.setdefault(name_of(package), package)
+    found: dict[str, Path] = {}
+    waiting = [root]
+    while waiting:
+        for name in _needs_of(waiting.pop()):
+            if name in beside and name not in found and beside[name] != root:
+                found[name] = beside[name]
+                waiting.append(beside[name])
+    return found
+
+
+@lru_cache(maxsize=256)  # the same modules are looked at for the robot, the ROS and the packages
+def imported_names(source: str) -> frozenset[str]:
+    """Return the first part of each module that the lines of a source import."""
+    return frozenset(_IMPORT.findall(source))
+
+
+def _needs_of(folder: Path) -> list[str]:
+    """Return what a package says it needs, and what its modules import without saying so."""
+    modules = itertools.islice(sorted(folder.rglob("*.py")), _MOST_MODULES)
+    imported = {
+        name
+        for module in modules
+        if module.is_file()
+        for name in imported_names(module.read_text(encoding="utf-8", errors="replace"))
+    }
+    return [*declared_needs(folder), *sorted(imported)]
+
+
+def _folders_in(folder: Path) -> list[str]:
+    try:
+        with os.scandir(folder) as entries:
+            found = [each.name for each in entries if not each.name.startswith(".")]
+    except OSError:
+        return []
+    return sorted(name for name in found if (folder / name).is_dir())

@@ -31,11 +31,13 @@ from tracerisk.common.sandbox.ros_prefix import (
 )
 from tracerisk.common.text.patterns import pattern
 from tracerisk.pipeline.workspace.package_folders import (
-    NOT_SEARCHED,
     PACKAGE_FILE,
+    SOURCES,
     head_of,
     name_of,
     packages_below,
+    packages_of_sibling,
+    siblings_of,
 )
 
 RosVersion = Literal[1, 2]
@@ -49,12 +51,7 @@ INSTALLED = Path("/opt/ros")
 
 _SETTING = "the setting ros_prefixes"
 _SPACES = ("install", "devel")
-_SOURCES = "src"
 _UPWARDS = 6
-_ABOVE_TOP = 2
-_MOST_BESIDE = 100
-_DEEPEST_BESIDE = 4
-_MOST_SEEN_BESIDE = 20_000
 _MOST_PREFIXES = 5000
 _MOST_PACKAGES = 20_000
 _MOST_BYTES = 64 * 1024
@@ -99,7 +96,7 @@ def find_prefixes(
         _beside(root.resolve(), top.resolve()),
         _of_environment(environment, ros),
         _of_system(environment, ros, distro),
-        _sources_beside(top.resolve()),
+        _sources_beside(root.resolve(), top.resolve()),
     )
     for candidate in candidates:
         for prefix in _parts(candidate):
@@ -126,7 +123,7 @@ def _beside(root: Path, top: Path) -> Iterator[Prefix]:
             if is_one_of_many:
                 yield Prefix(str(at), found_in, within=str(at.parent))
             break
-    sources = (each for each in (root, *root.parents[:_UPWARDS]) if each.name == _SOURCES)
+    sources = (each for each in (root, *root.parents[:_UPWARDS]) if each.name == SOURCES)
     workspaces = dict.fromkeys((*(each.parent for each in sources), top))
     for workspace in workspaces:
         if workspace in (Path.home(), Path("/")):
@@ -136,23 +133,12 @@ def _beside(root: Path, top: Path) -> Iterator[Prefix]:
             yield Prefix(str(workspace / name), found_in, within=str(workspace))
 
 
-def _sources_beside(top: Path) -> Iterator[Prefix]:
-    """Yield what lies beside the folder of a project in the `src` of its workspace.
-
-    A workspace keeps each repository there. Unrelated ones may be collected in such a folder too.
-    """
-    above = top.parents[:_ABOVE_TOP]
-    height = next((number for number, folder in enumerate(above) if folder.name == _SOURCES), None)
-    if height is None:
-        return
-    own = {top, *above[:height]}
-    beside = (
-        folder / name for folder in above[: height + 1] for name in sorted(_folders_in(folder))
-    )
-    for folder in itertools.islice(beside, _MOST_BESIDE):
-        if folder not in own and folder.name not in NOT_SEARCHED:
-            found_in = "beside the project in the folder src of the workspace"
-            yield Prefix(str(folder), found_in, within=str(folder), is_sources=True, fills_in=True)
+def _sources_beside(root: Path, top: Path) -> Iterator[Prefix]:
+    """Yield what lies beside the folder of a project in the `src` of its workspace."""
+    siblings = siblings_of(root, top)
+    for folder in () if siblings is None else siblings.folders:
+        found_in = "beside the project in the folder src of the workspace"
+        yield Prefix(str(folder), found_in, within=str(folder), is_sources=True, fills_in=True)
 
 
 def _of_environment(environment: Mapping[str, str], ros: RosVersion) -> Iterator[Prefix]:
@@ -239,9 +225,8 @@ def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
 
 def _in_sources(prefix: Prefix) -> Iterator[tuple[str, Path]]:
     if _is_within(Path(prefix.path), prefix):
-        deepest = _DEEPEST_BESIDE if prefix.fills_in else None
-        most = _MOST_SEEN_BESIDE if prefix.fills_in else None
-        for folder in packages_below(Path(prefix.path), deepest, most=most):
+        search = packages_of_sibling if prefix.fills_in else packages_below
+        for folder in search(Path(prefix.path)):
             yield name_of(folder), folder
 
 
@@ -285,8 +270,8 @@ def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
 def _modules_of(prefix: Prefix) -> Iterator[Path]:
     if prefix.is_sources:
         for name, package in _in_sources(prefix):
-            if (package / "setup.py").is_file() and (package / _SOURCES).is_dir():
-                yield package / _SOURCES
+            if (package / "setup.py").is_file() and (package / SOURCES).is_dir():
+                yield package / SOURCES
             elif prefix.fills_in and (package / name / "__init__.py").is_file():
                 yield package
         return

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import lru_cache
 from pathlib import Path
 
 from tracerisk.common.records import dataclass, replace
@@ -18,27 +16,27 @@ from tracerisk.pipeline.workspace.package_folders import (
     ENVIRONMENT,
     NOT_SEARCHED,
     PACKAGE_FILE,
+    REPOSITORY,
+    SOURCES,
     declared_needs,
     name_of,
+    needed_beside,
     packages_below,
+    siblings_of,
 )
 from tracerisk.pipeline.workspace.prefixes import Prefix, find_prefixes, installed_packages
 
 _INTERFACES = ("msg", "srv", "action")
 TESTS = frozenset({"test", "tests"})
 _UPWARDS = 4
-_REPOSITORY = ".git"
-_SOURCES = "src"  # where a workspace keeps its packages
 _TOP_FILES = ("readme", "licence", "license")
 _TOP_MARKS = frozenset(
     {".catkin_workspace", ".catkin_tools", ".github", ".gitignore", ".gitlab-ci.yml", ".gitmodules",
      ".rosinstall", ".travis.yml", "colcon.meta"}
 )  # fmt: skip
 _MOST_MODULES = 300
-_IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
-_BESIDE = 2
-_IN_SOURCES = 4  # repository, stack, family, package
+_INSOURCES = 4  # repository, stack, family, package
 _WORD = pattern(r"[\w.-]+")
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
 
@@ -205,22 +203,13 @@ def find_workspace(root: Path) -> Workspace:
         if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
             packages[name_of(folder)] = folder
     is_package = (root / PACKAGE_FILE).is_file()
-    sources = _sources_around(root.resolve(), top)
-    is_alone = is_package and top == root.resolve() and not (top / _REPOSITORY).exists()
-    if sources is not None or is_alone:
-        packages = {**_needed_beside(root.resolve(), sources), **packages}
+    siblings = siblings_of(root.resolve(), top)
+    is_alone = is_package and top == root.resolve() and not (top / REPOSITORY).exists()
+    if siblings is not None or is_alone:
+        packages = {**needed_beside(root.resolve(), siblings), **packages}
     if is_package:
         packages[name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
-
-
-def _sources_around(root: Path, top: Path) -> Path | None:
-    """Return the folder `src` in which the repository of `root`, or its project, was laid."""
-    above = itertools.takewhile(
-        lambda folder: folder not in (Path.home(), Path("/")), (root, *root.parents)
-    )
-    whole = next((folder for folder in above if (folder / _REPOSITORY).exists()), top)
-    return next((each for each in whole.parents[:_BESIDE] if each.name == _SOURCES), None)
 
 
 def _apart(one: Path, other: Path) -> int:
@@ -250,32 +239,26 @@ def named_packages(
     return frozenset(words & packages.keys())
 
 
-@lru_cache(maxsize=256)  # the same modules are looked at for the robot, the ROS and the packages
-def imported_names(source: str) -> frozenset[str]:
-    """Return the first part of each module that the lines of a source import."""
-    return frozenset(_IMPORT.findall(source))
-
-
 def project_top(root: Path) -> Path:
     """Return the folder whose files belong to one project with the controller in `root`."""
     root = root.resolve()
-    if (root / _REPOSITORY).exists():
+    if (root / REPOSITORY).exists():
         return root
     above = list(
         itertools.takewhile(lambda folder: folder not in (Path.home(), Path("/")), root.parents)
     )
     height = next(
-        (number for number, folder in enumerate(above) if (folder / _REPOSITORY).exists()), None
+        (number for number, folder in enumerate(above) if (folder / REPOSITORY).exists()), None
     )
     # Within a repository nothing is too far away.
     upwards = above[:_UPWARDS] if height is None else above[: height + 1]
     if not (root / PACKAGE_FILE).is_file():
         # A script in no package may lie among those of a workspace all the same.
-        sources = next((each for each in upwards if each.name == _SOURCES), None)
+        sources = next((each for each in upwards if each.name == SOURCES), None)
         if sources is None:
             # Or beside its folder `src`.
             top = next((each for each in upwards if _is_marked(each)), root)
-            return top if any(packages_below(top / _SOURCES)) else root
+            return top if any(packages_below(top / SOURCES)) else root
         if not any(packages_below(sources)):
             return root
         return sources.parent if _is_marked(sources.parent) else sources
@@ -284,7 +267,7 @@ def project_top(root: Path) -> Path:
     for folder in upwards:
         if _is_marked(folder):
             return folder
-        if folder.name == _SOURCES:
+        if folder.name == SOURCES:
             return folder.parent if _is_marked(folder.parent) else folder
     return root
 
@@ -297,37 +280,3 @@ def _is_marked(folder: Path) -> bool:
     except OSError:
         return False
     return bool(names & _TOP_MARKS) or any(name.startswith(_TOP_FILES) for name in names)
-
-
-def _needed_beside(root: Path, sources: Path | None) -> dict[str, Path]:
-    """Return the packages beside `root` that it needs, and those that these need.
-
-    `sources` is the folder `src` of the workspace, where packages lie deeper in repositories.
-    """
-    beside: dict[str, Path] = {}
-    around = root.parents[:_BESIDE] if sources is None else (*root.parents[:_BESIDE], sources)
-    for folder in dict.fromkeys(around):
-        if folder not in (Path.home(), Path("/")):
-            deepest = _IN_SOURCES if folder == sources else _BESIDE
-            for package in packages_below(folder, deepest=deepest):
-                beside.setdefault(name_of(package), package)
-    found: dict[str, Path] = {}
-    waiting = [root]
-    while waiting:
-        for name in _needs_of(waiting.pop()):
-            if name in beside and name not in found and beside[name] != root:
-                found[name] = beside[name]
-                waiting.append(beside[name])
-    return found
-
-
-def _needs_of(folder: Path) -> list[str]:
-    """Return what a package says it needs, and what its modules import without saying so."""
-    modules = itertools.islice(sorted(folder.rglob("*.py")), _MOST_MODULES)
-    imported = {
-        name
-        for module in modules
-        if module.is_file()
-        for name in imported_names(module.read_text(encoding="utf-8", errors="replace"))
-    }
-    return [*declared_needs(folder), *sorted(imported)]
