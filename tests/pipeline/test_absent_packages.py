@@ -332,3 +332,42 @@ def test_an_srdf_goes_with_a_urdf_whose_gripper_is_of_an_absent_package(tmp_path
     assert [each.name for each in robot.arm_joints] == ["j1", "j2"]
     assert "reach" in robot.groups
     assert "macro 'robotiq_gripper'" in " ".join(robot.assumed_figures)
+
+
+@pytest.mark.parametrize(
+    ("command", "shipped"),
+    [
+        ("ros2 launch app cell.launch.py ur_type:=ur10e robot_ip:=<ip>", "ur10e"),
+        ("ros2 launch app cell.launch.py \\\n  ur_type:=ur16e", "ur16e"),
+        ("ros2 launch app cell.launch.py", "ur3e"),
+        ("ros2 launch app other.launch.py ur_type:=ur10e", "ur3e"),
+    ],
+)
+def test_the_command_of_a_readme_says_which_robot_a_launch_file_describes(
+    tmp_path, command, shipped
+):
+    launch = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import Command, FindPackageShare, LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+def generate_launch_description():
+    kind = LaunchConfiguration("ur_type")
+    text = Command(["xacro ", FindPackageShare("desc"), "/cell.urdf.xacro ur_type:=", kind])
+    publisher = Node(
+        package="robot_state_publisher", executable="robot_state_publisher",
+        parameters=[{"robot_description": text}],
+    )
+    return LaunchDescription([DeclareLaunchArgument("ur_type", default_value="ur3e"), publisher])
+"""
+    body = (
+        f'<xacro:arg name="ur_type" default="ur5e"/>{INCLUDE.format("ur_description")}'
+        '<xacro:ur_robot name="ur" tf_prefix="" parent="world" '
+        f'model="$(arg ur_type)">{ORIGIN}</xacro:ur_robot>'
+    )
+    launch = launch.replace("Command, FindPackageShare, Launch", "Command, Launch")
+    files = {"app__launch__cell_DOT_launch_DOT_py": launch, "README_DOT_md": f"{command}\n"}
+    found = cell(tmp_path, body, "import rclpy\n", **files)
+    assert f"is the shipped robot '{shipped}'" in " ".join(found.assumed_figures)

@@ -297,3 +297,64 @@ def test_what_the_user_gives_goes_before_what_the_launch_file_gives():
     assert setup.argv(("--slow", "--ros-args", "-r", "a:=c")) == (
         "--slow", "--ros-args", "-r", "a:=c", "-r", "a:=b",
     )  # fmt: skip
+
+
+WITH_ARGUMENT1 = (
+    '<launch><arg name="speed" default="1"/><node pkg="arm_task" type="pick.py" name="p">'
+    '<param name="speed" value="$(arg speed)"/></node></launch>'
+)
+WITH_ARGUMENT2 = LAUNCH2.replace(
+    "LaunchDescription([",
+    'LaunchDescription([DeclareLaunchArgument("speed", default_value="1"), ',
+).replace(
+    "from launch import",
+    "from launch.actions import DeclareLaunchArgument\n"
+    "from launch.substitutions import LaunchConfiguration\nfrom launch import",
+)
+COMMANDS = {
+    "a block": ("```bash\nFIRST a.launch speed:=0.5\n```\n", "0.5"),
+    "in a sentence": ("Start it by `FIRST a.launch speed:=0.5`, then wait.\n", "0.5"),
+    "over lines": ("    FIRST \\\n  a.launch \\\n  side:=left \\\n  speed:='0.5'\n", "0.5"),
+    "the first that gives any": (
+        "FIRST a.launch\nFIRST a.launch speed:=0.5 && FIRST a.launch speed:=2\n",
+        "0.5",
+    ),
+    "a placeholder": ("FIRST a.launch speed:=<speed> side:=[left|right]\n", "1"),
+    "another file": ("FIRST b.launch speed:=0.5\n", "1"),
+    "another package": ("FIRST a.launch speed:=0.5\n".replace("FIRST", "OTHER"), "1"),
+}
+
+
+@pytest.mark.parametrize(("text", "speed"), COMMANDS.values(), ids=COMMANDS)
+@pytest.mark.parametrize("ros", [1, 2])
+def test_a_command_of_a_readme_gives_a_launch_file_its_arguments(
+    workspace, ros2, given, text, speed, ros
+):
+    start = "roslaunch" if ros == 1 else "ros2 launch"
+    name = "a.launch" if ros == 1 else "a.launch.py"
+    text = text.replace("FIRST", f"{start} arm_task").replace("OTHER", f"{start} other_task")
+    workspace.write("README.md", f"# Pick\n{text}".replace("a.launch", name))
+    other = workspace.folder / "src/other_task"
+    other.mkdir()
+    (other / "package.xml").write_text("<package><name>other_task</name></package>")
+    (workspace.folder / ".git").mkdir()
+    if ros == 1:
+        workspace.write("scripts/pick.py", ROS1)
+        workspace.write("launch/a.launch", WITH_ARGUMENT1)
+        choice = workspace.choose("scripts/pick.py")
+        found = given(choice)["/p/speed"]
+    else:
+        parameters = 'parameters=[{"speed": LaunchConfiguration("speed")}]'
+        workspace.write("launch/a.launch.py", WITH_ARGUMENT2.format("picker", "p", parameters))
+        choice = workspace.choose("arm_task/pick.py")
+        found = given(choice)["speed"]
+    assert str(found) == speed
+    said = [each for each in choice.notes if "its arguments are" in each]
+    if speed == "1":
+        assert not said
+        assert "README.md" not in choice.setup.sources
+    else:
+        (line,) = said
+        assert "speed:=0.5" in line
+        assert "of README.md:" in line
+        assert "README.md" in choice.setup.sources

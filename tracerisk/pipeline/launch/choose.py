@@ -16,6 +16,7 @@ from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
 from tracerisk.pipeline.launch.parameter_reads import Asked, asked_by
 from tracerisk.pipeline.launch.program import Program, program_of, shown
+from tracerisk.pipeline.launch.readme_arguments import ReadmeArguments
 from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, read_text
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.launch_files.records import (
@@ -140,7 +141,8 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     program = program_of(script, root, workspace)
     asked = asked_by(script, controller.source, workspace.python_packages)
     ros = ros_version(script, root)
-    search = _Search(program, workspace, asked, root, settings.limits)
+    readmes = ReadmeArguments(root, workspace)
+    search = _Search(program, workspace, asked, root, settings.limits, readmes)
     problems = search.problems
     if isinstance(settings.launch, str):
         return search.named(Path(settings.launch), ros)
@@ -177,6 +179,7 @@ class _Search:
     asked: Asked
     root: Path
     limits: Limits
+    readmes: ReadmeArguments
     problems: list[str] = field(default_factory=list)
 
     def named(self, path: Path, wanted_ros: Literal[1, 2]) -> LaunchChoice:
@@ -217,6 +220,7 @@ class _Search:
     def candidates(self, files: Sequence[LaunchFile]) -> list[_Candidate]:
         """Return of each file the node that is the program; what cannot be read is noted."""
         found = []
+        files = [self.readmes.given(file) for file in files]
         readings = read_launch_files(files, self.workspace, self.limits)
         for file, reading in zip(files, readings, strict=True):
             nodes = [
@@ -254,8 +258,8 @@ def read_launch_files(
 
     def read(file: LaunchFile) -> LaunchReading:
         if file.ros == 2:
-            return read_launch(file.path, workspace, limits)
-        return read_roslaunch(file.path, packages)
+            return read_launch(file.path, workspace, limits, file.arguments)
+        return read_roslaunch(file.path, packages, file.arguments)
 
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         return list(pool.map(read, files))
@@ -285,6 +289,7 @@ def _setup(
     if not any((*given, node.environment, _left_out(best, asked))):
         return None
     file = shown([best.file.path], root)[0]
+    readme = [best.file.said_in.rpartition(":")[0]] if best.file.said_in else []
     setup = LaunchSetup(
         file=file,
         kind="launch",
@@ -297,7 +302,7 @@ def _setup(
         remaps=node.remaps,
         environment=tuple(each for each in node.environment if not _is_ours(each[0])),
         own=best.private,
-        sources=tuple(sorted(shown([best.file.path, *best.reading.sources], root))),
+        sources=tuple(sorted({*shown([best.file.path, *best.reading.sources], root), *readme})),
     )
     return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))
 
@@ -324,6 +329,8 @@ def _notes(
         f"launch: parameters, arguments and remaps from {setup.file}"
         f"{f' ({given})' if given else ''}; --no-launch leaves them out"
     ]
+    if best.file.given:
+        lines.append(f"launch: its arguments are {best.file.given}")
     others = [each for each in candidates if each is not best]
     for is_same, which in ((True, "the same"), (False, "other values")):
         files = [each.file.path for each in others if best.same_as(each, asked) is is_same]

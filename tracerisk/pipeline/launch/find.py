@@ -23,12 +23,26 @@ _ROS1_XML = re.compile(r"<node\b[^>]*\btype\s*=|\$\(arg\s|\$\(find\s|<rosparam\b
 
 @dataclass(frozen=True, slots=True)
 class LaunchFile:
-    """A launch file: `is_direct` says that it speaks of the program itself, `is_test` of a test."""
+    """A launch file."""
 
     path: Path
+    """The file."""
     ros: Literal[1, 2]
+    """Of which ROS it is."""
     is_direct: bool
+    """Whether it speaks of the program itself."""
     is_test: bool = False
+    """Whether it is of a test."""
+    arguments: tuple[tuple[str, str], ...] = ()
+    """The arguments that a command of a readme gives it."""
+    said_in: str = ""
+    """Where that command stands, from the controller's root; empty for none."""
+
+    @property
+    def given(self) -> str:
+        """Its arguments in words: `ur_type:=ur5e of README.md:12`; empty for none."""
+        listed = " ".join(f"{name}:={value}" for name, value in self.arguments)
+        return f"{listed} of {self.said_in}" if listed else ""
 
 
 def find_launch_files(

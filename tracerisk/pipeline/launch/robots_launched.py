@@ -11,6 +11,7 @@ from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_files
 from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
+from tracerisk.pipeline.launch.readme_arguments import ReadmeArguments
 from tracerisk.pipeline.launch_files.records import RobotSource
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import named_packages, workspace_of
@@ -55,14 +56,17 @@ def launched_robots(
         (path.resolve() for path, text in texts.items() if _DESCRIBES.search(text)),
         key=lambda path: (whose(path) == "workspace", distance(script, path), path),
     )[: _MOST_READ[ros]]
-    files = [LaunchFile(path, ros, False) for path in paths]
+    readmes = ReadmeArguments(root, workspace)
+    files = [readmes.given(LaunchFile(path, ros, False)) for path in paths]
     readings = read_launch_files(files, workspace, settings.limits)
     found = list(own)
     for file, reading in zip(files, readings, strict=True):
         by = whose(file.path)
         if any(program.started_as(node) is not None for node in reading.nodes):
             by = "controller"
-        found += [_described(each, shown([file.path], root)[0], by) for each in reading.robots]
+        name = shown([file.path], root)[0]
+        said = f"{name} ({file.given})" if file.given else name
+        found += [_described(each, said, by) for each in reading.robots]
     return _agreed(found)
 
 

@@ -100,7 +100,8 @@ def main() -> int:
             tempfile.tempdir = folder
             mark_start()
             _forbid(folder, robots)
-            reading = visit(Path(asked["path"]), packages, robots)
+            given = [(str(name), str(value)) for name, value in asked["arguments"]]
+            reading = visit(Path(asked["path"]), packages, robots, given)
             reading.sources += (path for path in read if path not in reading.sources)
     sys.stdout.write(
         json.dumps(

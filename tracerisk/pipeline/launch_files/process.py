@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from tracerisk.common.limits import DEFAULT_LIMITS, Limits
@@ -20,14 +21,21 @@ _LONGEST_REASON = 200
 _RELEASE = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
 
 
-def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMITS) -> LaunchReading:
+def read_launch(
+    path: Path,
+    workspace: Workspace,
+    limits: Limits = DEFAULT_LIMITS,
+    arguments: Sequence[tuple[str, str]] = (),
+) -> LaunchReading:
     """Return what a ROS 2 launch file starts; what cannot be read of it is among its problems.
 
+    `arguments` are those that its command line gives it; the others have their defaults.
     Raises LimitError where reading it takes too long or too much memory.
     """
     folders = {*workspace.import_paths, *workspace.python_packages.values()}
     asked = {
         "path": str(path.resolve()),
+        "arguments": [list(each) for each in arguments],
         "packages": {name: str(folder) for name, folder in workspace.findable.items()},
         "import_paths": sorted(str(folder) for folder in folders),
         "installed": [str(folder) for folder in python_folders(workspace.prefixes)],

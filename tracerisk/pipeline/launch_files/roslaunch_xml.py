@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -54,10 +54,15 @@ class _Scope:
         )
 
 
-def read_roslaunch(path: Path, packages: Mapping[str, Path]) -> LaunchReading:
-    """Return what a ROS 1 launch file starts; what cannot be read is among its problems."""
+def read_roslaunch(
+    path: Path, packages: Mapping[str, Path], arguments: Sequence[tuple[str, str]] = ()
+) -> LaunchReading:
+    """Return what a ROS 1 launch file starts; what cannot be read is among its problems.
+
+    `arguments` are those that its command line gives it; the others have their defaults.
+    """
     reader = _Reader(packages)
-    scope = _Scope(Texts(packages, path.parent))
+    scope = _Scope(Texts(packages, path.parent), given=dict(arguments))
     try:
         reader.file(path, scope)
     except (RobotError, ParameterTextError, RoslaunchError) as error:

@@ -23,15 +23,20 @@ Described = tuple[str, Mapping[str, Any]]
 _FUNCTIONS = ("generate_launch_description", "generate_test_description")
 
 
-def visit(path: Path, packages: Mapping[str, Path], described: Sequence[Described]) -> Reading:
-    """Return what a launch file starts with the defaults of its arguments.
+def visit(
+    path: Path,
+    packages: Mapping[str, Path],
+    described: Sequence[Described],
+    arguments: Sequence[tuple[str, str]] = (),
+) -> Reading:
+    """Return what a launch file starts with some arguments, and the defaults of the others.
 
     `described` are the files of robots that are met on the way, and what xacro is given for them,
     to which a launch configuration may belong.
     """
     context = LaunchContext()
     context.packages = packages
-    context.walk(IncludeLaunchDescription(str(path)))
+    context.walk(IncludeLaunchDescription(str(path), launch_arguments=list(arguments)))
     context.fire_handlers()
     context.reading.robots += [
         source_of_file(file, {name: _known(each, context) for name, each in arguments.items()})
