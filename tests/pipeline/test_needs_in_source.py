@@ -107,6 +107,19 @@ def test_of_ros_2(tmp_path):
             [("open",), ("close",)],
         ),
         ("x = float(sys.argv[1])\ny = float(sys.argv[2])\n", [("1", "1")]),
+        (
+            "def parse(args):\n    if args[0] == 'init': pass\n    return float(args[1])\n"
+            "def main(argv):\n    parse(argv)\nmain(sys.argv[1:])\n",
+            [("init", "1")],
+        ),
+        ("args = sys.argv[1:]\nif args[0] == 'open': pass\n", [("open",)]),
+        (
+            "class Node:\n    def go(self, words):\n        rest = words[1:]\n"
+            "        if rest[0] == 'left': pass\n"
+            "Node().go(words=rospy.myargv(argv=sys.argv))\n",
+            [("left",)],
+        ),
+        ("def other(args):\n    return args[0] == 'init'\nother(['init'])\n", []),
         ("print('no arguments')\n", []),
     ],
 )

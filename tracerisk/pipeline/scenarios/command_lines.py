@@ -16,6 +16,7 @@ from typing import Any
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.python_source import parsed
+from tracerisk.pipeline.scenarios.handed_arguments import with_plain_argv
 from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
@@ -69,6 +70,7 @@ def command_lines(
         source = source_bytes(path)
         tree = parsed(source)
         if tree is not None:
+            tree = with_plain_argv(tree)
             text = source.decode(errors="replace")
             found += _of_argparse(tree, text, project_top(controller.root), reach)
             found += _of_argv(tree, text, reach)
