@@ -609,3 +609,81 @@ def test_a_run_with_the_file_that_was_written_is_partial(example, source, option
     assert given.json["verdict"]["kind"] == "partial"
     if functions is not None:
         assert [each["ref"]["name"] for each in given.json["trace"]["functions"]] == functions
+
+
+ESTIMATES = {
+    "overwritten": (
+        "from geometry_msgs.msg import Pose2D\n"
+        "class Cell:\n"
+        "    def __init__(self):\n"
+        "        rospy.Subscriber('/estimate', Pose2D, self.heard)\n"
+        "        turn(0.1)\n"
+        "        rospy.sleep(3.0)\n"
+        "        self.estimate = None\n"
+        "        rospy.sleep(3.0)\n"
+        "        turn(self.estimate.x)\n"
+        "    def heard(self, estimate):\n"
+        "        self.estimate = estimate\n"
+        "Cell()\n"
+    ),
+    "awaited late": (
+        "from geometry_msgs.msg import PoseStamped\n"
+        "heard = []\n"
+        "turn(0.1)\n"
+        "rospy.Subscriber('/part', PoseStamped, heard.append)\n"
+        "rospy.sleep(2.0)\n"
+        "heard.clear()\n"
+        "rospy.sleep(3.0)\n"
+        "turn(heard[-1].pose.position.x)\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("body", ESTIMATES.values(), ids=ESTIMATES)
+def test_what_is_estimated_once_too_early_comes_again(example, body):
+    example.write("c.py", HEAD + body)
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    (words,) = [
+        each["words"] for each in ran.json["verdict"]["reasons"] if each["code"] == "input-assumed"
+    ]
+    assert "once a second" in words
+
+
+ALARMS = ["/base/events/bumper", "/arm/e_stop", "/cell/collisions", "/robot/emergency_stop"]
+
+
+@pytest.mark.parametrize("topic", slow_but(ALARMS[:1], ALARMS))
+def test_an_alarm_is_not_drafted(example, topic):
+    body = (
+        "from geometry_msgs.msg import WrenchStamped\n"
+        "halted = []\n"
+        f"rospy.Subscriber('{topic}', WrenchStamped, halted.append)\n"
+        "rospy.wait_for_message('/part', String)\n"
+        "rospy.sleep(2.0)\n"
+        "turn(0.0 if halted else 0.2)\n"
+        "if halted: raise SystemError('halted')\n"
+    )
+    example.write("c.py", HEAD + body)
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/part"]
+
+
+def test_a_message_that_makes_it_raise_is_left_out_of_a_first_draft(example):
+    body = (
+        "from geometry_msgs.msg import PointStamped\n"
+        "def seen(point):\n    raise ValueError('math domain error')\n"
+        "rospy.Subscriber('/tag', String, lambda _: None)\n"
+        "last = []\n"
+        "rospy.Subscriber('/seen', PointStamped, last.append)\n"
+        "turn(float(rospy.wait_for_message('/part', String) is not None) / 10)\n"
+        "rospy.sleep(2.0)\n"
+        "if last:\n    seen(last)\n"
+    )
+    example.write("c.py", HEAD + body)
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
+    assert "/part" in names
+    assert "/seen" not in names

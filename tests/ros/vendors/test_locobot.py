@@ -34,7 +34,7 @@ def test_the_gripper_at_zero_is_where_the_screw_axes_say(model):
         ("locobot_wx250s", {"locobot_wx250s"}),
         ("InterbotixLocobotXS('locobot_px100', arm_model='mobile_px100')", {"locobot_px100"}),
         ("mobile_wx200 of the locobot", {"locobot_wx200"}),
-        ("/locobot/arm_controller", {"locobot_wx200", "locobot_wx250s"}),
+        ("/locobot/arm_controller", {"locobot_px100", "locobot_wx200", "locobot_wx250s"}),
         ("wx200", {"wx200"}),
     ],
 )

@@ -33,6 +33,10 @@ _OVER = (
     "the search for values that it lacks is over for its computing: `tracerisk scenario "
     "--search-limit S` searches longer"
 )
+_OF_NOTHING = re.compile(
+    r"NoneType|index out of range|KeyError|empty (sequence|list|deque)|"
+    r"AttributeError: '(tuple|list|dict|int|float)'"
+)
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
 # Risk blocks move the lines of a source, and what is reported must not change with them.
@@ -96,6 +100,11 @@ def _may_need_draft(
         return any(each.section == "modules" for run in runs for each in run.drafts)
     if any(run.needs and any(each.value is not None for each in run.drafts) for run in runs):
         return True
+    if trace.end.cause == "raised" and _OF_NOTHING.search(trace.end.message):
+        # It used what a message would have brought.
+        published = (each for run in runs for each in run.drafts if each.section == "publish")
+        if any(each.value is not None for each in published):
+            return True
     if settings.args:
         return False
     # Arguments are nothing that it asks its world for: how it ended shows that they lack.

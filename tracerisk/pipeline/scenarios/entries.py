@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.command_lines import CommandLine
@@ -17,6 +18,10 @@ from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 
 _ABOVE_M = 0.02  # a thing that is set down comes from above [m]
+_BEGINS_S = 1.0  # when messages that are repeated begin
+_REPEATED_HZ = 1.0
+_REPEATED_S = 60.0  # until when [s]
+_OF_COMMANDS = pattern(r"std_msgs/|sensor_msgs/Joy|trajectory_msgs/")
 _QUATERNION = frozenset("xyzw")
 
 EntryKey = tuple[str, str]
@@ -198,6 +203,31 @@ def set_down_above(entries: Entries) -> Entries | None:
             is_new = True
         seen.append(sent)
     return above if is_new else None
+
+
+def without_one(entries: Entries) -> Iterator[tuple[EntryKey, Entries]]:
+    """Yield each message with the entries that lack it: a program may do better without."""
+    published = [key for key in entries.drafts if key[0] == "publish"]
+    for key in published if len(entries.drafts) > 1 else ():
+        fewer = entries.copy()
+        del fewer.drafts[key]
+        yield key, fewer
+
+
+def repeated(entries: Entries) -> Entries | None:
+    """Return entries whose messages come once a second; None where none comes but once.
+
+    What a program overwrites, or hears before it is ready, an estimator publishes again. Commands
+    come once: each would be obeyed anew.
+    """
+    again = entries.copy()
+    for key, draft in entries.drafts.items():
+        is_once = key[0] == "publish" and "after" in draft.value and "message" in draft.value
+        if is_once and not _OF_COMMANDS.match(draft.need.type_name):
+            value = {name: each for name, each in draft.value.items() if name != "after"}
+            value = {**value, "at": _BEGINS_S, "rate": _REPEATED_HZ, "until": _REPEATED_S}
+            again.drafts[key] = replace(draft, value=value, words=f"{draft.words}; once a second")
+    return None if again.drafts == entries.drafts else again
 
 
 def _raised(value: Any) -> Any:

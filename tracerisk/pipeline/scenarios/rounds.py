@@ -33,8 +33,10 @@ from tracerisk.pipeline.scenarios.entries import (
     merged,
     names_own_joints,
     one_by_one,
+    repeated,
     set_down_above,
     useful_drafts,
+    without_one,
     without_repeats,
 )
 from tracerisk.pipeline.scenarios.text import with_entries
@@ -139,6 +141,7 @@ class Rounds:
         self._lines: list[CommandLine] | None = None
         self._reach: Reach | None = None
         self._left: set[Need] = set()
+        self._dropped: set[EntryKey] = set()
         self._in_other_units: set[EntryKey] = set()
 
     def result(self) -> ScenarioDraft:
@@ -266,8 +269,16 @@ class Rounds:
         elsewhere = self._elsewhere(self.best)
         if elsewhere is not None:
             yield elsewhere
+        if self.best.is_faulted or not self.best.is_traced:
+            again = repeated(self.best.entries)
+            if again is not None:
+                yield again
         if self.best.is_faulted:
             yield without_repeats(self.best.entries)
+        if self.best.has_raised:
+            for key, fewer in without_one(self.best.entries):
+                self._dropped.add(key)
+                yield fewer
         if not self.best.is_traced and self._may_need_arguments(attempt):
             yield from self._with_arguments()
 
@@ -408,7 +419,7 @@ class Rounds:
                     entries.repeats[key] = entries.repeats.get(key, 1) + 1
                     is_new |= entries.repeats[key] <= _ASKED_AGAIN
                 continue
-            if key in self._cannot or is_given(self._known, draft):
+            if key in self._cannot or key in self._dropped or is_given(self._known, draft):
                 continue
             if draft.value is None:
                 self._cannot[key] = draft

@@ -83,6 +83,10 @@ _OF_DRIVERS = frozenset(
 """Types of ROS that drivers of arms and grippers take too."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
 _ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
+_ALARM = re.compile(
+    r"(^|[/_])(bumper|cliff|wheel_drop|e_?stop|emergency\w*|collisions?|alarms?|faults?)s?([/_]|$)",
+    re.IGNORECASE,
+)
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
 
 
@@ -239,6 +243,8 @@ def _topic(lack: _Lack) -> _Made:
     if need.type_name == "*":
         unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
         return unknown, "its type is not known"
+    if _ALARM.search(need.name) and not need.type_name.startswith("std_msgs/"):
+        return None, "an alarm, which no draft gives"
     made, values = lack.interfaces.message(need.type_name), lack.values
     compared = compared_in_callback(lack.place)
     said, comments = said_in_callback(lack.place), _comments(lack, "msg")

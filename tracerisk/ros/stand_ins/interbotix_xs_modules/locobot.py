@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import rospy
@@ -60,7 +61,9 @@ class InterbotixLocobotXS:
         return part
 
     def _make_base(self) -> Any:
-        kind = rospy.get_param(f"/{self._robot_name}/base_type", "create3")
+        # A program that uses messages of the Kobuki is for a LoCoBot that has one.
+        usual = "kobuki" if "kobuki_msgs" in sys.modules else "create3"
+        kind = rospy.get_param(f"/{self._robot_name}/base_type", usual)
         wheels, uses_action = self._of_base
         if kind == "kobuki":
             from .kobuki import InterbotixKobukiInterface
