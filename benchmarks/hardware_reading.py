@@ -89,7 +89,9 @@ def main() -> int:
         yaml = path.with_suffix(".yaml")
         write_yaml(path, yaml)
         ours = READ.format(module="sysml.sysml_reader", function="read_sysml", path=str(path))
-        theirs = READ.format(module="yaml.hardware_reader", function="read_hardware", path=str(yaml))
+        theirs = READ.format(
+            module="yaml.hardware_reader", function="read_hardware", path=str(yaml)
+        )
         readings: dict[str, list[float]] = {"start": [], "sysml": [], "yaml": []}
         for _ in range(options.times):
             readings["start"].append(child_seconds([sys.executable, "-c", "pass"]))
